@@ -1,0 +1,9 @@
+// SPDX-License-Identifier: MIT
+// The commands of the `sixdeg` program. Each lives in a file of its own name and registers itself here.
+#pragma once
+#include <CLI/App.hpp>
+
+namespace sixdeg {
+
+
+} // namespace sixdeg

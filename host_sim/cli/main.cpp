@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: MIT
+// sixdeg: exit status 0 done, 1 a fault of ours, 2 bad input or usage (one line says which file, field and range).
+#include <CLI/CLI.hpp>
+#include <cstdio>
+
+#include "cli/commands.hpp"
+#include "common/error.hpp"
+
+int main(int argc, char **argv) {
+    CLI::App app{"sixdeg: see inside every cylinder from the sensors a production engine already has"};
+    app.require_subcommand(1);
+    try {
+        app.parse(argc, argv);
+        return 0;
+    } catch (const CLI::ParseError &error) {
+        // CLI11 also throws for --help, which is no error.
+        return app.exit(error) == 0 ? 0 : 2;
+    } catch (const sixdeg::InputError &error) {
+        std::fprintf(stderr, "sixdeg: %s\n", error.what());
+        return 2;
+    } catch (const std::exception &error) {
+        std::fprintf(stderr, "sixdeg: internal fault: %s\n", error.what());
+        return 1;
+    }
+}

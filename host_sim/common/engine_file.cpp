@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: MIT
+#include "common/engine_file.hpp"
+
+#include <algorithm>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "common/error.hpp"
+
+namespace sixdeg {
+namespace {
+
+constexpr int kPositionsMin = 12, kPositionsMax = 120, kRunMax = 3;
+
+void check_cylinders(const TomlFile &file, const EngineFile &engine) {
+    std::vector<int> sorted = engine.firing_order;
+    std::sort(sorted.begin(), sorted.end());
+    for (int i = 0; i < int(sorted.size()); ++i) {
+        if (sorted[std::size_t(i)] != i + 1) {
+            file.fail("cylinders.firing_order", fmt::format("does not name each of cylinders 1 to {} once", sorted.size()));
+        }
+    }
+    if (engine.firing_tdc_deg.front() != 0) {
+        file.fail("cylinders.firing_tdc_deg", "does not begin with 0: crank angle is counted from that firing TDC");
+    }
+    for (std::size_t i = 1; i < engine.firing_tdc_deg.size(); ++i) {
+        if (engine.firing_tdc_deg[i] <= engine.firing_tdc_deg[i - 1]) {
+            file.fail("cylinders.firing_tdc_deg", "is not ascending");
+        }
+    }
+    if (engine.rod_m <= engine.stroke_m / 2) file.fail("cylinders.rod_m", "is not longer than half the stroke");
+}
+
+Wheel read_wheel(TomlFile &file) {
+    Wheel wheel;
+    if (!file.has("wheel.missing")) return parse_wheel(file.text_or("wheel.pattern", "60-2"), file.name() + ": wheel.pattern");
+    wheel.positions = int(file.integer("wheel.positions", kPositionsMin, kPositionsMax));
+    wheel.missing.clear();
+    for (double p : file.numbers("wheel.missing", {0, double(wheel.positions - 1), ""})) wheel.missing.push_back(int(p));
+    std::sort(wheel.missing.begin(), wheel.missing.end());
+    if (wheel.missing.empty() || wheel.missing.back() != wheel.positions - 1) {
+        file.fail("wheel.missing", "does not hold the last position: position 0 is the first tooth after a mark");
+    }
+    return wheel;
+}
+
+} // namespace
+
+Wheel parse_wheel(const std::string &text, const std::string &from) {
+    int positions = 0, missing = 0;
+    char rest = 0;
+    if (std::sscanf(text.c_str(), "%d-%d%c", &positions, &missing, &rest) != 2 || positions < kPositionsMin ||
+        positions > kPositionsMax || missing < 1 || missing > kRunMax) {
+        throw InputError(from, "", fmt::format("'{}' is not a wheel like 60-2: {} to {} positions, 1 to {} missing", text,
+                                               kPositionsMin, kPositionsMax, kRunMax));
+    }
+    Wheel wheel{positions, {}};
+    for (int i = missing; i > 0; --i) wheel.missing.push_back(positions - i);
+    return wheel;
+}
+
+std::string describe(const Wheel &wheel) {
+    const int n = int(wheel.missing.size());
+    if (wheel.missing.front() == wheel.positions - n) return fmt::format("{}-{}", wheel.positions, n);
+    return fmt::format("{} without {}", wheel.positions, fmt::join(wheel.missing, ", "));
+}
+
+EngineFile read_engine(TomlFile &file) {
+    EngineFile engine;
+    engine.name = file.text("name");
+    if (file.has("guessed")) engine.guessed = file.texts("guessed");
+
+    for (double c : file.numbers("cylinders.firing_order", {1, 8, ""})) engine.firing_order.push_back(int(c));
+    if (engine.firing_order.empty() || engine.firing_order.size() > 8) file.fail("cylinders.firing_order", "has not 1 to 8 entries");
+    engine.firing_tdc_deg = file.numbers("cylinders.firing_tdc_deg", {0, 719.999, "deg"}, engine.firing_order.size());
+    engine.bore_m = file.number("cylinders.bore_m", {0.02, 0.5, "m"});
+    engine.stroke_m = file.number("cylinders.stroke_m", {0.02, 0.5, "m"});
+    engine.rod_m = file.number("cylinders.rod_m", {0.02, 1, "m"});
+    engine.compression_ratio = file.number("cylinders.compression_ratio", {5, 25, ""});
+    check_cylinders(file, engine);
+
+    engine.inertia_kgm2 = file.number("crank.inertia_kgm2", {1e-4, 10, "kg m2"});
+    engine.reciprocating_mass_kg = file.number_or("crank.reciprocating_mass_kg", {0, 10, "kg"}, 0);
+
+    engine.wheel = read_wheel(file);
+    engine.position_0_deg = file.number("wheel.position_0_deg", {0, 359.999, "deg"});
+    const std::string edge = file.text_or("wheel.edge", "falling");
+    if (edge != "falling" && edge != "rising") file.fail("wheel.edge", "'" + edge + "' is not \"falling\" or \"rising\"");
+    engine.falling_edge = edge == "falling";
+
+    engine.has_cam = file.has("cam.edge_deg");
+    if (engine.has_cam) engine.cam_edge_deg = file.number("cam.edge_deg", {0, 719.999, "deg"});
+    engine.tick_hz = file.number_or("timer.tick_hz", {1e5, 2e8, "Hz"}, 1e6);
+    file.ignore("plant");
+    return engine;
+}
+
+} // namespace sixdeg

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: MIT
+// ENGINE.toml: the physics that plant, gain design and firmware calibration share. Field by field: docs/files.md.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "common/toml_file.hpp"
+
+namespace sixdeg {
+
+/// A toothed wheel: position 0 is the first tooth after the mark, the last position is missing.
+struct Wheel {
+    int positions = 60;               ///< Tooth positions a revolution, missing ones included, 12 to 120.
+    std::vector<int> missing{58, 59}; ///< Missing positions, ascending; runs of 1 to 3.
+
+    int teeth() const { return positions - int(missing.size()); }
+};
+
+/// "60-2" -> {60, {58, 59}}; one run of 1 to 3 missing teeth before position 0. Throws InputError naming `from`.
+Wheel parse_wheel(const std::string &text, const std::string &from);
+/// "60-2" for a wheel with one mark; the missing positions spelt out otherwise.
+std::string describe(const Wheel &wheel);
+
+struct EngineFile {
+    std::string name;
+    std::vector<std::string> guessed; ///< Fields whose value nobody measured; every report repeats them.
+
+    std::vector<int> firing_order;       ///< Physical cylinder numbers, 1-based, in firing order.
+    std::vector<double> firing_tdc_deg;  ///< Firing TDC of each entry of firing_order, [0, 720), ascending.
+    double bore_m = 0, stroke_m = 0, rod_m = 0, compression_ratio = 0;
+
+    double inertia_kgm2 = 0;          ///< Constant part J0 of the crank train's inertia.
+    double reciprocating_mass_kg = 0; ///< Per cylinder, 0 for a constant inertia.
+
+    Wheel wheel;
+    double position_0_deg = 0; ///< Crank angle of position 0's edge, [0, 360), 0 = firing TDC of firing_order[0].
+    bool falling_edge = true;  ///< The wheel's edge that carries the tooth angle.
+
+    bool has_cam = false;
+    double cam_edge_deg = 0; ///< Crank angle of the one cam edge in a cycle, [0, 720).
+
+    double tick_hz = 1e6; ///< Capture timer.
+
+    int cylinders() const { return int(firing_order.size()); }
+};
+
+/// Reads the shared part and leaves the table "plant" to the plant's own reader. Call file.finish() afterwards.
+EngineFile read_engine(TomlFile &file);
+
+} // namespace sixdeg

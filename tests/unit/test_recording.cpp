@@ -21,6 +21,7 @@ const std::vector<double> kLevels{1, 0, 1};
 struct Form {
     const char *name, *text;
 };
+void PrintTo(const Form &form, std::ostream *out) { *out << form.name; }
 struct Forms : ::testing::TestWithParam<Form> {};
 
 TEST_P(Forms, ReadAlike) {
@@ -107,6 +108,7 @@ struct WheelCase {
     int positions, missing;
     double jitter;
 };
+void PrintTo(const WheelCase &wheel, std::ostream *out) { *out << wheel.positions << '-' << wheel.missing; }
 struct Wheels : ::testing::TestWithParam<WheelCase> {};
 
 /// Cranking with a compression ripple of +-40 % for a third of the way, then running.

@@ -23,6 +23,7 @@ template <typename Action> std::string message(Action action) {
 struct BadText {
     const char *name, *text, *message;
 };
+void PrintTo(const BadText &bad, std::ostream *out) { *out << bad.name; }
 struct BadTexts : ::testing::TestWithParam<BadText> {};
 
 TEST_P(BadTexts, AreNamed) {

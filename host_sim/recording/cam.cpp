@@ -12,7 +12,7 @@ constexpr double kShareMin = 0.8;
 // A cam edge wanders by belt and chain, not by a tooth of the coarsest wheel.
 constexpr double kStepTolerance_rev = 0.1;
 
-/// Crank angle at any time inside the revolutions that are consistent.
+/// Place in the cycle at any time inside the revolutions that are consistent.
 class Phase {
   public:
     Phase(const Guess &crank, const Fit &fit) : crank_(crank), teeth_(std::size_t(fit.teeth)) {
@@ -23,7 +23,8 @@ class Phase {
 
     int revolutions() const { return int(first_tooth_.size()); }
 
-    /// Revolutions since the first mark; nothing outside the consistent revolutions.
+    /// Revolutions since the first mark, each divided evenly over its teeth, the gap being the last of them;
+    /// nothing outside the consistent revolutions.
     std::optional<double> at(double t_s) const {
         const auto &edge_s = crank_.time_s;
         const auto after = std::upper_bound(edge_s.begin(), edge_s.end(), t_s);
@@ -33,11 +34,9 @@ class Phase {
         if (next == first_tooth_.begin()) return {};
         const std::size_t tooth = edge - *(next - 1);
         if (tooth >= teeth_) return {};
-        const int positions = crank_.wheel.positions;
-        const double width = tooth + 1 == teeth_ ? 1 + positions - int(teeth_) : 1;
         const double inside = (t_s - edge_s[edge]) / (edge_s[edge + 1] - edge_s[edge]);
         const double revolution = std::round(double(*(next - 1) - first_tooth_.front()) / double(teeth_));
-        return revolution + (double(tooth) + inside * width) / positions;
+        return revolution + (double(tooth) + inside) / double(teeth_);
     }
 
   private:
@@ -67,7 +66,7 @@ struct Candidate {
 };
 
 std::optional<Candidate> candidate(const Recording &recording, int column, Edge edge, const Phase &phase,
-                                   int positions) {
+                                   int teeth) {
     Candidate found{{column, edge, 0, edges(recording, column, edge)}, 0};
     std::vector<double> place_rev, in_revolution;
     for (double t_s : found.cam.time_s) {
@@ -85,7 +84,7 @@ std::optional<Candidate> candidate(const Recording &recording, int column, Edge 
     for (double &rev : in_revolution) rev = std::abs(rev - middle);
     found.spread_rev = median(in_revolution);
     const double place = place_rev.front() + middle;
-    found.cam.tooth = int((place - std::floor(place)) * positions);
+    found.cam.tooth = int((place - std::floor(place)) * teeth);
     return found;
 }
 
@@ -98,7 +97,7 @@ std::optional<CamGuess> guess_cam(const Recording &recording, const Guess &crank
     for (int column = 1; column < int(recording.columns.size()); ++column) {
         if (column == crank.column || !is_two_level(recording, column)) continue;
         for (Edge edge : {Edge::rising, Edge::falling}) {
-            auto found = candidate(recording, column, edge, phase, crank.wheel.positions);
+            auto found = candidate(recording, column, edge, phase, fit.teeth);
             if (found && (!best || found->spread_rev < 0.5 * best->spread_rev)) best = std::move(found);
         }
     }

@@ -8,11 +8,11 @@
 namespace sixdeg {
 namespace {
 
-// A gap of one missing tooth measures 1.6 and more; a single lost edge looks like a ratio of 2, so wheels
-// with two or three missing teeth are recognised among lost edges by a higher floor.
+// A gap of one missing tooth measures 1.6 and more. Rough teeth reach that too, so the gap of two or three is
+// looked for with higher floors as well.
 constexpr double kFloors[] = {1.6, 2.1, 2.6};
 constexpr double kRatioMax = 4.5;
-// Intervals on either side that a mark must outlast; less than half the teeth of the smallest wheel.
+// How far the tooth interval around a mark is looked at; less than half the teeth of the smallest wheel.
 constexpr std::size_t kNeighbourhood = 4;
 // The other edge of a wide tooth falls inside the gap and splits it in two. An unequal split still looks like
 // a mark, but leaves an odd interval beside it, which no wheel has.
@@ -28,15 +28,6 @@ constexpr Pattern kCommon[] = {{60, 2}, {60, 1}, {36, 1},  {36, 2},  {24, 1}, {2
                                {48, 1}, {48, 2}, {120, 1}, {120, 2}, {120, 3}};
 
 constexpr int kTeethMin = 9, kTeethMax = 119;
-
-bool is_longest_nearby(const std::vector<double> &interval_s, std::size_t i) {
-    const std::size_t first = i - std::min(i, kNeighbourhood);
-    const std::size_t last = std::min(i + kNeighbourhood, interval_s.size() - 1);
-    for (std::size_t k = first; k <= last; ++k) {
-        if (k != i && interval_s[k] >= interval_s[i]) return false;
-    }
-    return true;
-}
 
 /// Teeth between the marks of a wheel; one number for a wheel with one mark.
 std::set<int> teeth_between_marks(const Wheel &wheel) {
@@ -122,8 +113,8 @@ std::vector<std::size_t> find_marks(const std::vector<double> &interval_s, doubl
     for (std::size_t i = 1; i + 1 < interval_s.size(); ++i) {
         const double before = interval_s[i - 1], here = interval_s[i], after = interval_s[i + 1];
         if (before <= 0 || after <= 0) continue; // two edges at one time
-        if (here < floor * std::max(before, after) || here > kRatioMax * (before + after) / 2) continue;
-        if (is_longest_nearby(interval_s, i)) marks.push_back(i);
+        if (here >= floor * std::max(before, after) && here <= kRatioMax * (before + after) / 2)
+            marks.push_back(i);
     }
     return marks;
 }

@@ -10,8 +10,8 @@ namespace sixdeg {
 /// Interval i of a train of edges runs from edge i to edge i + 1.
 std::vector<double> intervals(const std::vector<double> &time_s);
 
-/// Indices of the intervals that look like one gap: the longest nearby, at least `floor` times as long as the
-/// interval on either side, and at most 4.5 times their mean.
+/// Indices of the intervals that look like one gap: at least `floor` times as long as the interval on
+/// either side, and at most 4.5 times their mean.
 std::vector<std::size_t> find_marks(const std::vector<double> &interval_s, double floor);
 
 /// How one train of edges fits a wheel.

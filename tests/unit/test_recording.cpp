@@ -161,9 +161,10 @@ TEST_P(Wheels, FromAReluctanceVoltage) {
 
 INSTANTIATE_TEST_SUITE_P(Guess, Wheels,
                          ::testing::Values(WheelCase{60, 2, 0}, WheelCase{60, 2, 0.07},
-                                           WheelCase{36, 1, 0.03}, WheelCase{36, 2, 0.07},
-                                           WheelCase{24, 1, 0.03}, WheelCase{12, 1, 0},
-                                           WheelCase{30, 2, 0.05}, WheelCase{50, 3, 0.03}),
+                                           WheelCase{60, 2, 0.15}, WheelCase{36, 1, 0.03},
+                                           WheelCase{36, 2, 0.07}, WheelCase{24, 1, 0.03},
+                                           WheelCase{12, 1, 0}, WheelCase{30, 2, 0.05},
+                                           WheelCase{50, 3, 0.03}),
                          [](const auto &param) {
                              return fmt::format("w{}_{}_jitter{}", param.param.positions, param.param.missing,
                                                 int(std::lround(100 * param.param.jitter)));
@@ -191,6 +192,32 @@ TEST(Guess, PrefersTheEdgeWhoseMarkIsOneGap) {
     const Recording recording = parse_recording("r.csv", crank_trace::level_rows(falling, rising));
     EXPECT_EQ(describe(guess(recording)), "60-2, rising, gap ratio 3.0");
     EXPECT_EQ(guess(recording, {{}, Edge::falling, {}}).edge, Edge::falling);
+}
+
+TEST(Guess, PrefersTheEvenerOfTwoGoodEdges) {
+    Trace rough;
+    rough.jitter = 0.03;
+    const Recording recording = parse_recording(
+        "r.csv", crank_trace::level_rows(crank_trace::edge_times(rough), crank_trace::edge_times({}, 0.5)));
+    EXPECT_EQ(guess(recording).edge, Edge::rising);
+}
+
+TEST(Guess, TakesTheFallingEdgeOfTwoAlike) {
+    const Recording recording = parse_recording(
+        "r.csv", crank_trace::level_rows(crank_trace::edge_times({}), crank_trace::edge_times({}, 0.5)));
+    EXPECT_EQ(guess(recording).edge, Edge::falling);
+}
+
+TEST(Guess, NeedsOnlyFiveGoodRevolutionsInARow) {
+    Trace good;
+    good.revolutions = 8;
+    std::vector<double> times = crank_trace::edge_times(good);
+    std::mt19937 random(5);
+    std::uniform_real_distribution<double> wait(0.0008, 0.0016);
+    while (times.size() < 60 * 58) times.push_back(times.back() + wait(random));
+    std::string rows;
+    for (double t_s : times) rows += fmt::format("{:.7f}\n", t_s);
+    EXPECT_EQ(describe(guess(parse_recording("r.csv", rows)).wheel), "60-2");
 }
 
 TEST(Guess, WordOfTheCallerStands) {

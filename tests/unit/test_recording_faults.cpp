@@ -112,6 +112,14 @@ TEST(Guess, FindsNoWheelInNoise) {
     EXPECT_NE(message([&] { guess(parse_recording("r.csv", rows)); }), "");
 }
 
+TEST(Guess, AGapOfSixMissingTeethIsNoMark) {
+    crank_trace::Trace trace;
+    trace.missing = 6;
+    std::string rows;
+    for (double t_s : crank_trace::edge_times(trace)) rows += fmt::format("{:.7f}\n", t_s);
+    EXPECT_NE(message([&] { guess(parse_recording("r.csv", rows)); }), "");
+}
+
 TEST(Guess, WrongWheelFromTheCallerIsNotFound) {
     const std::vector<double> falling = crank_trace::edge_times({});
     std::vector<double> rising;

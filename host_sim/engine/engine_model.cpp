@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "engine/engine_model.hpp"
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 
@@ -15,6 +16,11 @@ constexpr double kEichelberg = 7.80e-3;
 // Below this the angle is no good variable to integrate over.
 constexpr double kStallSpeed = 3;
 constexpr int kTwins = kMaxCylinders;
+
+// W neighbouring doubles as one array.
+template <int W> using Lanes = Eigen::Array<double, W, 1>;
+template <int W> Eigen::Map<const Lanes<W>> lanes(const double *first) { return Eigen::Map<const Lanes<W>>(first); }
+template <int W> Eigen::Map<Lanes<W>> lanes(double *first) { return Eigen::Map<Lanes<W>>(first); }
 
 } // namespace
 
@@ -52,12 +58,13 @@ void EngineModel::start(std::int64_t cycle, int step, double time_s, double spee
         burns_[l] = false;
         running_[l] = CycleTruth{};
     }
+    for (int i = 0; i < kLanes; ++i) state_.p[i] = state_.p[i] > 0 ? state_.p[i] : kPaPerBar; // idle columns
     for (auto &rates : heat_) std::fill(std::begin(rates), std::end(rates), 0.0);
     const auto later = [&](const Event &event) { return event.step > step_; };
     next_event_ = std::size_t(std::find_if(tables_.events.begin(), tables_.events.end(), later) - tables_.events.begin());
     first_event_ = next_event_;
     set_mean_speed(speed_radps);
-    update_truth();
+    evaluate_here();
 }
 
 void EngineModel::prescribe_speed(double speed_radps, double slope_radps2) {
@@ -65,17 +72,23 @@ void EngineModel::prescribe_speed(double speed_radps, double slope_radps2) {
     speed0_ = speed_radps, speed_slope_ = slope_radps2, speed_time_ = state_.time;
     state_.energy = 0.5 * tables_.inertia[std::size_t(2 * step_)] * speed_radps * speed_radps;
     state_.secondary = speed_radps;
-    update_truth();
+    evaluate_here();
 }
 
 void EngineModel::release_speed() {
     prescribed_ = false;
-    update_truth();
+    evaluate_here();
+}
+
+void EngineModel::set_time(double time_s) {
+    for (CycleTruth &cycle : running_) cycle.tdc_time_s += time_s - state_.time;
+    state_.time = load_time_ = speed_time_ = time_s;
+    evaluate_here();
 }
 
 void EngineModel::set_load(double torque_nm, double slope_nmps) {
     load_nm_ = torque_nm, load_slope_ = slope_nmps, load_time_ = state_.time;
-    update_truth();
+    evaluate_here();
 }
 
 void EngineModel::set_mean_speed(double speed_radps) {
@@ -121,52 +134,44 @@ void EngineModel::heat_rates(int half, double *rates) const {
     }
 }
 
-// The hot loop: plain arrays side by side over cylinders, so that the compiler works on several at once.
-void EngineModel::cylinders(int half, const State &at, const double *heat, double inv_speed, State &slope) const {
-    const double *__restrict v = &tables_.volume[std::size_t(half * n_)];
-    const double *__restrict dv = &tables_.volume_slope[std::size_t(half * n_)];
-    const double *__restrict area = &tables_.wall[std::size_t(half * n_)];
-    const double wall_rate = wall_speed_ * inv_speed;
-    for (int first : {0, kTwins}) {
-        const double *__restrict p = at.p + first;
-        const double *__restrict q = heat + first;
-        const double *__restrict closed = closed_ + first;
-        const double *__restrict open = open_ + first;
-        const double *__restrict manifold = manifold_ + first;
-        const double *__restrict inverse_mr = inverse_mr_ + first;
-        const double *__restrict gain = wall_gain_ + first;
-        double *__restrict dp = slope.p + first;
-        double *__restrict work = slope.work + first;
-        double *__restrict lost = slope.wall + first;
-        for (int i = 0; i < n_; ++i) {
-            const double t = p[i] * v[i] * inverse_mr[i];
-            const double cv = gas::cv_over_r(t);
-            const double power = p[i] * dv[i];
-            const double loss = gain[i] * wall_rate * area[i] * p[i] * (t - wall_k_);
-            const double inside = (q[i] - loss - (cv + 1) * power) / (cv * v[i]);
-            dp[i] = closed[i] * inside + open[i] * (manifold[i] - p[i]);
-            work[i] = power;
-            lost[i] = loss;
-        }
-    }
-}
-
 double EngineModel::speed_at(int half, const State &at) const {
     if (prescribed_) return speed0_ + speed_slope_ * (at.time - speed_time_);
     return std::sqrt(2 * at.energy / tables_.inertia[std::size_t(half)]);
 }
 
+bool EngineModel::stands_still(const State &at) const {
+    const double smallest = 0.5 * tables_.inertia[0] * kStallSpeed * kStallSpeed;
+    // Written so that NaN stands still too.
+    return !(prescribed_ ? speed0_ + speed_slope_ * (at.time - speed_time_) > 0 : at.energy > smallest);
+}
+
+// The hot loop, over all cylinders at once: first those that fire, then their motored twins.
+template <int W>
+void EngineModel::cylinders(int half, const State &at, const double *heat, double inv_speed, State &slope) const {
+    const Lanes<W> volume = lanes<W>(&tables_.volume[std::size_t(half * W)]);
+    const Lanes<W> volume_slope = lanes<W>(&tables_.volume_slope[std::size_t(half * W)]);
+    const Lanes<W> wall = lanes<W>(&tables_.wall[std::size_t(half * W)]) * (wall_speed_ * inv_speed);
+    for (int first : {0, kTwins}) {
+        const Lanes<W> p = lanes<W>(at.p + first);
+        const Lanes<W> t = p * volume * lanes<W>(inverse_mr_ + first);
+        const Lanes<W> cv = gas::kB0 + t * (gas::kB1 + t * gas::kB2);
+        const Lanes<W> power = p * volume_slope;
+        const Lanes<W> loss = lanes<W>(wall_gain_ + first) * wall * p * (t - wall_k_);
+        const Lanes<W> inside = (lanes<W>(heat + first) - loss - (cv + 1) * power) / (cv * volume);
+        lanes<W>(slope.p + first) =
+            lanes<W>(closed_ + first) * inside + lanes<W>(open_ + first) * (lanes<W>(manifold_ + first) - p);
+        lanes<W>(slope.work + first) = power;
+        lanes<W>(slope.wall + first) = loss;
+    }
+}
+
+template <int W>
 void EngineModel::evaluate(int half, const State &at, const double *heat, State &slope, Totals &totals) const {
     const double speed = speed_at(half, at), inv_speed = 1 / speed;
-    cylinders(half, at, heat, inv_speed, slope);
-    double gas = 0, motored = 0, slope_sum = 0;
-    for (int i = 0; i < n_; ++i) {
-        gas += slope.work[i];
-        motored += slope.work[i + kTwins];
-        slope_sum += tables_.volume_slope[std::size_t(half * n_ + i)];
-    }
-    totals.combustion = gas - motored;
-    totals.gas = gas - crankcase_pa_ * slope_sum;
+    cylinders<W>(half, at, heat, inv_speed, slope);
+    double gas = 0;
+    for (int i = 0; i < W; ++i) gas += slope.work[i];
+    totals.gas = gas - crankcase_pa_ * tables_.volume_slope_sum[std::size_t(half)];
     totals.speed = speed;
     const double friction = friction_nm_[0] + speed * (friction_nm_[1] + speed * friction_nm_[2]);
     const double load = load_nm_ + load_slope_ * (at.time - load_time_);
@@ -183,72 +188,86 @@ void EngineModel::evaluate(int half, const State &at, const double *heat, State 
 }
 
 // What other slopes depend on; work and wall loss are integrals only and wait for commit().
-void EngineModel::add(const State &base, double h, const State &slope, State &sum) const {
-    for (int first : {0, kTwins}) {
-        for (int i = first; i < first + n_; ++i) sum.p[i] = base.p[i] + h * slope.p[i];
-    }
+template <int W> void EngineModel::add(const State &base, double h, const State &slope, State &sum) const {
+    for (int first : {0, kTwins}) lanes<W>(sum.p + first) = lanes<W>(base.p + first) + h * lanes<W>(slope.p + first);
     sum.energy = base.energy + h * slope.energy;
     sum.time = base.time + h * slope.time;
     sum.twist = base.twist + h * slope.twist;
     sum.secondary = base.secondary + h * slope.secondary;
 }
 
-bool EngineModel::stands_still(const State &at) const {
-    const double smallest = 0.5 * tables_.inertia[0] * kStallSpeed * kStallSpeed;
-    // Written so that NaN stands still too.
-    return !(prescribed_ ? speed0_ + speed_slope_ * (at.time - speed_time_) > 0 : at.energy > smallest);
-}
-
-void EngineModel::commit(const State &k2, const State &k3, const State &k4) {
+template <int W> void EngineModel::commit(const State &k2, const State &k3, const State &k4) {
     const double h = tables_.step_rad / 6;
     const auto step = [h](double &y, double a, double b, double c, double d) { y += h * (a + 2 * (b + c) + d); };
+    const auto step_lanes = [h](double *y, const double *a, const double *b, const double *c, const double *d) {
+        lanes<W>(y) += h * (lanes<W>(a) + 2 * (lanes<W>(b) + lanes<W>(c)) + lanes<W>(d));
+    };
     for (int first : {0, kTwins}) {
-        for (int i = first; i < first + n_; ++i) {
-            step(state_.p[i], slope_.p[i], k2.p[i], k3.p[i], k4.p[i]);
-            step(state_.work[i], slope_.work[i], k2.work[i], k3.work[i], k4.work[i]);
-            step(state_.wall[i], slope_.wall[i], k2.wall[i], k3.wall[i], k4.wall[i]);
-        }
+        step_lanes(state_.p + first, slope_.p + first, k2.p + first, k3.p + first, k4.p + first);
+        step_lanes(state_.work + first, slope_.work + first, k2.work + first, k3.work + first, k4.work + first);
+        step_lanes(state_.wall + first, slope_.wall + first, k2.wall + first, k3.wall + first, k4.wall + first);
     }
-    for (int i = 0; i < n_; ++i) released_[std::size_t(i)] += h * (heat_[0][i] + 4 * heat_[1][i] + heat_[2][i]);
+    lanes<W>(released_) += h * (lanes<W>(heat_[0]) + 4 * lanes<W>(heat_[1]) + lanes<W>(heat_[2]));
+    lanes<W>(peak_) = lanes<W>(peak_).max(lanes<W>(state_.p));
     step(state_.energy, slope_.energy, k2.energy, k3.energy, k4.energy);
     step(state_.time, slope_.time, k2.time, k3.time, k4.time);
     step(state_.twist, slope_.twist, k2.twist, k3.twist, k4.twist);
     step(state_.secondary, slope_.secondary, k2.secondary, k3.secondary, k4.secondary);
 }
 
-bool EngineModel::step() {
+template <int W> bool EngineModel::step_width() {
     const double h = tables_.step_rad;
-    const int middle = 2 * step_ + 1, end = 2 * step_ + 2, end_point = end % (2 * tables_.steps);
+    const int middle = 2 * step_ + 1, end = 2 * step_ + 2, end_point = end == 2 * tables_.steps ? 0 : end;
     heat_rates(middle, heat_[1]);
     heat_rates(end, heat_[2]);
     State at, k2, k3, k4;
     Totals unused;
-    add(state_, h / 2, slope_, at);
+    add<W>(state_, h / 2, slope_, at);
     if (stands_still(at)) return false;
-    evaluate(middle, at, heat_[1], k2, unused);
-    add(state_, h / 2, k2, at);
+    evaluate<W>(middle, at, heat_[1], k2, unused);
+    add<W>(state_, h / 2, k2, at);
     if (stands_still(at)) return false;
-    evaluate(middle, at, heat_[1], k3, unused);
-    add(state_, h, k3, at);
+    evaluate<W>(middle, at, heat_[1], k3, unused);
+    add<W>(state_, h, k3, at);
     if (stands_still(at)) return false;
-    evaluate(end_point, at, heat_[2], k4, unused);
-    commit(k2, k3, k4);
-    std::copy(heat_[2], heat_[2] + n_, heat_[0]);
+    evaluate<W>(end_point, at, heat_[2], k4, unused);
+    commit<W>(k2, k3, k4);
+    std::copy(heat_[2], heat_[2] + W, heat_[0]);
     if (++step_ == tables_.steps) step_ = 0, next_event_ = 0, ++cycle_;
-    reach_step();
+    take_events();
+    evaluate<W>(2 * step_, state_, heat_[0], slope_, totals_);
+    update_truth();
     return true;
 }
 
-void EngineModel::reach_step() {
-    for (int lane = 0; lane < n_; ++lane) {
-        double &peak = running_[std::size_t(lane)].peak_pressure_pa;
-        peak = std::max(peak, state_.p[lane]);
+bool EngineModel::step() {
+    switch (tables_.width) {
+    case 2: return step_width<2>();
+    case 4: return step_width<4>();
+    case 6: return step_width<6>();
+    default: return step_width<8>();
     }
+}
+
+void EngineModel::evaluate_here() {
+    if (prescribed_) { // keeps the energy at hand for the moment the crank is released
+        const double speed = speed_at(2 * step_, state_);
+        state_.energy = 0.5 * tables_.inertia[std::size_t(2 * step_)] * speed * speed;
+    }
+    switch (tables_.width) {
+    case 2: evaluate<2>(2 * step_, state_, heat_[0], slope_, totals_); break;
+    case 4: evaluate<4>(2 * step_, state_, heat_[0], slope_, totals_); break;
+    case 6: evaluate<6>(2 * step_, state_, heat_[0], slope_, totals_); break;
+    default: evaluate<8>(2 * step_, state_, heat_[0], slope_, totals_); break;
+    }
+    update_truth();
+}
+
+void EngineModel::take_events() {
     first_event_ = next_event_;
     while (next_event_ < tables_.events.size() && tables_.events[next_event_].step == step_) {
         apply(tables_.events[next_event_++]);
     }
-    update_truth();
 }
 
 void EngineModel::apply(const Event &event) {
@@ -263,7 +282,7 @@ void EngineModel::apply(const Event &event) {
             inverse_mr_[i] = 1 / (mass_[l] * gas::kR);
             wall_gain_[i] = std::sqrt(inverse_mr_[i]);
         }
-        running_[l].peak_pressure_pa = 0;
+        peak_[lane] = 0;
         set_charge(lane, Charge{});
         break;
     case EventKind::tdc:
@@ -296,21 +315,19 @@ void EngineModel::finish_cycle(int lane) {
     cycle.combustion_work_j = state_.work[lane] - state_.work[lane + kTwins];
     cycle.wall_loss_j = state_.wall[lane];
     cycle.heat_j = released_[l];
+    cycle.peak_pressure_pa = peak_[lane];
     finished_[l] = cycle;
     cycle = CycleTruth{};
     for (int i : {lane, lane + kTwins}) state_.work[i] = state_.wall[i] = 0;
 }
 
 void EngineModel::update_truth() {
-    if (prescribed_) { // keeps the energy at hand for the moment the crank is released
-        const double speed = speed_at(2 * step_, state_);
-        state_.energy = 0.5 * tables_.inertia[std::size_t(2 * step_)] * speed * speed;
-    }
-    evaluate(2 * step_, state_, heat_[0], slope_, totals_);
+    double motored = 0, fired = 0;
+    for (int i = 0; i < n_; ++i) fired += slope_.work[i], motored += slope_.work[i + kTwins];
     truth_.angle_rad = (double(cycle_) * tables_.steps + step_) * tables_.step_rad;
     truth_.time_s = state_.time;
     truth_.speed_radps = totals_.speed;
-    truth_.combustion_torque_nm = totals_.combustion;
+    truth_.combustion_torque_nm = fired - motored;
     truth_.gas_torque_nm = totals_.gas;
     truth_.load_torque_nm = totals_.load;
     truth_.net_torque_nm = totals_.gas - totals_.load;

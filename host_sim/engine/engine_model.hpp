@@ -76,7 +76,9 @@ struct StepTables {
     StepTables(const PlantEngine &engine, const std::vector<CylinderSpread> &spread, double step_deg);
     int steps; ///< A cycle.
     double step_rad;
-    std::vector<double> volume, volume_slope, wall; ///< [2 steps][cylinders]; wall = area sqrt(volume).
+    int width;    ///< Columns: cylinders, rounded up to an even number (an idle column has volume 1 and slope 0).
+    std::vector<double> volume, volume_slope, wall; ///< [2 steps][width]; wall = area sqrt(volume).
+    std::vector<double> volume_slope_sum;           ///< [2 steps], over cylinders.
     std::vector<double> inertia;                    ///< [2 steps], driveline included when it is rigid.
     std::vector<Event> events;                      ///< Ascending by step.
     std::vector<double> tdc_rad;                    ///< Firing TDC of each lane, exact.
@@ -90,8 +92,8 @@ class EngineModel {
 
     /// Sets angle (a step of cycle `cycle`), time and speed, every cylinder at manifold pressure.
     void start(std::int64_t cycle, int step, double time_s, double speed_radps);
-    /// Moves the clock and nothing else.
-    void set_time(double time_s) { state_.time = time_s; }
+    /// Moves the clock and nothing else; load and speed profiles start anew from their value there.
+    void set_time(double time_s);
     /// Load torque at the coming step's start and its rate of change; held until set again.
     void set_load(double torque_nm, double slope_nmps);
     /// Makes the speed follow start + slope (t - now), whatever the torques; call release_speed() to end it.
@@ -133,22 +135,25 @@ class EngineModel {
         double energy, time, twist, secondary;
     };
     struct Totals { // of one evaluation, for truth
-        double gas, combustion, load, speed;
+        double gas, load, speed;
     };
 
-    void evaluate(int half, const State &at, const double *heat, State &slope, Totals &totals) const;
-    void cylinders(int half, const State &at, const double *heat, double inv_speed, State &slope) const;
-    void add(const State &base, double h, const State &slope, State &sum) const;
+    // W is tables_.width, known to the compiler so that it unrolls and vectorises.
+    template <int W> bool step_width();
+    template <int W> void evaluate(int half, const State &at, const double *heat, State &slope, Totals &totals) const;
+    template <int W> void cylinders(int half, const State &at, const double *heat, double inv_speed, State &slope) const;
+    template <int W> void add(const State &base, double h, const State &slope, State &sum) const;
+    template <int W> void commit(const State &k2, const State &k3, const State &k4);
+    void evaluate_here();
     void heat_rates(int half, double *rates) const;
     bool stands_still(const State &at) const;
-    void commit(const State &k2, const State &k3, const State &k4);
-    void reach_step();
+    void take_events();
     double speed_at(int half, const State &at) const;
     void apply(const Event &event);
     void finish_cycle(int lane);
     void update_truth();
-    double slope_volume(int lane) const { return tables_.volume_slope[std::size_t(2 * step_ * n_ + lane)]; }
-    double volume(int lane) const { return tables_.volume[std::size_t(2 * step_ * n_ + lane)]; }
+    double slope_volume(int lane) const { return tables_.volume_slope[std::size_t(2 * step_ * tables_.width + lane)]; }
+    double volume(int lane) const { return tables_.volume[std::size_t(2 * step_ * tables_.width + lane)]; }
     double theta(int half, int lane) const;
 
     StepTables tables_;
@@ -172,9 +177,10 @@ class EngineModel {
     double inverse_mr_[kLanes] = {}, wall_gain_[kLanes] = {};
     std::array<double, kMaxCylinders> intake_pa_{}, mass_{};
     std::array<std::array<WiebePulse, 2>, kMaxCylinders> burning_{};
-    std::array<double, kMaxCylinders> released_{}; // J, of the cycle under way
+    double released_[kMaxCylinders] = {}; // J, of the cycle under way
     std::array<double, kMaxCylinders> burn_from_{}, burn_to_{};
     std::array<bool, kMaxCylinders> burns_{};
+    double peak_[kMaxCylinders] = {}; // Pa, of the cycle under way
     double load_nm_ = 0, load_slope_ = 0, load_time_ = 0;
     bool prescribed_ = false;
     double speed0_ = 0, speed_slope_ = 0, speed_time_ = 0;

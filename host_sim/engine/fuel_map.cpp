@@ -9,7 +9,7 @@
 namespace sixdeg {
 namespace {
 
-constexpr double kStepDeg = 0.5;
+constexpr double kStepDeg = 1;
 
 PlantEngine single_of(const PlantEngine &engine) {
     PlantEngine single = engine;

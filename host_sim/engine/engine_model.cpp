@@ -7,6 +7,9 @@
 
 #include "engine/gas.hpp"
 
+// Inlines every call within: one step is a few hundred instructions, and the calls cost a third of them.
+#define SD_FLATTEN __attribute__((flatten))
+
 namespace sixdeg {
 namespace {
 
@@ -136,7 +139,7 @@ void EngineModel::heat_rates(int half, double *rates) const {
 
 double EngineModel::speed_at(int half, const State &at) const {
     if (prescribed_) return speed0_ + speed_slope_ * (at.time - speed_time_);
-    return std::sqrt(2 * at.energy / tables_.inertia[std::size_t(half)]);
+    return std::sqrt(at.energy * tables_.two_over_inertia[std::size_t(half)]);
 }
 
 bool EngineModel::stands_still(const State &at) const {
@@ -215,7 +218,7 @@ template <int W> void EngineModel::commit(const State &k2, const State &k3, cons
     step(state_.secondary, slope_.secondary, k2.secondary, k3.secondary, k4.secondary);
 }
 
-template <int W> bool EngineModel::step_width() {
+template <int W> SD_FLATTEN bool EngineModel::step_width() {
     const double h = tables_.step_rad;
     const int middle = 2 * step_ + 1, end = 2 * step_ + 2, end_point = end == 2 * tables_.steps ? 0 : end;
     heat_rates(middle, heat_[1]);

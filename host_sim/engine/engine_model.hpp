@@ -80,6 +80,7 @@ struct StepTables {
     std::vector<double> volume, volume_slope, wall; ///< [2 steps][width]; wall = area sqrt(volume).
     std::vector<double> volume_slope_sum;           ///< [2 steps], over cylinders.
     std::vector<double> inertia;                    ///< [2 steps], driveline included when it is rigid.
+    std::vector<double> two_over_inertia;           ///< [2 steps]: w^2 = E times this.
     std::vector<Event> events;                      ///< Ascending by step.
     std::vector<double> tdc_rad;                    ///< Firing TDC of each lane, exact.
 };

@@ -53,6 +53,7 @@ StepTables::StepTables(const PlantEngine &engine, const std::vector<CylinderSpre
             inertia[std::size_t(point)] += slider.reciprocating_inertia_kgm2(theta, engine.shared.reciprocating_mass_kg);
         }
     }
+    for (double j : inertia) two_over_inertia.push_back(2 / j);
     events = events_of(engine, *this);
 }
 

@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: MIT
+// Numbers of the random streams of one run: each use has its own, so that switching one on changes no other.
+#pragma once
+#include <cstdint>
+
+namespace sixdeg::stream {
+
+constexpr std::uint32_t kJitter = 1, kDrops = 2, kExtras = 3, kCam = 4, kPattern = 5, kRoad = 6;
+/// Plus the cylinder's index in firing order.
+constexpr std::uint32_t kCyclic = 100, kMisfire = 200;
+
+} // namespace sixdeg::stream

@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: MIT
+#include "engine/plant_engine.hpp"
+
+#include <cmath>
+#include <fmt/format.h>
+
+#include "common/files.hpp"
+
+namespace sixdeg {
+namespace {
+
+// Tables and fields that belong to read_engine.
+constexpr const char *kSharedTables[] = {"cylinders", "crank", "wheel", "cam", "timer"};
+
+void read_air(TomlFile &file, PlantEngine &engine) {
+    const auto pressure = file.numbers("plant.air.intake_pressure_bar", {0.1, 5, "bar"});
+    if (pressure.empty()) file.fail("plant.air.intake_pressure_bar", "is empty");
+    std::vector<double> bmep{0.0};
+    if (file.has("plant.air.bmep_bar") || pressure.size() > 1) {
+        bmep = file.numbers("plant.air.bmep_bar", {0, 40, "bar"}, pressure.size());
+    }
+    for (std::size_t i = 1; i < bmep.size(); ++i) {
+        if (bmep[i] <= bmep[i - 1]) file.fail("plant.air.bmep_bar", "is not ascending");
+    }
+    engine.intake_pressure_pa = Profile(bmep, pressure).scaled(kPaPerBar);
+    for (double &b : bmep) b *= kPaPerBar;
+    engine.intake_pressure_pa = Profile(bmep, engine.intake_pressure_pa.value());
+    engine.exhaust_pressure_pa = kPaPerBar * file.number_or("plant.air.exhaust_pressure_bar", {0.1, 6, "bar"}, 1.05);
+    engine.crankcase_pressure_pa = kPaPerBar * file.number_or("plant.air.crankcase_pressure_bar", {0.5, 2, "bar"}, 1.013);
+    engine.charge_temperature_k = file.number_or("plant.air.charge_temperature_k", {250, 500, "K"}, 330);
+}
+
+void read_valves(TomlFile &file, PlantEngine &engine) {
+    engine.exhaust_open_rad = kRadPerDeg * file.number_or("plant.valves.exhaust_open_deg", {60, 200, "deg"}, 135);
+    engine.intake_close_rad = kRadPerDeg * file.number_or("plant.valves.intake_close_deg", {500, 640, "deg"}, 580);
+    engine.exchange_per_rad = file.number_or("plant.valves.exchange_per_rad", {1, 20, "1/rad"}, 6);
+}
+
+void read_pulses(TomlFile &file, PlantEngine &engine) {
+    const std::size_t count = file.array_size("plant.combustion.pulse");
+    if (count < 1 || count > 2) file.fail("plant.combustion.pulse", fmt::format("has {} entries, not 1 or 2", count));
+    double total = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+        const std::string at = fmt::format("plant.combustion.pulse[{}].", i);
+        PulseShape pulse{};
+        pulse.start_rad = kRadPerDeg * file.number(at + "start_deg", {-60, 60, "deg"});
+        pulse.duration_rad = kRadPerDeg * file.number(at + "duration_deg", {3, 120, "deg"});
+        pulse.shape_m = file.number(at + "shape", {0.5, 5, ""});
+        pulse.share = file.number_or(at + "share", {0, 1, ""}, 1);
+        total += pulse.share;
+        engine.pulses.push_back(pulse);
+    }
+    if (std::abs(total - 1) > 1e-6) file.fail("plant.combustion.pulse", fmt::format("shares add up to {:g}, not 1", total));
+}
+
+void read_losses(TomlFile &file, PlantEngine &engine) {
+    engine.heating_value_jpkg = 1e6 * file.number_or("plant.combustion.heating_value_mjpkg", {10, 130, "MJ/kg"}, 42.7);
+    engine.stoichiometric_ratio = file.number_or("plant.combustion.stoichiometric_ratio", {5, 40, ""}, 14.6);
+    engine.wall_temperature_k = file.number_or("plant.wall.temperature_k", {250, 700, "K"}, 430);
+    engine.wall_factor = file.number_or("plant.wall.factor", {0, 5, ""}, 1);
+    const auto fmep = file.numbers("plant.friction.fmep_bar", {0, 5, "bar"}, 3);
+    for (std::size_t i = 0; i < 3; ++i) engine.fmep_pa[i] = kPaPerBar * fmep[i];
+}
+
+void read_dual_mass(TomlFile &file, PlantEngine &engine) {
+    if (!file.has("plant.dual_mass")) return;
+    DualMassFlywheel dual{};
+    dual.secondary_inertia_kgm2 = file.number("plant.dual_mass.secondary_inertia_kgm2", {1e-3, 10, "kg m2"});
+    dual.stiffness_nmprad = file.number("plant.dual_mass.stiffness_nmprad", {10, 1e5, "N m/rad"});
+    dual.damping_nmsprad = file.number("plant.dual_mass.damping_nmsprad", {0, 1000, "N m s/rad"});
+    engine.dual_mass = dual;
+}
+
+void read_torsion(TomlFile &file, PlantEngine &engine) {
+    if (!file.has("plant.torsion")) return;
+    CrankTorsion t{};
+    t.section_stiffness_nmprad = file.number("plant.torsion.section_stiffness_nmprad", {1e4, 1e8, "N m/rad"});
+    t.front_inertia_kgm2 = file.number("plant.torsion.front_inertia_kgm2", {1e-5, 5, "kg m2"});
+    t.throw_inertia_kgm2 = file.number("plant.torsion.throw_inertia_kgm2", {1e-5, 5, "kg m2"});
+    t.damping_ratio = file.number_or("plant.torsion.damping_ratio", {0, 0.5, ""}, 0.02);
+    t.modes = int(file.integer_or("plant.torsion.modes", 1, 3, 1));
+    const std::string at = file.text_or("plant.torsion.wheel_at", "front");
+    if (at != "front" && at != "flywheel") file.fail("plant.torsion.wheel_at", "'" + at + "' is not \"front\" or \"flywheel\"");
+    t.wheel_at_front = at == "front";
+    const double parts = t.front_inertia_kgm2 + engine.shared.cylinders() * t.throw_inertia_kgm2;
+    if (parts >= engine.shared.inertia_kgm2) {
+        file.fail("plant.torsion.throw_inertia_kgm2",
+                  fmt::format("with the front end makes {:g} kg m2 and leaves nothing of crank.inertia_kgm2 to the flywheel", parts));
+    }
+    engine.torsion = t;
+}
+
+} // namespace
+
+double PlantEngine::fmep_at_pa(double speed_radps) const {
+    const double n = speed_radps / kRadpsPerRpm / 1000;
+    return fmep_pa[0] + n * (fmep_pa[1] + n * fmep_pa[2]);
+}
+
+PlantEngine read_plant_engine(const std::string &name, const std::string &text) {
+    PlantEngine engine{};
+    TomlFile shared(name, text);
+    engine.shared = read_engine(shared);
+    shared.finish();
+
+    // A second reading of the same text, which knows only the fields below "plant".
+    TomlFile file(name, text);
+    file.text("name");
+    if (file.has("guessed")) file.texts("guessed");
+    for (const char *table : kSharedTables) file.ignore(table);
+    if (!file.has("plant")) file.fail("plant", "is missing: this engine file has no data for the simulated engine");
+    read_air(file, engine);
+    read_valves(file, engine);
+    read_pulses(file, engine);
+    read_losses(file, engine);
+    engine.driveline_inertia_kgm2 = file.number_or("plant.driveline.inertia_kgm2", {0, 100, "kg m2"}, 0);
+    read_dual_mass(file, engine);
+    read_torsion(file, engine);
+    file.finish();
+    return engine;
+}
+
+PlantEngine read_plant_engine(const std::filesystem::path &path) { return read_plant_engine(path.string(), read_file(path)); }
+
+} // namespace sixdeg

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: MIT
+// The engine on the bench: a scenario's engine, load, speed control and encoder as one source of timed edges.
+//
+//     Plant plant(scenario, scenario.seed);
+//     Edge edge;
+//     CycleTruth cycle;
+//     while (plant.next_edge(edge)) {
+//         firmware(edge.tick, edge.kind);                  // the firmware sees no more than this
+//         teeth.write(edge);                               // truth goes its own way
+//         while (plant.next_cycle(cycle)) cycles.write(cycle);
+//     }
+#pragma once
+#include <array>
+#include <deque>
+#include <vector>
+
+#include "engine/engine_model.hpp"
+#include "engine/fuel_map.hpp"
+#include "engine/road.hpp"
+#include "engine/torsion.hpp"
+#include "scenario/combustion_plan.hpp"
+#include "scenario/scenario.hpp"
+#include "scenario/speed_control.hpp"
+#include "sensors/wheel_edges.hpp"
+
+namespace sixdeg {
+
+/// One run. The same scenario and seed give the same bits. Instances share nothing; a Plant is neither copied nor moved.
+class Plant {
+  public:
+    /// Turns the engine two cycles at the scenario's first speed, so that time 0 begins in running order.
+    /// Throws InputError when the demanded load is beyond the engine.
+    Plant(const Scenario &scenario, std::uint64_t seed);
+    Plant(const Plant &) = delete;
+    Plant &operator=(const Plant &) = delete;
+
+    /// Next edge in order of time. False at the end of the run, or when the engine has stalled and no edge is left.
+    bool next_edge(Edge &edge);
+    /// Next cylinder cycle that is complete, in order of completion: 360 deg after its firing TDC. False if none waits.
+    bool next_cycle(CycleTruth &cycle);
+
+    /// The crank at the end of the last step taken; up to a tooth ahead of the last edge handed out.
+    const StepTruth &truth() const { return model_.truth(); }
+    /// Appends every step from now on to `sink` (caller-owned, outlives the plant); nullptr ends it.
+    void record_steps(std::vector<StepTruth> *sink) { step_sink_ = sink; }
+    /// Factor on the fuel of a physical cylinder from its next intake closing on, for closed loops. [0, 2].
+    void set_fuel_trim(int cylinder, double factor);
+    bool stalled() const { return stalled_; }
+    const EngineModel &model() const { return model_; }
+    const WheelEdges &wheel() const { return wheel_; }
+
+  private:
+    struct SensorPoint { // where the toothed wheel is
+        double angle_deg, time_s, speed_radps;
+    };
+    void pre_roll();
+    void advance();
+    void handle_events();
+    void set_charge(const Event &event);
+    void control();
+    void refresh_speed_and_load();
+    void find_edges(const StepTruth &before, const SensorPoint &from);
+    void pass(double angle_deg, const StepTruth &before, const SensorPoint &from, EdgeKind kind, int tooth);
+    SensorPoint sensor() const;
+    bool fuel_is_cut(double time_s) const;
+    bool at_end() const;
+
+    Scenario scenario_;
+    EngineModel model_;
+    FuelMap fuel_map_;
+    CombustionPlan plan_;
+    SpeedControl control_;
+    RoughRoad road_;
+    CrankElasticity torsion_;
+    WheelEdges wheel_;
+    Pickup pickup_;
+    SensorPoint sensor_{};
+    std::array<double, kMaxCylinders> fuel_trim_{};
+    double next_cam_deg_ = 0, end_angle_rad_ = 1e300, next_control_rad_ = 0, control_time_ = 0;
+    double brake_nm_ = 0, demand_pa_ = 0, refresh_at_s_ = 0;
+    int steps_to_tdc_ = 0;
+    bool running_ = false, ended_ = false, stalled_ = false;
+    std::deque<CycleTruth> cycles_;
+    std::vector<StepTruth> *step_sink_ = nullptr;
+};
+
+} // namespace sixdeg

@@ -5,5 +5,6 @@
 
 namespace sixdeg {
 
+void add_sensors(CLI::App &app); ///< sensors: which sensors observe which states
 
 } // namespace sixdeg

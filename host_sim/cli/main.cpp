@@ -9,6 +9,7 @@
 int main(int argc, char **argv) {
     CLI::App app{"sixdeg: see inside every cylinder from the sensors a production engine already has"};
     app.require_subcommand(1);
+    sixdeg::add_sensors(app);
     try {
         app.parse(argc, argv);
         return 0;

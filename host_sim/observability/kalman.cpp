@@ -2,6 +2,7 @@
 #include "observability/kalman.hpp"
 
 #include <cmath>
+#include <limits>
 
 namespace sixdeg {
 namespace {
@@ -32,20 +33,26 @@ void discretise(const MatrixXd &a, const MatrixXd &noise_rate, double step_s, Ma
     }
 }
 
-// Structure-preserving doubling: each round goes twice as many steps of the Riccati recursion.
-MatrixXd riccati(const MatrixXd &phi, const MatrixXd &c, const MatrixXd &q, const MatrixXd &r) {
-    const Index n = phi.rows();
-    MatrixXd a = phi.transpose(), g = c.transpose() * r.ldlt().solve(c), p = q;
-    for (int round = 0; round < 60; ++round) {
+// Structure-preserving doubling: each round goes twice as many steps of the Riccati recursion. Sixty million steps
+// tell what is steady from what is not, and are too few for a drifting variance to spoil the others by rounding.
+constexpr int most_rounds = 26;
+constexpr double steady_growth = 1e-9;
+
+void solve_riccati(SteadyFilter &filter) {
+    const Index n = filter.phi.rows();
+    MatrixXd a = filter.phi.transpose(), g = filter.c.transpose() * filter.r.ldlt().solve(filter.c);
+    MatrixXd &p = filter.predicted;
+    p = filter.q;
+    for (int round = 0; round < most_rounds; ++round) {
         const Eigen::PartialPivLU<MatrixXd> w(MatrixXd::Identity(n, n) + g * p);
         const MatrixXd wa = w.solve(a), wg = w.solve(g);
         const MatrixXd gain = a.transpose() * p * wa;
         g += a * wg * a.transpose();
         p += (gain + gain.transpose()) / 2;
         a = a * wa;
-        if (gain.cwiseAbs().maxCoeff() <= 1e-13 * p.cwiseAbs().maxCoeff()) break;
+        filter.growth = gain.diagonal().cwiseAbs().cwiseQuotient(p.diagonal());
+        if (filter.growth.maxCoeff() < steady_growth / 1000) break;
     }
-    return p;
 }
 
 // The sensors' own lags have no noise of their own.
@@ -71,7 +78,7 @@ SteadyFilter steady_filter(const SensorModel &model, const NumericModel &numeric
     for (std::size_t i = 0; i < model.sensors.size(); ++i) {
         if (set >> i & 1) filter.c.row(row++) /= model.sensors[i].noise;
     }
-    filter.predicted = riccati(filter.phi, filter.c, filter.q, filter.r);
+    solve_riccati(filter);
     const MatrixXd innovation = filter.c * filter.predicted * filter.c.transpose() + filter.r;
     const MatrixXd cp = filter.c * filter.predicted;
     filter.updated = filter.predicted - cp.transpose() * innovation.ldlt().solve(cp);
@@ -82,7 +89,11 @@ std::vector<double> steady_sigma(const SensorModel &model, const NumericModel &n
                                  SensorSet set, const std::vector<int> &targets) {
     const SteadyFilter filter = steady_filter(model, numeric, point, set);
     std::vector<double> sigma;
-    for (const int state : targets) sigma.push_back(std::sqrt(std::max(0.0, filter.updated(state, state))) * numeric.scale[state]);
+    for (const int state : targets) {
+        const bool steady = filter.growth[state] < steady_growth;
+        const double variance = steady ? std::max(0.0, filter.updated(state, state)) : std::numeric_limits<double>::infinity();
+        sigma.push_back(std::sqrt(variance) * numeric.scale[state]);
+    }
     return sigma;
 }
 

@@ -11,11 +11,12 @@ struct SteadyFilter {
     Eigen::MatrixXd phi, c, q, r;
     Eigen::MatrixXd predicted; ///< Covariance just before a sample.
     Eigen::MatrixXd updated;   ///< Covariance just after it.
+    Eigen::VectorXd growth;    ///< Of each variance in the last doubling, relative; near 0 where it is steady.
 };
 
 SteadyFilter steady_filter(const SensorModel &model, const NumericModel &numeric, const LinearPoint &point, SensorSet set);
 
-/// Standard deviation of each target state after a sample, SI units.
+/// Standard deviation of each target state after a sample, SI units; infinite where no steady one exists.
 std::vector<double> steady_sigma(const SensorModel &model, const NumericModel &numeric, const LinearPoint &point,
                                  SensorSet set, const std::vector<int> &targets);
 

@@ -12,6 +12,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 VectorXd singular_values(const MatrixXd &matrix) {
+    if (matrix.cols() == 0) return {}; // nothing but targets
     // The SVD of the small triangular factor of a tall matrix is that of the matrix, and much cheaper.
     if (matrix.rows() > matrix.cols()) {
         const Eigen::HouseholderQR<MatrixXd> qr(matrix);

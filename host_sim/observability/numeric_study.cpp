@@ -26,6 +26,7 @@ class Study {
     NumericStudy run() {
         NumericStudy result;
         result.sets.resize(ranking_.sets.size());
+        result.tolerances = tolerances;
         std::vector<std::string> seen;
         for (std::size_t point = 0; point < numeric_.points.size(); ++point) {
             result.points.push_back(compare(point, reference_scaling, {reference_tolerance}, &result.sets).front());
@@ -34,6 +35,11 @@ class Study {
             for (const Scaling scaling : scalings) {
                 const auto rows = compare(point, scaling, tolerances, nullptr);
                 result.sensitivity.insert(result.sensitivity.end(), rows.begin(), rows.end());
+            }
+            result.published.emplace_back();
+            for (const auto &published : model_.published) {
+                const Augmented system = augment(model_, numeric_.points[point], numeric_.scale, published.set);
+                result.published.back().push_back(numeric_index(system, targets_, reference_scaling, tolerances));
             }
         }
         for (std::size_t i = 0; i < result.sets.size(); ++i) add_sigma(ranking_.sets[i].set, result.sets[i]);

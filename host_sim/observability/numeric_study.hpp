@@ -13,8 +13,8 @@
 namespace sixdeg {
 
 /// What the study uses unless it varies them.
-constexpr Scaling reference_scaling = Scaling::sized;
-constexpr double reference_tolerance = 1e-10;
+constexpr Scaling reference_scaling = Scaling::rows;
+constexpr double reference_tolerance = 1e-12;
 constexpr std::size_t most_studied_sets = 10000;
 
 /// Numeric against generic index of all sets at one point, one scaling and one tolerance.
@@ -35,6 +35,9 @@ struct StudiedSet {
 struct NumericStudy {
     std::vector<Comparison> points;      ///< The reference, by point.
     std::vector<Comparison> sensitivity; ///< First point of each regime, every scaling and tolerance.
+    std::vector<double> tolerances;      ///< Those of `sensitivity` and `published`.
+    /// Index of each published set at the first point of each regime: [regime's turn][set][tolerance], reference scaling.
+    std::vector<std::vector<std::vector<int>>> published;
     std::vector<StudiedSet> sets;        ///< In the order of the ranking.
 };
 

@@ -87,7 +87,7 @@ void set_tables(const Findings &f, std::size_t top, std::string &page) {
     if (f.published.empty()) return;
     page += fmt::format("\nPublished index beside ours\n  pub{}  sensors\n", regime_heads(f.model));
     for (std::size_t i = 0; i < f.published.size(); ++i) {
-        page += fmt::format("  {:>3}{}  {}\n", f.model.published[i].index, index_list(f.published[i]), set_name(f, f.model.published[i].set));
+        page += fmt::format("  {:>3}{}  {}\n", index_text(f.model.published[i].index), index_list(f.published[i]), set_name(f, f.model.published[i].set));
     }
 }
 
@@ -104,6 +104,23 @@ std::string studied_line(const Findings &f, std::size_t at) {
     return line + fmt::format("{:>10.3g}  {}\n", studied.relative_sigma, set_name(f, f.ranking.sets[at].set));
 }
 
+// How a published index comes and goes with the tolerance.
+void published_table(const Findings &f, std::string &page) {
+    for (std::size_t turn = 0; turn < f.study.published.size() && !f.model.published.empty(); ++turn) {
+        // The tables of `sensitivity` stand in the same order, one regime after the other.
+        const std::size_t row = turn * f.study.sensitivity.size() / f.study.published.size();
+        page += fmt::format("\nPublished sets by tolerance, scaling {}, {}\n  pub", name_of(reference_scaling),
+                            f.numeric->points[f.study.sensitivity[row].point].name);
+        for (const double tolerance : f.study.tolerances) page += fmt::format("{:>7g}", tolerance);
+        page += "  sensors\n";
+        for (std::size_t i = 0; i < f.model.published.size(); ++i) {
+            page += fmt::format("  {:>3}", index_text(f.model.published[i].index));
+            for (const int index : f.study.published[turn][i]) page += fmt::format("{:>7}", index_text(index));
+            page += "  " + set_name(f, f.model.published[i].set) + "\n";
+        }
+    }
+}
+
 void numeric_tables(const Findings &f, std::size_t top, std::string &page) {
     page += fmt::format("\nNumeric index at {} points (scaling {}, tolerance {:g} of the greatest singular value)\n",
                         f.study.points.size(), name_of(reference_scaling), reference_tolerance);
@@ -117,6 +134,7 @@ void numeric_tables(const Findings &f, std::size_t top, std::string &page) {
         page += fmt::format("  {:<24}{:<6} {:>6g} as generic {:>5}  {}\n", f.numeric->points[row.point].name,
                             name_of(row.scaling), row.tolerance, row.agree, histogram_text(row.histogram));
     }
+    published_table(f, page);
     std::string heads = fmt::format("  {} numeric ", regime_heads(f.model));
     for (const auto &name : target_names(f)) heads += fmt::format("{:>10}", name);
     heads += "  relative  sensors\n";

@@ -36,7 +36,7 @@ class Reader {
         }
         for (std::size_t i = 0; i < file_.array_size("published"); ++i) {
             const std::string entry = fmt::format("published[{}].", i);
-            model_.published.push_back({sensor_set(entry + "sensors"), int(file_.integer(entry + "index", 1, 99))});
+            model_.published.push_back({sensor_set(entry + "sensors"), int(file_.integer(entry + "index", 0, 99))});
         }
         return std::move(model_);
     }

@@ -38,7 +38,7 @@ struct Sensor {
 /// An index somebody published for a set of sensors, to print beside ours.
 struct PublishedIndex {
     SensorSet set;
-    int index;
+    int index; ///< 0 = published as not observable.
 };
 
 struct SensorModel {

@@ -223,10 +223,6 @@ double SensorModel::cost(SensorSet set) const {
     return sum;
 }
 
-SensorModel read_sensor_model(TomlFile &file) {
-    auto model = Reader(file).read();
-    file.ignore("numeric");
-    return model;
-}
+SensorModel read_sensor_model(TomlFile &file) { return Reader(file).read(); }
 
 } // namespace sixdeg

@@ -56,7 +56,7 @@ struct SensorModel {
     double cost(SensorSet set) const;
 };
 
-/// Reads the structure and leaves "numeric" to its own reader. Call file.finish() afterwards.
+/// Reads all but "numeric", which read_numeric_model() reads. Call file.finish() afterwards.
 SensorModel read_sensor_model(TomlFile &file);
 
 } // namespace sixdeg

@@ -32,7 +32,9 @@ SetQuery query_of(const Options &options, const SensorModel &model) {
     query.targets = options.targets.empty() ? model.targets : model.find_states(options.targets, "--target");
     const int sensors = int(model.sensors.size());
     if (options.size > sensors) {
-        throw InputError("--size", "", fmt::format("{} is outside [1, {}], the model's number of sensors", options.size, sensors));
+        throw InputError(
+            "--size", "",
+            fmt::format("{} is outside [1, {}], the model's number of sensors", options.size, sensors));
     }
     const int otherwise = options.all ? sensors : std::min(3, sensors);
     query.most = options.size ? options.size : otherwise;
@@ -40,8 +42,19 @@ SetQuery query_of(const Options &options, const SensorModel &model) {
     query.draws_per_prime = options.draws;
     query.seed = options.seed;
     const double sets = count_sets(model.sensors.size(), query.least, query.most);
-    if (sets > most_sets) throw InputError("--size", "", fmt::format("asks for {:.0f} sets, at most {:.0f}", sets, most_sets));
+    if (sets > most_sets)
+        throw InputError("--size", "", fmt::format("asks for {:.0f} sets, at most {:.0f}", sets, most_sets));
     return query;
+}
+
+void check_numeric(const Options &options, const SensorModel &model, const NumericModel &numeric,
+                   const SetQuery &query) {
+    if (numeric.points.empty()) throw InputError(options.model, "numeric", "is missing; --numeric needs it");
+    const double sets = count_sets(model.sensors.size(), query.least, query.most);
+    if (sets > most_studied_sets) {
+        throw InputError("--numeric", "",
+                         fmt::format("asks for {:.0f} sets, at most {:.0f}", sets, most_studied_sets));
+    }
 }
 
 // Times go to stderr so that the page itself is the same from run to run.
@@ -59,18 +72,17 @@ void run(const Options &options) {
     const NumericModel numeric = read_numeric_model(file, model);
     file.finish();
     const SetQuery query = query_of(options, model);
+    if (options.numeric) check_numeric(options, model, numeric, query);
     std::vector<IndexedSets> by_regime;
     for (const auto &regime : model.regimes) {
-        const std::string what = fmt::format("exact index of all sets, {}, {} draws", regime.name, 2 * query.draws_per_prime);
+        const std::string what =
+            fmt::format("exact index of all sets, {}, {} draws", regime.name, 2 * query.draws_per_prime);
         by_regime.push_back(timed(what.c_str(), [&] { return index_sets(model, regime.structure, query); }));
     }
     Findings findings = find(model, query, by_regime);
     if (options.numeric) {
-        if (numeric.points.empty()) throw InputError(options.model, "numeric", "is missing; --numeric needs it");
-        if (findings.ranking.sets.size() > most_studied_sets) {
-            throw InputError("--numeric", "", fmt::format("{} sets, at most {}; choose a --size", findings.ranking.sets.size(), most_studied_sets));
-        }
-        findings.study = timed("numeric study", [&] { return study(model, numeric, findings.ranking, query.targets); });
+        findings.study =
+            timed("numeric study", [&] { return study(model, numeric, findings.ranking, query.targets); });
         findings.numeric = &numeric;
     }
     if (!options.json_file.empty()) write_file(options.json_file, json(findings).dump(1) + "\n");
@@ -81,14 +93,23 @@ void run(const Options &options) {
 
 void add_sensors(CLI::App &app) {
     const auto options = std::make_shared<Options>();
-    auto *command = app.add_subcommand("sensors", "rank sensor sets by how soon they reveal the wanted states");
-    command->add_option("MODEL", options->model, "model structure, for example host_sim/models/turbo_si_13.toml")->required();
-    command->add_option("--target", options->targets, "states wanted, separated by commas (default: the model's)")->delimiter(',');
+    auto *command =
+        app.add_subcommand("sensors", "rank sensor sets by how soon they reveal the wanted states");
+    command
+        ->add_option("MODEL", options->model, "model structure, for example host_sim/models/turbo_si_13.toml")
+        ->required();
+    command
+        ->add_option("--target", options->targets,
+                     "states wanted, separated by commas (default: the model's)")
+        ->delimiter(',');
     command->add_option("--size", options->size, "sensors in a set (default 3)")->check(CLI::Range(1, 24));
-    command->add_flag("--all", options->all, "every number of sensors from 1 up to --size, or up to all of them");
-    command->add_flag("--numeric", options->numeric, "also rank with the model's numbers: numeric index, Kalman filter");
+    command->add_flag("--all", options->all,
+                      "every number of sensors from 1 up to --size, or up to all of them");
+    command->add_flag("--numeric", options->numeric,
+                      "also rank with the model's numbers: numeric index, Kalman filter");
     command->add_option("--top", options->top, "sets to list (default 10)")->check(CLI::Range(0, 1000));
-    command->add_option("--draws", options->draws, "random draws for each prime (default 2)")->check(CLI::Range(1, 20));
+    command->add_option("--draws", options->draws, "random draws for each prime (default 2)")
+        ->check(CLI::Range(1, 20));
     command->add_option("--seed", options->seed, "seed of the draws (default 1)");
     command->add_option("--json", options->json_file, "write everything found to this file");
     command->callback([options] { run(*options); });

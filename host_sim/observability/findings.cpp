@@ -18,7 +18,8 @@ std::vector<std::vector<Alone>> judge_alone(const SensorModel &model, const SetQ
         const auto indexed = index_sets(free, regime.structure, single);
         for (std::size_t i = 0; i < alone.size(); ++i) {
             const auto system = pattern(model, regime.structure, SensorSet(1) << i);
-            alone[i].push_back({observable_lin(system), observable_shields_pearson(system), indexed.sets[i].index});
+            alone[i].push_back(
+                {observable_lin(system), observable_shields_pearson(system), indexed.sets[i].index});
         }
     }
     return alone;
@@ -46,6 +47,8 @@ int index_of(const SensorModel &model, const Structure &structure, const SetQuer
 Findings find(const SensorModel &model, const SetQuery &query, const std::vector<IndexedSets> &by_regime) {
     Findings findings{model, query, judge_alone(model, query), rank_sets(model, by_regime), {}, {}};
     findings.front = pareto_front(findings.ranking);
+    // What was published concerns the model's own targets.
+    if (query.targets != model.targets) return findings;
     for (const auto &published : model.published) {
         findings.published.emplace_back();
         for (const auto &regime : model.regimes) {

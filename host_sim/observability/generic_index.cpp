@@ -44,7 +44,8 @@ template <class Field> class Draw {
         for (const int quantity : links.shared) {
             const std::uint32_t factor = draw();
             const Row &seen = shared[std::size_t(quantity)];
-            for (std::size_t j = 0; j < n_; ++j) row[j] = Field::add(row[j], Field::multiply(factor, seen[j]));
+            for (std::size_t j = 0; j < n_; ++j)
+                row[j] = Field::add(row[j], Field::multiply(factor, seen[j]));
         }
         return row;
     }
@@ -53,7 +54,8 @@ template <class Field> class Draw {
         Row product(n_, 0);
         for (std::size_t i = 0; i < n_; ++i) {
             if (row[i] == 0) continue;
-            for (std::size_t j = 0; j < n_; ++j) product[j] = Field::reduce(std::uint64_t(row[i]) * a_[i][j] + product[j]);
+            for (std::size_t j = 0; j < n_; ++j)
+                product[j] = Field::reduce(std::uint64_t(row[i]) * a_[i][j] + product[j]);
         }
         return product;
     }
@@ -63,8 +65,9 @@ template <class Field> class Draw {
     std::vector<Row> a_, c_;
 };
 
-// Walks the sets as a tree, each node one sensor more than its parent. A node keeps, for every number of derivatives
-// that does not suffice yet, the echelon form of its rows; what suffices for the parent suffices for the child.
+// Walks the sets as a tree, each node one sensor more than its parent. A node keeps, for every number of
+// derivatives that does not suffice yet, the echelon form of its rows; what suffices for the parent suffices
+// for the child.
 template <class Field> class Walk {
   public:
     Walk(const SensorModel &model, const Structure &structure, const SetQuery &query, std::uint64_t seed)
@@ -106,8 +109,9 @@ template <class Field> class Walk {
         return order;
     }
 
-    // Level rho holds y and its first rho - 1 derivatives. The state of a lag is known from y itself, so the k-th
-    // derivative of a lagged signal adds to the plant what the (k - lags)-th of the signal would: docs/sensors.md.
+    // Level rho holds y and its first rho - 1 derivatives. The state of a lag is known from y itself, so the
+    // k-th derivative of a lagged signal adds to the plant what the (k - lags)-th of the signal would:
+    // docs/sensors.md.
     void add_sensor(Echelon<Field> &echelon, std::size_t sensor, int level) {
         const int usable = level - int(model_.sensors[sensor].lags_s.size());
         for (int k = 0; k < usable && !echelon.determines_wanted(); ++k) {
@@ -172,7 +176,8 @@ template <class Field> class Walk {
 int commonest(const std::vector<int> &values) {
     std::map<int, int> votes;
     for (const int value : values) ++votes[value];
-    return std::max_element(votes.begin(), votes.end(), [](auto &a, auto &b) { return a.second < b.second; })->first;
+    return std::max_element(votes.begin(), votes.end(), [](auto &a, auto &b) { return a.second < b.second; })
+        ->first;
 }
 
 } // namespace
@@ -181,7 +186,8 @@ IndexedSets index_sets(const SensorModel &model, const Structure &structure, con
     std::vector<std::vector<IndexedSet>> draws;
     for (int i = 0; i < query.draws_per_prime; ++i) {
         draws.push_back(Walk<Mersenne>(model, structure, query, query.seed + std::uint64_t(2 * i)).run());
-        draws.push_back(Walk<Neighbour>(model, structure, query, query.seed + std::uint64_t(2 * i + 1)).run());
+        draws.push_back(
+            Walk<Neighbour>(model, structure, query, query.seed + std::uint64_t(2 * i + 1)).run());
     }
     IndexedSets result{draws.front(), 0};
     for (std::size_t i = 0; i < result.sets.size(); ++i) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Observability index of a subset of the states (document 002, Definition 3) for every set of sensors, exact: the
-// links get random numbers modulo a prime, so that a rank is wrong with a chance near 1e-9 and never by rounding.
+// Observability index of a subset of the states (document 002, Definition 3) for every set of sensors, exact:
+// the links get random numbers modulo a prime, so that a rank is wrong with a chance near 1e-9 and never by
+// rounding.
 #pragma once
 #include <cstdint>
 #include <vector>
@@ -10,9 +11,9 @@
 namespace sixdeg {
 
 struct SetQuery {
-    std::vector<int> targets;    ///< States to determine; at least one.
-    int least = 1, most = 1;     ///< Numbers of sensors in a set.
-    int draws_per_prime = 2;     ///< Independent draws for each of the two primes.
+    std::vector<int> targets; ///< States to determine; at least one.
+    int least = 1, most = 1;  ///< Numbers of sensors in a set.
+    int draws_per_prime = 2;  ///< Independent draws for each of the two primes.
     std::uint64_t seed = 1;
 };
 

@@ -11,8 +11,8 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// Transition matrix and noise of one step: a short series, then doubling. Van Loan's exponential of one block matrix
-// would hold exp(-A t) too, which overflows for an engine's stiff states.
+// Transition matrix and noise of one step: a short series, then doubling. Van Loan's exponential of one block
+// matrix would hold exp(-A t) too, which overflows for an engine's stiff states.
 void discretise(const MatrixXd &a, const MatrixXd &noise_rate, double step_s, MatrixXd &phi, MatrixXd &q) {
     const double norm = a.cwiseAbs().rowwise().sum().maxCoeff() * step_s;
     const int doublings = std::max(0, int(std::ceil(std::log2(norm / 0.01))));
@@ -33,8 +33,9 @@ void discretise(const MatrixXd &a, const MatrixXd &noise_rate, double step_s, Ma
     }
 }
 
-// Structure-preserving doubling: each round goes twice as many steps of the Riccati recursion. Sixty million steps
-// tell what is steady from what is not, and are too few for a drifting variance to spoil the others by rounding.
+// Structure-preserving doubling: each round goes twice as many steps of the Riccati recursion. Sixty million
+// steps tell what is steady from what is not, and are too few for a drifting variance to spoil the others by
+// rounding.
 constexpr int most_rounds = 26;
 constexpr double steady_growth = 1e-9;
 
@@ -66,7 +67,8 @@ MatrixXd noise_rate(const NumericModel &numeric, const Augmented &system) {
 
 } // namespace
 
-SteadyFilter steady_filter(const SensorModel &model, const NumericModel &numeric, const LinearPoint &point, SensorSet set) {
+SteadyFilter steady_filter(const SensorModel &model, const NumericModel &numeric, const LinearPoint &point,
+                           SensorSet set) {
     const Augmented system = augment(model, point, numeric.scale, set);
     SteadyFilter filter;
     const MatrixXd a = system.scale.cwiseInverse().asDiagonal() * system.a * system.scale.asDiagonal();
@@ -85,13 +87,14 @@ SteadyFilter steady_filter(const SensorModel &model, const NumericModel &numeric
     return filter;
 }
 
-std::vector<double> steady_sigma(const SensorModel &model, const NumericModel &numeric, const LinearPoint &point,
-                                 SensorSet set, const std::vector<int> &targets) {
+std::vector<double> steady_sigma(const SensorModel &model, const NumericModel &numeric,
+                                 const LinearPoint &point, SensorSet set, const std::vector<int> &targets) {
     const SteadyFilter filter = steady_filter(model, numeric, point, set);
     std::vector<double> sigma;
     for (const int state : targets) {
         const bool steady = filter.growth[state] < steady_growth;
-        const double variance = steady ? std::max(0.0, filter.updated(state, state)) : std::numeric_limits<double>::infinity();
+        const double variance =
+            steady ? std::max(0.0, filter.updated(state, state)) : std::numeric_limits<double>::infinity();
         sigma.push_back(std::sqrt(variance) * numeric.scale[state]);
     }
     return sigma;

@@ -21,13 +21,17 @@ Eigen::VectorXd by_state(TomlFile &file, const std::string &table, const SensorM
 
 Eigen::MatrixXd matrix(TomlFile &file, const std::string &field, Eigen::Index rows, Eigen::Index columns) {
     const auto flat = file.numbers(field, {-1e15, 1e15, "SI"}, std::size_t(rows * columns));
-    return Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(flat.data(), rows, columns);
+    return Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(
+        flat.data(), rows, columns);
 }
 
 LinearPoint read_jacobian(TomlFile &file, const std::string &entry, const SensorModel &model) {
     const auto n = Eigen::Index(model.states.size()), m = Eigen::Index(model.sensors.size());
-    return {file.text(entry + "name"), file.text_or(entry + "regime", model.regimes.front().name),
-            matrix(file, entry + "a", n, n), matrix(file, entry + "c", m, n), {}};
+    return {file.text(entry + "name"),
+            file.text_or(entry + "regime", model.regimes.front().name),
+            matrix(file, entry + "a", n, n),
+            matrix(file, entry + "c", m, n),
+            {}};
 }
 
 TurboSiInputs read_engine_point(TomlFile &file, const std::string &entry) {
@@ -41,7 +45,8 @@ TurboSiInputs read_engine_point(TomlFile &file, const std::string &entry) {
     return inputs;
 }
 
-void check_regime(TomlFile &file, const std::string &entry, const LinearPoint &point, const SensorModel &model) {
+void check_regime(TomlFile &file, const std::string &entry, const LinearPoint &point,
+                  const SensorModel &model) {
     for (const auto &regime : model.regimes) {
         if (regime.name == point.regime) return;
     }
@@ -57,7 +62,8 @@ NumericModel read_numeric_model(TomlFile &file, const SensorModel &model) {
     numeric.scale = by_state(file, "numeric.scale", model);
     numeric.process_noise = by_state(file, "numeric.process_noise", model);
     for (const auto &sensor : model.sensors) {
-        if (sensor.noise == 0) file.fail("sensors." + sensor.name + ".noise", "is missing; a model with \"numeric\" needs it");
+        if (sensor.noise == 0)
+            file.fail("sensors." + sensor.name + ".noise", "is missing; a model with \"numeric\" needs it");
     }
     for (std::size_t i = 0; i < file.array_size("numeric.jacobians"); ++i) {
         const std::string entry = fmt::format("numeric.jacobians[{}].", i);
@@ -66,7 +72,8 @@ NumericModel read_numeric_model(TomlFile &file, const SensorModel &model) {
     }
     for (std::size_t i = 0; i < file.array_size("numeric.turbo_si_points"); ++i) {
         const std::string entry = fmt::format("numeric.turbo_si_points[{}].", i);
-        if (!turbo_si_fits(model)) file.fail(entry + "name", "needs the states, sensors and regimes of turbo_si_13.toml");
+        if (!turbo_si_fits(model))
+            file.fail(entry + "name", "needs the states, sensors and regimes of turbo_si_13.toml");
         auto point = turbo_si_point(read_engine_point(file, entry));
         point.name = file.text(entry + "name");
         numeric.points.push_back(std::move(point));
@@ -75,13 +82,15 @@ NumericModel read_numeric_model(TomlFile &file, const SensorModel &model) {
     return numeric;
 }
 
-Augmented augment(const SensorModel &model, const LinearPoint &point, const Eigen::VectorXd &scale, SensorSet set) {
+Augmented augment(const SensorModel &model, const LinearPoint &point, const Eigen::VectorXd &scale,
+                  SensorSet set) {
     Eigen::Index states = point.a.rows();
     for (std::size_t i = 0; i < model.sensors.size(); ++i) {
         if (set >> i & 1) states += Eigen::Index(model.sensors[i].lags_s.size());
     }
     Augmented all{Eigen::MatrixXd::Zero(states, states),
-                  Eigen::MatrixXd::Zero(Eigen::Index(std::bitset<32>(set).count()), states), Eigen::VectorXd(states)};
+                  Eigen::MatrixXd::Zero(Eigen::Index(std::bitset<32>(set).count()), states),
+                  Eigen::VectorXd(states)};
     const Eigen::Index n = point.a.rows();
     all.a.topLeftCorner(n, n) = point.a;
     all.scale.head(n) = scale;

@@ -27,11 +27,13 @@ struct NumericModel {
 /// Reads "numeric"; no points when the file has none. Call after read_sensor_model() and before finish().
 NumericModel read_numeric_model(TomlFile &file, const SensorModel &model);
 
-/// Jacobians of the plant with the lag states of one set's sensors behind; rows of C in the order of the sensors.
+/// Jacobians of the plant with the lag states of one set's sensors behind; rows of C in the order of the
+/// sensors.
 struct Augmented {
     Eigen::MatrixXd a, c;
     Eigen::VectorXd scale; ///< Of the states; a lag state has its signal's.
 };
-Augmented augment(const SensorModel &model, const LinearPoint &point, const Eigen::VectorXd &scale, SensorSet set);
+Augmented augment(const SensorModel &model, const LinearPoint &point, const Eigen::VectorXd &scale,
+                  SensorSet set);
 
 } // namespace sixdeg

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Exact linear algebra: arithmetic modulo a prime just below 2^31 and a row echelon form that grows row by row.
+// Exact linear algebra: arithmetic modulo a prime just below 2^31 and a row echelon form that grows row by
+// row.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -23,8 +24,9 @@ template <unsigned Below> struct Modular {
     static std::uint32_t add(std::uint32_t a, std::uint32_t b) { return reduce(std::uint64_t(a) + b); }
 };
 
-/// Row space of the rows added so far. The wanted columns stand last: a row whose pivot is among them says something
-/// of the wanted states alone, so they are determined exactly when every one of them has a pivot (1-full rank).
+/// Row space of the rows added so far. The wanted columns stand last: a row whose pivot is among them says
+/// something of the wanted states alone, so they are determined exactly when every one of them has a pivot
+/// (1-full rank).
 template <class Field> class Echelon {
   public:
     Echelon() = default;
@@ -45,7 +47,8 @@ template <class Field> class Echelon {
             }
             // Without division: pivot value times the row, less the row's value times the pivot row.
             const std::uint64_t keep = pivot[column], take = Field::prime - scratch[column];
-            for (std::size_t j = column; j < n_; ++j) scratch[j] = Field::reduce(keep * scratch[j] + take * pivot[j]);
+            for (std::size_t j = column; j < n_; ++j)
+                scratch[j] = Field::reduce(keep * scratch[j] + take * pivot[j]);
         }
     }
 

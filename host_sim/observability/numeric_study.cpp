@@ -20,7 +20,8 @@ std::size_t regime_number(const SensorModel &model, const std::string &name) {
 
 class Study {
   public:
-    Study(const SensorModel &model, const NumericModel &numeric, const Ranking &ranking, const std::vector<int> &targets)
+    Study(const SensorModel &model, const NumericModel &numeric, const Ranking &ranking,
+          const std::vector<int> &targets)
         : model_(model), numeric_(numeric), ranking_(ranking), targets_(targets) {}
 
     NumericStudy run() {
@@ -29,7 +30,8 @@ class Study {
         result.tolerances = tolerances;
         std::vector<std::string> seen;
         for (std::size_t point = 0; point < numeric_.points.size(); ++point) {
-            result.points.push_back(compare(point, reference_scaling, {reference_tolerance}, &result.sets).front());
+            result.points.push_back(
+                compare(point, reference_scaling, {reference_tolerance}, &result.sets).front());
             if (std::count(seen.begin(), seen.end(), numeric_.points[point].regime)) continue;
             seen.push_back(numeric_.points[point].regime);
             for (const Scaling scaling : scalings) {
@@ -38,8 +40,10 @@ class Study {
             }
             result.published.emplace_back();
             for (const auto &published : model_.published) {
-                const Augmented system = augment(model_, numeric_.points[point], numeric_.scale, published.set);
-                result.published.back().push_back(numeric_index(system, targets_, reference_scaling, tolerances));
+                const Augmented system =
+                    augment(model_, numeric_.points[point], numeric_.scale, published.set);
+                result.published.back().push_back(
+                    numeric_index(system, targets_, reference_scaling, tolerances));
             }
         }
         for (std::size_t i = 0; i < result.sets.size(); ++i) add_sigma(ranking_.sets[i].set, result.sets[i]);
@@ -70,7 +74,8 @@ class Study {
         std::vector<double> square(targets_.size(), 0);
         for (const auto &point : numeric_.points) {
             const auto sigma = steady_sigma(model_, numeric_, point, set, targets_);
-            for (std::size_t i = 0; i < sigma.size(); ++i) square[i] += sigma[i] * sigma[i] / double(numeric_.points.size());
+            for (std::size_t i = 0; i < sigma.size(); ++i)
+                square[i] += sigma[i] * sigma[i] / double(numeric_.points.size());
         }
         double relative = 0;
         for (std::size_t i = 0; i < square.size(); ++i) {
@@ -96,9 +101,12 @@ NumericStudy study(const SensorModel &model, const NumericModel &numeric, const 
 
 const char *name_of(Scaling scaling) {
     switch (scaling) {
-    case Scaling::si: return "si";
-    case Scaling::sized: return "sized";
-    case Scaling::rows: return "rows";
+    case Scaling::si:
+        return "si";
+    case Scaling::sized:
+        return "sized";
+    case Scaling::rows:
+        return "rows";
     }
     return "";
 }

@@ -15,7 +15,7 @@ namespace sixdeg {
 /// What the study uses unless it varies them.
 constexpr Scaling reference_scaling = Scaling::rows;
 constexpr double reference_tolerance = 1e-12;
-constexpr std::size_t most_studied_sets = 10000;
+constexpr double most_studied_sets = 10000; ///< More would take minutes.
 
 /// Numeric against generic index of all sets at one point, one scaling and one tolerance.
 struct Comparison {
@@ -36,9 +36,10 @@ struct NumericStudy {
     std::vector<Comparison> points;      ///< The reference, by point.
     std::vector<Comparison> sensitivity; ///< First point of each regime, every scaling and tolerance.
     std::vector<double> tolerances;      ///< Those of `sensitivity` and `published`.
-    /// Index of each published set at the first point of each regime: [regime's turn][set][tolerance], reference scaling.
+    /// Index of each published set at the first point of each regime: [regime's turn][set][tolerance],
+    /// reference scaling.
     std::vector<std::vector<std::vector<int>>> published;
-    std::vector<StudiedSet> sets;        ///< In the order of the ranking.
+    std::vector<StudiedSet> sets; ///< In the order of the ranking.
 };
 
 NumericStudy study(const SensorModel &model, const NumericModel &numeric, const Ranking &ranking,

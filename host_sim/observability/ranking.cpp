@@ -15,7 +15,9 @@ bool lexical(SensorSet a, SensorSet b) {
 }
 
 bool better(const RankedSet &a, const RankedSet &b) {
-    const auto key = [](const RankedSet &x) { return std::make_tuple(x.worst == 0, x.worst, x.cost, x.size); };
+    const auto key = [](const RankedSet &x) {
+        return std::make_tuple(x.worst == 0, x.worst, x.cost, x.size);
+    };
     return key(a) != key(b) ? key(a) < key(b) : lexical(a.set, b.set);
 }
 

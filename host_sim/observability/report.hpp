@@ -20,8 +20,9 @@ struct Findings {
     std::vector<std::vector<Alone>> alone; ///< By sensor, then regime.
     Ranking ranking;
     std::vector<RankedSet> front;
-    std::vector<std::vector<int>> published; ///< Our index of each published set, by regime.
-    const NumericModel *numeric = nullptr;   ///< With `study`, or null.
+    std::vector<std::vector<int>>
+        published; ///< Our index of each published set, by regime; empty for other targets.
+    const NumericModel *numeric = nullptr; ///< With `study`, or null.
     NumericStudy study{};
 };
 

@@ -36,7 +36,8 @@ class Reader {
         }
         for (std::size_t i = 0; i < file_.array_size("published"); ++i) {
             const std::string entry = fmt::format("published[{}].", i);
-            model_.published.push_back({sensor_set(entry + "sensors"), int(file_.integer(entry + "index", 0, 99))});
+            model_.published.push_back(
+                {sensor_set(entry + "sensors"), int(file_.integer(entry + "index", 0, 99))});
         }
         return std::move(model_);
     }
@@ -77,9 +78,11 @@ class Reader {
     void read_sensors() {
         for (auto &sensor : model_.sensors) {
             const std::string field = "sensors." + sensor.name + ".";
-            if (file_.has(field + "lags_s")) sensor.lags_s = file_.numbers(field + "lags_s", {1e-6, 1e4, "s"});
+            if (file_.has(field + "lags_s"))
+                sensor.lags_s = file_.numbers(field + "lags_s", {1e-6, 1e4, "s"});
             if (sensor.lags_s.size() > most_lags) {
-                file_.fail(field + "lags_s", fmt::format("has {} entries, at most {}", sensor.lags_s.size(), most_lags));
+                file_.fail(field + "lags_s",
+                           fmt::format("has {} entries, at most {}", sensor.lags_s.size(), most_lags));
             }
             sensor.cost = file_.number_or(field + "cost", {0, 1e9, ""}, 1);
             sensor.noise = file_.number_or(field + "noise", {1e-12, 1e12, "SI"}, 0);
@@ -91,18 +94,22 @@ class Reader {
         if (!file_.has("regimes")) return;
         const Structure whole = model_.regimes.front().structure;
         for (const auto &name : file_.keys("regimes")) {
-            if (name == model_.regimes.front().name) file_.fail("regimes." + name, "is full_regime, which loses nothing");
+            if (name == model_.regimes.front().name)
+                file_.fail("regimes." + name, "is full_regime, which loses nothing");
             Regime regime{name, whole};
             const std::string table = "regimes." + name;
             const std::size_t lost = lose(table + ".shared", model_.shared, regime.structure.shared) +
                                      lose(table + ".states", model_.states, regime.structure.states) +
                                      lose(table + ".sensors", names_of_sensors(), regime.structure.sensors);
-            if (lost == 0) file_.fail(table, "is empty: it must name at least one link that full_regime has and it has not");
+            if (lost == 0)
+                file_.fail(table,
+                           "is empty: it must name at least one link that full_regime has and it has not");
             model_.regimes.push_back(std::move(regime));
         }
     }
 
-    std::size_t lose(const std::string &table, const std::vector<std::string> &owners, std::vector<Links> &rows) {
+    std::size_t lose(const std::string &table, const std::vector<std::string> &owners,
+                     std::vector<Links> &rows) {
         if (!file_.has(table)) return 0;
         std::size_t lost = 0;
         for (const auto &owner : file_.keys(table)) {
@@ -114,7 +121,8 @@ class Reader {
                 const Place place = find(name, field);
                 auto &list = place.is_shared ? row.shared : row.states;
                 const auto link = std::find(list.begin(), list.end(), place.number);
-                if (link == list.end()) file_.fail(field, fmt::format("{} does not depend on '{}'", owner, name));
+                if (link == list.end())
+                    file_.fail(field, fmt::format("{} does not depend on '{}'", owner, name));
                 list.erase(link);
                 ++lost;
             }
@@ -137,14 +145,17 @@ class Reader {
 
     Place find(const std::string &name, const std::string &field) const {
         const auto at = names_.find(name);
-        if (at == names_.end()) file_.fail(field, fmt::format("'{}' is not a state{}", name, model_.shared.empty() ? "" : " or shared quantity"));
+        if (at == names_.end())
+            file_.fail(field, fmt::format("'{}' is not a state{}", name,
+                                          model_.shared.empty() ? "" : " or shared quantity"));
         return at->second;
     }
 
     std::vector<std::string> unique_texts(const std::string &field) {
         const auto names = file_.texts(field);
         for (auto name = names.begin(); name != names.end(); ++name) {
-            if (std::find(names.begin(), name, *name) != name) file_.fail(field, "names '" + *name + "' twice");
+            if (std::find(names.begin(), name, *name) != name)
+                file_.fail(field, "names '" + *name + "' twice");
         }
         return names;
     }
@@ -193,12 +204,14 @@ class Reader {
 
 } // namespace
 
-std::vector<int> SensorModel::find_states(const std::vector<std::string> &names, const std::string &from) const {
+std::vector<int> SensorModel::find_states(const std::vector<std::string> &names,
+                                          const std::string &from) const {
     std::vector<int> found;
     for (const auto &wanted : names) {
         const auto at = std::find(states.begin(), states.end(), wanted);
         if (at == states.end()) {
-            throw InputError(from, wanted, fmt::format("is not a state of the model; allowed: {}", fmt::join(states, " ")));
+            throw InputError(from, wanted,
+                             fmt::format("is not a state of the model; allowed: {}", fmt::join(states, " ")));
         }
         const int number = int(at - states.begin());
         if (std::count(found.begin(), found.end(), number)) throw InputError(from, wanted, "is named twice");

@@ -18,7 +18,8 @@ std::vector<int> spelt_out(const Links &links, const Pattern &shared) {
 // Matching by augmenting paths: a row without a column takes one, its owner looks for another.
 class Matching {
   public:
-    Matching(const Pattern &rows, int columns) : rows_(rows), owner_(std::size_t(columns), -1), seen_(owner_) {}
+    Matching(const Pattern &rows, int columns)
+        : rows_(rows), owner_(std::size_t(columns), -1), seen_(owner_) {}
 
     int size() {
         int matched = 0;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Structural observability of the whole state, two ways that must agree: the staircase matrix of Shields and Pearson
-// (1976) and the graph criterion of Lin (1974). Both see only which entries of A and C can differ from zero.
+// Structural observability of the whole state, two ways that must agree: the staircase matrix of Shields and
+// Pearson (1976) and the graph criterion of Lin (1974). Both see only which entries of A and C can differ
+// from zero.
 #pragma once
 #include <vector>
 

@@ -38,7 +38,8 @@ constexpr double wastegate_area_m2 = 4.9087e-4;
 constexpr double linear_ratio = 0.99; // pressure ratio above which a nozzle's flow is made linear
 
 constexpr double displacement_m3 = 1.953e-3, compression_ratio = 10.8;
-constexpr double filling[5] = {1.7338e-9, -8.3904e-7, 1.3625e-4, -7.4009e-3, 0.93581}; // falling powers of kPa
+constexpr double filling[5] = {1.7338e-9, -8.3904e-7, 1.3625e-4, -7.4009e-3,
+                               0.93581}; // falling powers of kPa
 constexpr double stoichiometric = 14.0;
 constexpr double engine_out_k = 1146.83, engine_out_k_per_kgps = 843.36;
 constexpr double pipe_loss_w_per_k = 36.46 * M_PI * 0.040 * 0.170; // one of four exhaust pipes
@@ -55,7 +56,8 @@ constexpr double shaft_inertia_kgm2 = 1.252e-4, shaft_friction_nms = 9.7187e-7;
 
 template <class T> T at_least(const T &x, double low) { return x < low ? T(low) : x; }
 
-template <class T> T quadratic_loss(const Restriction &loss, const T &up_pa, const T &down_pa, const T &up_k) {
+template <class T>
+T quadratic_loss(const Restriction &loss, const T &up_pa, const T &down_pa, const T &up_k) {
     const T drop = up_pa - down_pa;
     const T conductance = sqrt(up_pa / (loss.h * up_k));
     // Turned round for backflow, which only occurs on the way to the steady state.
@@ -64,11 +66,15 @@ template <class T> T quadratic_loss(const Restriction &loss, const T &up_pa, con
     return conductance * drop / std::sqrt(loss.linear_pa);
 }
 
-double critical_ratio(const Gas &gas) { return std::pow(2 / (gas.gamma() + 1), gas.gamma() / (gas.gamma() - 1)); }
+double critical_ratio(const Gas &gas) {
+    return std::pow(2 / (gas.gamma() + 1), gas.gamma() / (gas.gamma() - 1));
+}
 
 template <class T> T nozzle_psi(const Gas &gas, const T &ratio) {
     const double gamma = gas.gamma(), factor = 2 * gamma / (gamma - 1);
-    const auto psi = [&](const auto &r) { return sqrt(factor * (pow(r, 2 / gamma) - pow(r, (gamma + 1) / gamma))); };
+    const auto psi = [&](const auto &r) {
+        return sqrt(factor * (pow(r, 2 / gamma) - pow(r, (gamma + 1) / gamma)));
+    };
     if (ratio < critical_ratio(gas)) return T(psi(critical_ratio(gas)));
     if (ratio > linear_ratio) return psi(linear_ratio) * (1 - ratio) / (1 - linear_ratio);
     return psi(ratio);
@@ -79,11 +85,10 @@ template <class T> T nozzle(const Gas &gas, double area_m2, const T &up_pa, cons
 }
 
 // A flow and the temperature it arrives with.
-template <class T> struct Stream {
-    T kgps, k;
-};
+template <class T> struct Stream { T kgps, k; };
 
-template <class T> Stream<T> compressor(const T &up_pa, const T &up_k, const T &down_pa, const T &speed_radps) {
+template <class T>
+Stream<T> compressor(const T &up_pa, const T &up_k, const T &down_pa, const T &speed_radps) {
     const T ratio = down_pa / up_pa, tip_mps = speed_radps * (compressor_d_m / 2);
     const T heating = pow(ratio, 1 - 1 / air.gamma()) - 1;
     const T psi = 2 * air.cp * up_k * heating / (tip_mps * tip_mps);
@@ -93,19 +98,19 @@ template <class T> Stream<T> compressor(const T &up_pa, const T &up_k, const T &
     const T off_flow = kgps * sqrt(up_k / map_k) / (up_pa / map_pa) - compressor_best_kgps;
     // The root has no slope at ratio 1; below 1.0001 the efficiency no longer follows the ratio.
     const T off_ratio = 1 + sqrt(at_least<T>(ratio - 1, 1e-4)) - compressor_best_ratio;
-    const T eta = compressor_eta_max - (compressor_q11 * off_flow * off_flow + 2 * compressor_q12 * off_flow * off_ratio +
-                                        compressor_q22 * off_ratio * off_ratio);
+    const T eta = compressor_eta_max -
+                  (compressor_q11 * off_flow * off_flow + 2 * compressor_q12 * off_flow * off_ratio +
+                   compressor_q22 * off_ratio * off_ratio);
     return {kgps, up_k * (1 + heating / at_least<T>(eta, compressor_eta_min))};
 }
 
-template <class T> struct Turbine {
-    T kgps, out_k, power_w;
-};
+template <class T> struct Turbine { T kgps, out_k, power_w; };
 
 template <class T> Turbine<T> turbine(const T &up_pa, const T &up_k, const T &down_pa, const T &speed_radps) {
     const T ratio = down_pa / up_pa;
     // The root has no slope at ratio 1.
-    const T kgps = turbine_k1 * (up_pa / 1e3) / sqrt(up_k) * sqrt(at_least<T>(1 - pow(ratio, turbine_k2), 1e-6));
+    const T kgps =
+        turbine_k1 * (up_pa / 1e3) / sqrt(up_k) * sqrt(at_least<T>(1 - pow(ratio, turbine_k2), 1e-6));
     const T cooling = at_least<T>(1 - pow(ratio, 1 - 1 / exhaust.gamma()), 1e-6);
     const T speed_ratio = speed_radps * (turbine_d_m / 2) / sqrt(2 * exhaust.cp * up_k * cooling);
     const T off = speed_ratio / turbine_best_speed_ratio - 1;
@@ -114,19 +119,23 @@ template <class T> Turbine<T> turbine(const T &up_pa, const T &up_k, const T &do
     return {kgps, up_k - drop_k, kgps * exhaust.cp * drop_k};
 }
 
-template <class T> T cylinder_air(const T &intake_pa, const T &intake_k, const T &exhaust_pa, double speed_radps) {
+template <class T>
+T cylinder_air(const T &intake_pa, const T &intake_k, const T &exhaust_pa, double speed_radps) {
     const T kpa = at_least<T>(intake_pa, 25e3) / 1e3;
     T fit(0.0);
     for (const double coefficient : filling) fit = fit * kpa + coefficient;
-    const T eta = fit * (compression_ratio - pow(exhaust_pa / intake_pa, 1 / air.gamma())) / (compression_ratio - 1);
+    const T eta =
+        fit * (compression_ratio - pow(exhaust_pa / intake_pa, 1 / air.gamma())) / (compression_ratio - 1);
     return eta * (displacement_m3 * speed_radps / (4 * M_PI)) * intake_pa / (air.r * intake_k);
 }
 
 template <class T> using State = std::array<T, turbo_si_states>;
 
-// dp/dt and dT/dt of a volume from its mass and energy balance; both stand in the balances through the same flows.
+// dp/dt and dT/dt of a volume from its mass and energy balance; both stand in the balances through the same
+// flows.
 template <class T>
-void fill(T *rates, const T &pa, const T &k, double m3, const Gas &gas, const Stream<T> &in, const T &out_kgps) {
+void fill(T *rates, const T &pa, const T &k, double m3, const Gas &gas, const Stream<T> &in,
+          const T &out_kgps) {
     const T mass = pa * m3 / (gas.r * k);
     const T energy_w = gas.cp * (in.kgps * in.k - out_kgps * k);
     rates[0] = energy_w * (gas.r / (gas.cv() * m3));
@@ -141,19 +150,22 @@ template <class T> struct Engine {
 template <class T> Engine<T> evaluate(const State<T> &x, const TurboSiInputs &u) {
     const auto &[paf, taf, pcomp, tcomp, pic, tic, pim, tim, pem, tem, pt, tt, wtc] = x;
     const T ambient_pa(u.ambient_pa), ambient_k(u.ambient_k);
-    const double area_m2 = throttle_area[0] + u.throttle_rad * (throttle_area[1] + u.throttle_rad * throttle_area[2]);
+    const double area_m2 =
+        throttle_area[0] + u.throttle_rad * (throttle_area[1] + u.throttle_rad * throttle_area[2]);
 
     const T waf = quadratic_loss(air_filter, ambient_pa, paf, ambient_k);
     const Stream<T> comp = compressor(paf, taf, pcomp, wtc);
     const T wic = quadratic_loss(intercooler, pcomp, pic, tcomp);
-    const T removed = intercooler_fit[0] + intercooler_fit[1] * (tcomp + ambient_k) / 2 + intercooler_fit[2] * wic;
+    const T removed =
+        intercooler_fit[0] + intercooler_fit[1] * (tcomp + ambient_k) / 2 + intercooler_fit[2] * wic;
     const T cooled_k = tcomp - (tcomp - ambient_k) * at_least<T>(removed, 0);
     const T wth = nozzle(air, area_m2, pic, pim, tic);
     const T wcyl = cylinder_air(pim, tim, pem, u.speed_radps);
 
     const T burnt = wcyl * (1 + 1 / (u.lambda * stoichiometric));
     const T engine_out = engine_out_k + engine_out_k_per_kgps * burnt;
-    const T into_em_k = ambient_k + (engine_out - ambient_k) * exp(-pipe_loss_w_per_k * 4 / (burnt * exhaust.cp));
+    const T into_em_k =
+        ambient_k + (engine_out - ambient_k) * exp(-pipe_loss_w_per_k * 4 / (burnt * exhaust.cp));
     const Turbine<T> turb = turbine(pem, tem, pt, wtc);
     const T wwg = nozzle(exhaust, wastegate_area_m2 * u.wastegate, pem, pt, tem);
     const T past = turb.kgps + wwg;
@@ -193,7 +205,8 @@ Linearised linearise(const Vector &x, const TurboSiInputs &inputs) {
         result.rates[i] = engine.rates[std::size_t(i)].value();
         result.a.row(i) = engine.rates[std::size_t(i)].derivatives().transpose();
     }
-    for (int i = 0; i < 4; ++i) result.c.row(turbo_si_states + i) = engine.flows[std::size_t(i)].derivatives().transpose();
+    for (int i = 0; i < 4; ++i)
+        result.c.row(turbo_si_states + i) = engine.flows[std::size_t(i)].derivatives().transpose();
     return result;
 }
 
@@ -203,7 +216,8 @@ Vector unit_sizes() {
     return size;
 }
 
-// Backward Euler with a step that grows as it succeeds: robust like simulation at first, Newton's method at last.
+// Backward Euler with a step that grows as it succeeds: robust like simulation at first, Newton's method at
+// last.
 Vector steady_state(const TurboSiInputs &inputs) {
     const double pa = inputs.ambient_pa, k = inputs.ambient_k;
     Vector x;
@@ -225,14 +239,17 @@ Vector steady_state(const TurboSiInputs &inputs) {
         x += move;
         step_s *= 1.5;
     }
-    throw InputError("turbo_si", "point", fmt::format("no steady state at {:.0f} rpm, throttle {:.1f} deg, wastegate {:.2f}",
-                                                      inputs.speed_radps * 30 / M_PI, inputs.throttle_rad * 180 / M_PI,
-                                                      inputs.wastegate));
+    throw InputError("turbo_si", "point",
+                     fmt::format("no steady state at {:.0f} rpm, throttle {:.1f} deg, wastegate {:.2f}",
+                                 inputs.speed_radps * 30 / M_PI, inputs.throttle_rad * 180 / M_PI,
+                                 inputs.wastegate));
 }
 
 } // namespace
 
-TurboSiState turbo_si_rates(const TurboSiState &state, const TurboSiInputs &inputs) { return evaluate(state, inputs).rates; }
+TurboSiState turbo_si_rates(const TurboSiState &state, const TurboSiInputs &inputs) {
+    return evaluate(state, inputs).rates;
+}
 
 LinearPoint turbo_si_point(const TurboSiInputs &inputs) {
     const Vector x = steady_state(inputs);

@@ -1,13 +1,10 @@
 // SPDX-License-Identifier: MIT
 // Which sensors, without numbers: reading a model, structural observability, exact index, ranking.
 #include <algorithm>
-#include <bitset>
 #include <ctime>
-#include <functional>
 #include <gtest/gtest.h>
 #include <random>
 
-#include "common/error.hpp"
 #include "observability/modular.hpp"
 #include "observability/ranking.hpp"
 #include "observability/structural.hpp"
@@ -19,22 +16,6 @@ namespace {
 SensorModel load(const std::string &name) {
     TomlFile file{std::filesystem::path(SD_MODELS) / name};
     return read_sensor_model(file);
-}
-
-SensorModel parse(const std::string &text) {
-    TomlFile file("m.toml", text);
-    auto model = read_sensor_model(file);
-    file.finish();
-    return model;
-}
-
-std::string complaint(const std::string &text) {
-    try {
-        parse(text);
-    } catch (const InputError &error) {
-        return error.what();
-    }
-    return "";
 }
 
 std::map<int, int> histogram(const SensorModel &model, std::size_t regime, int least, int most) {
@@ -58,7 +39,8 @@ std::vector<std::string> triples(const SensorModel &model, std::size_t regime, i
     for (const auto &entry : index_sets(model, model.regimes[regime].structure, query).sets) {
         if (entry.index != index) continue;
         names.emplace_back();
-        for (const auto &sensor : model.sensor_names(entry.set)) names.back() += (names.back().empty() ? "" : " ") + sensor;
+        for (const auto &sensor : model.sensor_names(entry.set))
+            names.back() += (names.back().empty() ? "" : " ") + sensor;
     }
     return names;
 }
@@ -86,8 +68,8 @@ TEST(TurboSi, ShortListsAreTheSameInBothRegimes) {
     const auto model = load("turbo_si_13.toml");
     for (std::size_t regime = 0; regime < 2; ++regime) {
         EXPECT_EQ(triples(model, regime, 2), (Names{"pim Tim pem"}));
-        EXPECT_EQ(triples(model, regime, 3), (Names{"pic pim Tim", "Tic pim Tim", "pim Tim Wth", "pim pem Tem",
-                                                    "Tim pem Tem", "pem Tem pt"}));
+        EXPECT_EQ(triples(model, regime, 3), (Names{"pic pim Tim", "Tic pim Tim", "pim Tim Wth",
+                                                    "pim pem Tem", "Tim pem Tem", "pem Tem pt"}));
         EXPECT_EQ(triples(model, regime, 4), (Names{"pem pt Tt", "Tem pt Tt", "pt Tt wtc"}));
     }
 }
@@ -110,7 +92,8 @@ TEST(TurboSiFlows, FiveTriplesReachThree) {
     const auto model = load("turbo_si_13_flows.toml");
     for (std::size_t regime = 0; regime < 2; ++regime) {
         EXPECT_EQ(triples(model, regime, 2), (Names{"pim Tim pem"}));
-        EXPECT_EQ(triples(model, regime, 3), (Names{"pic pim Tim", "pim Tim Wth", "pim pem Tem", "Tim pem Tem"}));
+        EXPECT_EQ(triples(model, regime, 3),
+                  (Names{"pic pim Tim", "pim Tim Wth", "pim pem Tem", "Tim pem Tem"}));
         EXPECT_EQ(triples(model, regime, 4), Names{});
     }
 }
@@ -119,14 +102,16 @@ TEST(TurboSiFlows, HasTheSameLinksAsTheEngine) {
     const auto engine = load("turbo_si_13.toml"), flows = load("turbo_si_13_flows.toml");
     const SensorSet all = (1u << 17) - 1;
     for (std::size_t r = 0; r < 2; ++r) {
-        const auto a = pattern(engine, engine.regimes[r].structure, all), b = pattern(flows, flows.regimes[r].structure, all);
+        const auto a = pattern(engine, engine.regimes[r].structure, all),
+                   b = pattern(flows, flows.regimes[r].structure, all);
         EXPECT_EQ(a.a, b.a);
         EXPECT_EQ(a.c, b.c);
     }
 }
 
-// Brockett 1970: angle alone observes the orbit, radius alone misses the angle. The rest follows by hand: vr alone
-// sees r and vtheta only in one sum, for ever; with the angle, one derivative of a second sensor fills the rest.
+// Brockett 1970: angle alone observes the orbit, radius alone misses the angle. The rest follows by hand: vr
+// alone sees r and vtheta only in one sum, for ever; with the angle, one derivative of a second sensor fills
+// the rest.
 TEST(Satellite, KnownAnswers) {
     const auto model = load("satellite_orbit.toml");
     SetQuery query;
@@ -138,10 +123,21 @@ TEST(Satellite, KnownAnswers) {
         for (const auto &sensor : model.sensor_names(entry.set)) names += sensor + " ";
         index[names] = entry.index;
     }
-    const std::map<std::string, int> expected{
-        {"r ", 0}, {"vr ", 0}, {"theta ", 4}, {"vtheta ", 0}, {"r vr ", 0}, {"r theta ", 2}, {"r vtheta ", 0},
-        {"vr theta ", 2}, {"vr vtheta ", 0}, {"theta vtheta ", 3}, {"r vr theta ", 2}, {"r vr vtheta ", 0},
-        {"r theta vtheta ", 2}, {"vr theta vtheta ", 2}, {"r vr theta vtheta ", 1}};
+    const std::map<std::string, int> expected{{"r ", 0},
+                                              {"vr ", 0},
+                                              {"theta ", 4},
+                                              {"vtheta ", 0},
+                                              {"r vr ", 0},
+                                              {"r theta ", 2},
+                                              {"r vtheta ", 0},
+                                              {"vr theta ", 2},
+                                              {"vr vtheta ", 0},
+                                              {"theta vtheta ", 3},
+                                              {"r vr theta ", 2},
+                                              {"r vr vtheta ", 0},
+                                              {"r theta vtheta ", 2},
+                                              {"vr theta vtheta ", 2},
+                                              {"r vr theta vtheta ", 1}};
     EXPECT_EQ(index, expected);
 }
 
@@ -155,8 +151,8 @@ TEST(Satellite, StructureAloneTellsWhichSensorSuffices) {
     }
 }
 
-// x1 and x2 feed only x3: the observability matrix [x3; x1 + x2 + x3; x1 + x2 + x3] has full structural rank, yet
-// no numbers make the pair observable. The trap that Shields and Pearson's theorem avoids.
+// x1 and x2 feed only x3: the observability matrix [x3; x1 + x2 + x3; x1 + x2 + x3] has full structural rank,
+// yet no numbers make the pair observable. The trap that Shields and Pearson's theorem avoids.
 TEST(Structural, FullStructuralRankOfTheObservabilityMatrixIsNotEnough) {
     const LinearPattern dilation{{{}, {}, {0, 1, 2}}, {{2}}};
     EXPECT_EQ(structural_rank({{2}, {0, 1, 2}, {0, 1, 2}}, 3), 3);
@@ -164,7 +160,8 @@ TEST(Structural, FullStructuralRankOfTheObservabilityMatrixIsNotEnough) {
     EXPECT_FALSE(observable_shields_pearson(dilation));
 }
 
-// --- three ways to one answer, on random structures -------------------------------------------------------------
+// --- three ways to one answer, on random structures
+// -------------------------------------------------------------
 
 SensorModel random_model(unsigned seed) {
     std::mt19937 random(seed);
@@ -198,7 +195,8 @@ TEST(Structural, LinShieldsPearsonAndExactRankAgreeOnRandomModels) {
         for (const auto &entry : index_sets(model, model.regimes[0].structure, query).sets) {
             const auto system = pattern(model, model.regimes[0].structure, entry.set);
             EXPECT_EQ(observable_lin(system), entry.index > 0) << "seed " << seed << " set " << entry.set;
-            EXPECT_EQ(observable_shields_pearson(system), entry.index > 0) << "seed " << seed << " set " << entry.set;
+            EXPECT_EQ(observable_shields_pearson(system), entry.index > 0)
+                << "seed " << seed << " set " << entry.set;
             observable += entry.index > 0;
             ++sets;
         }
@@ -208,11 +206,12 @@ TEST(Structural, LinShieldsPearsonAndExactRankAgreeOnRandomModels) {
     EXPECT_LT(observable, sets * 4 / 5);
 }
 
-// Definition 3 word for word: all lag states written out, ranks by plain elimination, own numbers, no incremental
-// anything.
+// Definition 3 word for word: all lag states written out, ranks by plain elimination, own numbers, no
+// incremental anything.
 class WordForWord {
   public:
-    WordForWord(const SensorModel &model, const Structure &structure, SensorSet set, unsigned seed) : random_(seed) {
+    WordForWord(const SensorModel &model, const Structure &structure, SensorSet set, unsigned seed)
+        : random_(seed) {
         const auto system = pattern(model, structure, set);
         a_ = numbers(system.a, system.a.size());
         c_ = numbers(system.c, system.a.size());
@@ -245,7 +244,8 @@ class WordForWord {
         Matrix product(a.size(), std::vector<std::uint64_t>(b.size(), 0));
         for (std::size_t i = 0; i < a.size(); ++i) {
             for (std::size_t k = 0; k < b.size(); ++k) {
-                for (std::size_t j = 0; j < b.size(); ++j) product[i][j] = (product[i][j] + a[i][k] * b[k][j]) % prime;
+                for (std::size_t j = 0; j < b.size(); ++j)
+                    product[i][j] = (product[i][j] + a[i][k] * b[k][j]) % prime;
             }
         }
         return product;
@@ -261,12 +261,14 @@ class WordForWord {
     static int rank(Matrix m) {
         std::size_t rank = 0;
         for (std::size_t column = 0; column < m[0].size() && rank < m.size(); ++column) {
-            const auto pivot = std::find_if(m.begin() + std::ptrdiff_t(rank), m.end(), [&](auto &row) { return row[column]; });
+            const auto pivot = std::find_if(m.begin() + std::ptrdiff_t(rank), m.end(),
+                                            [&](auto &row) { return row[column]; });
             if (pivot == m.end()) continue;
             std::swap(*pivot, m[rank]);
             for (std::size_t i = rank + 1; i < m.size(); ++i) {
                 const auto keep = m[rank][column], take = prime - m[i][column];
-                for (std::size_t j = 0; j < m[i].size(); ++j) m[i][j] = (keep * m[i][j] + take * m[rank][j]) % prime;
+                for (std::size_t j = 0; j < m[i].size(); ++j)
+                    m[i][j] = (keep * m[i][j] + take * m[rank][j]) % prime;
             }
             ++rank;
         }
@@ -287,7 +289,8 @@ TEST(ExactIndex, IsDefinition3WithLagStatesWrittenOut) {
         const auto indexed = index_sets(model, regime.structure, query);
         for (std::size_t i = 0; i < indexed.sets.size(); i += 23) {
             WordForWord plain(model, regime.structure, indexed.sets[i].set, unsigned(i));
-            EXPECT_EQ(indexed.sets[i].index, plain.index(query.targets)) << regime.name << " set " << indexed.sets[i].set;
+            EXPECT_EQ(indexed.sets[i].index, plain.index(query.targets))
+                << regime.name << " set " << indexed.sets[i].set;
         }
     }
 }
@@ -322,11 +325,37 @@ TEST(ExactIndex, CountsSets) {
     EXPECT_EQ(count_sets(17, 1, 17), 131071);
 }
 
+// Processor time, so that a busy machine does not fail the test; the best of five.
+double milliseconds(const SensorModel &model, int most) {
+    SetQuery query;
+    query.targets = model.targets;
+    query.most = most;
+    double best = 1e9;
+    for (int i = 0; i < 5; ++i) {
+        const std::clock_t start = std::clock();
+        index_sets(model, model.regimes[0].structure, query);
+        best = std::min(best, 1e3 * double(std::clock() - start) / CLOCKS_PER_SEC);
+    }
+    return best;
+}
+
+#ifdef __SANITIZE_ADDRESS__
+constexpr double slower = 30; // checked memory is not what the goals are about
+#else
+constexpr double slower = 1;
+#endif
+
+TEST(Speed, AllSubsetsUpToFiveInFiftyMilliseconds) {
+    EXPECT_LT(milliseconds(load("turbo_si_13.toml"), 5), 50 * slower);
+}
+TEST(Speed, AllSubsetsInOneSecond) { EXPECT_LT(milliseconds(load("turbo_si_13.toml"), 17), 1000 * slower); }
+
 template <class Field> void check_field() {
     const std::uint64_t p = Field::prime;
     for (std::uint64_t d = 2; d * d <= p; ++d) ASSERT_NE(p % d, 0u) << p << " is not prime";
-    for (const std::uint64_t x : {std::uint64_t(0), p - 1, p, p + 1, 2 * p, (p - 1) * (p - 1), 2 * (p - 1) * (p - 1),
-                                  (std::uint64_t(1) << 63) - 1, std::uint64_t(1) << 63}) {
+    for (const std::uint64_t x :
+         {std::uint64_t(0), p - 1, p, p + 1, 2 * p, (p - 1) * (p - 1), 2 * (p - 1) * (p - 1),
+          (std::uint64_t(1) << 63) - 1, std::uint64_t(1) << 63}) {
         EXPECT_EQ(Field::reduce(x), x % p) << x;
     }
 }
@@ -336,7 +365,8 @@ TEST(Modular, ReducesExactlyAtTheEdges) {
     check_field<Modular<19>>();
 }
 
-// --- ranking ----------------------------------------------------------------------------------------------------
+// --- ranking
+// ----------------------------------------------------------------------------------------------------
 
 TEST(Ranking, ParetoFrontIsTheUnbeatenSets) {
     const auto model = load("turbo_si_13.toml");
@@ -354,7 +384,8 @@ TEST(Ranking, ParetoFrontIsTheUnbeatenSets) {
     ASSERT_EQ(ranking.sets.size(), 833u);
     EXPECT_GT(front.size(), 3u);
     for (const auto &entry : ranking.sets) {
-        const auto beats = std::count_if(front.begin(), front.end(), [&](auto &member) { return as_good(member, entry); });
+        const auto beats =
+            std::count_if(front.begin(), front.end(), [&](auto &member) { return as_good(member, entry); });
         EXPECT_GE(beats, 1) << "nothing on the front is as good as set " << entry.set;
     }
     for (const auto &member : front) {
@@ -372,48 +403,6 @@ TEST(Ranking, WorstRegimeCountsAndUnobservableComesLast) {
     EXPECT_EQ(ranking.sets[2].worst, 0);
     EXPECT_EQ(ranking.disagreements, 1);
     EXPECT_EQ(ranking.histograms[0], (Histogram{{0, 1}, {2, 1}, {3, 1}}));
-}
-
-// --- reading models ---------------------------------------------------------------------------------------------
-
-const std::string two_states = "name = 't'\n[states]\na = ['b']\nb = ['a', 'b']\n[sensors]\ny = { sees = ['a'] }\n";
-
-TEST(SensorModelFile, ReadsTheSmallestModel) {
-    const auto model = parse(two_states);
-    EXPECT_EQ(model.states, (Names{"a", "b"}));
-    EXPECT_EQ(model.targets, (std::vector<int>{0, 1}));
-    EXPECT_EQ(model.regimes[0].structure.states[1].states, (std::vector<int>{0, 1}));
-}
-
-TEST(SensorModelFile, NamesWhatIsWrong) {
-    const auto with = [](const std::string &more) { return complaint(two_states + more); };
-    EXPECT_EQ(with("z = { sees = ['c'] }"), "m.toml: sensors.z.sees: 'c' is not a state");
-    EXPECT_EQ(with("z = { sees = ['a', 'a'] }"), "m.toml: sensors.z.sees: names 'a' twice");
-    EXPECT_EQ(with("y = { sees = ['b'] }").substr(0, 15), "m.toml: line 7:"); // duplicate name
-    EXPECT_EQ(with("[regimes.cold]"), "m.toml: regimes.cold: is empty: it must name at least one link that full_regime "
-                                      "has and it has not");
-    EXPECT_EQ(with("[regimes.cold.states]\na = []").substr(0, 31), "m.toml: regimes.cold: is empty:");
-    EXPECT_EQ(with("[regimes.cold.states]\na = ['a']"), "m.toml: regimes.cold.states.a: a does not depend on 'a'");
-    EXPECT_EQ(with("[regimes.cold.states]\nc = ['a']"), "m.toml: regimes.cold.states.c: 'c' is not defined");
-    EXPECT_EQ(with("[regimes.cold.sensors]\ny = ['q']"), "m.toml: regimes.cold.sensors.y: 'q' is not a state");
-    EXPECT_EQ(with("[regimes.full.states]\na = ['b']"), "m.toml: regimes.full: is full_regime, which loses nothing");
-    EXPECT_EQ(with("[[forbidden]]\nsensors = ['q']"), "m.toml: forbidden[0].sensors: 'q' is not a sensor");
-    EXPECT_EQ(with("[[forbidden]]\nsensors = []"), "m.toml: forbidden[0].sensors: names no sensor");
-    EXPECT_EQ(with("z = { sees = ['a'], cost = -1 }"), "m.toml: sensors.z.cost: -1 is outside [0, 1e+09]");
-    EXPECT_EQ(with("z = { sees = ['a'], price = 1 }"), "m.toml: sensors.z.price: is not a known field");
-    EXPECT_EQ(with("z = { sees = ['a'], lags_s = [0] }").substr(0, 24), "m.toml: sensors.z.lags_s");
-    EXPECT_EQ(with("[shared]\na = ['b']"), "m.toml: shared.a: has the name of a state");
-    EXPECT_EQ(with("[shared]\nq = ['q']"), "m.toml: shared.q: 'q' must be defined before it is used");
-    EXPECT_EQ(complaint("name = 't'\ntargets = ['c']\n" + two_states.substr(11)), "m.toml: targets: 'c' is not a state");
-    EXPECT_EQ(complaint("name = 't'\n[states]\n[sensors]\n"), "m.toml: states: has 0 entries, allowed 1 to 64");
-    EXPECT_EQ(complaint("name = 't'\n"), "m.toml: states: is not a table");
-}
-
-TEST(SensorModelFile, TargetsOfTheUserAreChecked) {
-    const auto model = parse(two_states);
-    EXPECT_EQ(model.find_states({"b"}, "--target"), std::vector<int>{1});
-    EXPECT_THROW(model.find_states({"q"}, "--target"), InputError);
-    EXPECT_THROW(model.find_states({"a", "a"}, "--target"), InputError);
 }
 
 } // namespace

@@ -60,7 +60,8 @@ TEST(TurboSiEngine, JacobianIsTheDerivativeOfItsRates) {
         const auto high = turbo_si_rates(up, part_load()), low = turbo_si_rates(down, part_load());
         for (int i = 0; i < turbo_si_states; ++i) {
             const double difference = (high[std::size_t(i)] - low[std::size_t(i)]) / (2 * step);
-            EXPECT_NEAR(point.a(i, j), difference, 1e-4 * point.a.row(i).cwiseAbs().maxCoeff() + 1e-6) << i << " " << j;
+            EXPECT_NEAR(point.a(i, j), difference, 1e-4 * point.a.row(i).cwiseAbs().maxCoeff() + 1e-6)
+                << i << " " << j;
         }
     }
 }
@@ -76,7 +77,8 @@ TEST(TurboSiEngine, UsesTheLinksOfItsStructureOverTheMap) {
         int used = 0, allowed = 0;
         for (int i = 0; i < turbo_si_states; ++i) {
             for (int j = 0; j < turbo_si_states; ++j) {
-                const bool linked = std::count(links[std::size_t(i)].begin(), links[std::size_t(i)].end(), j) > 0;
+                const bool linked =
+                    std::count(links[std::size_t(i)].begin(), links[std::size_t(i)].end(), j) > 0;
                 allowed += linked;
                 used += linked && point.a(i, j) != 0;
                 EXPECT_TRUE(linked || point.a(i, j) == 0) << point.name << " " << i << " " << j;
@@ -100,10 +102,11 @@ TEST(TurboSiEngine, SaysWhenThereIsNoSteadyState) {
     EXPECT_THROW(turbo_si_point(inputs), InputError);
 }
 
-// --- numeric index ------------------------------------------------------------------------------------------------
+// --- numeric index
+// ------------------------------------------------------------------------------------------------
 
-// With rows of length one and a tolerance near rounding, the numeric index is the exact one of the structure with
-// shared flows, nearly everywhere; with plain SI units it is lost.
+// With rows of length one and a tolerance near rounding, the numeric index is the exact one of the structure
+// with shared flows, nearly everywhere; with plain SI units it is lost.
 TEST(NumericIndex, NearRoundingItIsTheExactIndexOfTheSharedFlows) {
     const auto [model, numeric] = load("turbo_si_13.toml");
     TomlFile file{std::filesystem::path(SD_MODELS) / "turbo_si_13_flows.toml"};
@@ -129,11 +132,13 @@ TEST(NumericIndex, AgreesWithTheKnownAnswersOfTheSatellite) {
     const std::vector<int> expected{0, 0, 4, 0}; // r, vr, theta, vtheta
     for (std::size_t i = 0; i < 4; ++i) {
         const auto system = augment(model, numeric.points[0], numeric.scale, SensorSet(1) << i);
-        EXPECT_EQ(numeric_index(system, model.targets, Scaling::si, {1e-9})[0], expected[i]) << model.sensors[i].name;
+        EXPECT_EQ(numeric_index(system, model.targets, Scaling::si, {1e-9})[0], expected[i])
+            << model.sensors[i].name;
     }
 }
 
-// --- Kalman filter ------------------------------------------------------------------------------------------------
+// --- Kalman filter
+// ------------------------------------------------------------------------------------------------
 
 // A random walk seen directly, or through a lag.
 std::string walk(const std::string &lag) {
@@ -154,7 +159,9 @@ TEST(Kalman, AVeryFastLagChangesNothingAndASlowOneCosts) {
     const auto plain = from(TomlFile("w.toml", walk("")));
     const auto fast = from(TomlFile("w.toml", walk(", lags_s = [1e-5]")));
     const auto slow = from(TomlFile("w.toml", walk(", lags_s = [1]")));
-    const auto sigma = [](const Loaded &l) { return steady_sigma(l.model, l.numeric, l.numeric.points[0], 1, {0})[0]; };
+    const auto sigma = [](const Loaded &l) {
+        return steady_sigma(l.model, l.numeric, l.numeric.points[0], 1, {0})[0];
+    };
     EXPECT_NEAR(sigma(fast), sigma(plain), 1e-3 * sigma(plain));
     EXPECT_GT(sigma(slow), 1.5 * sigma(plain));
 }
@@ -177,7 +184,8 @@ TEST(Kalman, MoreSensorsNeverHurt) {
     };
     const SensorSet base = 0b1000000; // pim
     for (std::size_t i = 0; i < model.sensors.size(); ++i) {
-        for (std::size_t k = 0; k < 3; ++k) EXPECT_LE(sigma(base | SensorSet(1) << i)[k], sigma(base)[k] * (1 + 1e-9)) << i;
+        for (std::size_t k = 0; k < 3; ++k)
+            EXPECT_LE(sigma(base | SensorSet(1) << i)[k], sigma(base)[k] * (1 + 1e-9)) << i;
     }
 }
 
@@ -186,10 +194,12 @@ TEST(Kalman, ADriftNobodySeesHasNoSteadyDeviation) {
     const auto radius = steady_sigma(model, numeric, numeric.points[0], 0b0001, model.targets);
     EXPECT_TRUE(std::isinf(radius[2]));
     EXPECT_LT(radius[0], 1e-3);
-    for (const double sigma : steady_sigma(model, numeric, numeric.points[0], 0b0100, model.targets)) EXPECT_LT(sigma, 1e-2);
+    for (const double sigma : steady_sigma(model, numeric, numeric.points[0], 0b0100, model.targets))
+        EXPECT_LT(sigma, 1e-2);
 }
 
-// --- reading ------------------------------------------------------------------------------------------------------
+// --- reading
+// ------------------------------------------------------------------------------------------------------
 
 std::string complaint(std::string text, const std::string &what, const std::string &by) {
     text.replace(text.find(what), what.size(), by);
@@ -202,15 +212,19 @@ std::string complaint(std::string text, const std::string &what, const std::stri
 }
 
 TEST(NumericModelFile, NamesWhatIsWrong) {
-    EXPECT_EQ(complaint(walk(""), "a = [0]", "a = [0, 1]"), "w.toml: numeric.jacobians[0].a: has 2 entries, not 1");
+    EXPECT_EQ(complaint(walk(""), "a = [0]", "a = [0, 1]"),
+              "w.toml: numeric.jacobians[0].a: has 2 entries, not 1");
     EXPECT_EQ(complaint(walk(""), ", noise = 0.5", ""),
               "w.toml: sensors.y.noise: is missing; a model with \"numeric\" needs it");
     EXPECT_EQ(complaint(walk(""), "name = 'p'", "name = 'p'\nregime = 'q'"),
               "w.toml: numeric.jacobians[0].regime: 'q' is not a regime of the model");
-    EXPECT_EQ(complaint(walk(""), "[[numeric.jacobians]]", "[[numeric.turbo_si_points]]"),
-              "w.toml: numeric.turbo_si_points[0].name: needs the states, sensors and regimes of turbo_si_13.toml");
-    EXPECT_EQ(complaint(walk(""), "step_s = 0.1", "step_s = 0"), "w.toml: numeric.step_s: 0 is outside [1e-06, 10] s");
-    EXPECT_EQ(complaint(walk(""), "c = [1]", "c = [1]\nd = 3"), "w.toml: numeric.jacobians[0].d: is not a known field");
+    EXPECT_EQ(
+        complaint(walk(""), "[[numeric.jacobians]]", "[[numeric.turbo_si_points]]"),
+        "w.toml: numeric.turbo_si_points[0].name: needs the states, sensors and regimes of turbo_si_13.toml");
+    EXPECT_EQ(complaint(walk(""), "step_s = 0.1", "step_s = 0"),
+              "w.toml: numeric.step_s: 0 is outside [1e-06, 10] s");
+    EXPECT_EQ(complaint(walk(""), "c = [1]", "c = [1]\nd = 3"),
+              "w.toml: numeric.jacobians[0].d: is not a known field");
 }
 
 } // namespace

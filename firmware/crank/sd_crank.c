@@ -72,10 +72,10 @@ static void clock_place(sd_crank_clock_t *c, const sd_gains_t *gain, uint32_t ti
     const int32_t likely = ((4 * c->error + ONE / 20) * (spacings >> 6)) >> 6; /* errors grow with the way coasted */
     int64_t late = elapsed - expected;
     if (error > likely) { late = (late * likely) / error; }
-    const int64_t fitted = expected + ((late * gain->time) >> 12) + c->frac;
+    const int64_t fitted = expected + ((late * gain->time + ONE / 2) >> 12) + c->frac;
     const int64_t late_each = (late * ONE) / spacings;
-    const int32_t period = period_after(c, spacings) + (int32_t)((late_each * gain->period) >> 12);
-    const int64_t change = c->change + (((late_each * ONE) / spacings * gain->change) >> 12);
+    const int32_t period = period_after(c, spacings) + (int32_t)((late_each * gain->period + ONE / 2) >> 12);
+    const int64_t change = c->change + (((late_each * ONE) / spacings * gain->change + ONE / 2) >> 12);
     c->tick += (uint32_t)(fitted >> 6);
     c->frac = (int32_t)(fitted & 63);
     c->period = clamp32(period, 64, STALL_TICKS_MAX << 6);
@@ -102,6 +102,13 @@ static uint32_t mark_after(const sd_crank_t *self, uint32_t position) {
 
 static uint32_t first_tooth_after(const sd_crank_t *self, uint32_t mark) {
     return ((uint32_t)self->mark_first[mark] + self->mark_run[mark]) % self->config.positions;
+}
+
+static bool second_after_a_mark(const sd_crank_t *self) {
+    for (uint32_t m = 0; m < self->mark_count; ++m) {
+        if (self->position == first_tooth_after(self, m) + 1u) { return true; }
+    }
+    return false;
 }
 
 static void sum_turn(sd_crank_t *self) {
@@ -236,9 +243,10 @@ static sd_fit_t fit(const sd_crank_t *self, int32_t width, int32_t slip) {
     return sum;
 }
 
-/* The slip that explains the edges better than none does by two edges or more: one edge is a fault, not a slip. */
+/* The slip that leaves fewer edges astray than none does. One edge is enough: where it stands astray, the tooth that it
+ * should have been is missing too, so without a slip it would take two faults. */
 static int32_t find_slip(const sd_crank_t *self, int32_t width, const sd_fit_t *here) {
-    int32_t found = 0, least = here->astray - 1;
+    int32_t found = 0, least = here->astray;
     for (int32_t slip = -SLIP_MAX; slip <= SLIP_MAX; ++slip) {
         const int32_t astray = fit(self, width, slip).astray;
         if (astray < least) { least = astray; found = slip; }
@@ -505,8 +513,7 @@ void sd_crank_edge(sd_crank_t *self, uint32_t tick, sd_tooth_t *tooth) {
     } else {
         if (self->mode >= TRYING) { track(self, tick, raw_period, tooth); }
         const bool gap = gap_seen(self, raw_period);
-        const bool expected = (self->mode == TRYING) && (tooth->advance > 0u) &&
-                              (self->position == first_tooth_after(self, self->try_mark) + 1u);
+        const bool expected = (self->mode == TRYING) && (tooth->advance > 0u) && second_after_a_mark(self);
         if ((self->mode <= TRYING) && gap && !expected) { begin_try(self, tick, raw_period); }
         self->raw_period[1] = self->raw_period[0];
         self->raw_period[0] = raw_period;

@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: MIT
+// The application core behind the in-process port, and the calibration page it starts from.
+#include <cmath>
+#include <cstring>
+#include <gtest/gtest.h>
+#include <memory>
+
+#include "calibration/calibration.hpp"
+#include "common/error.hpp"
+#include "support/torque_signal.hpp"
+extern "C" {
+#include "sd_ecu.h"
+#include "sd_inproc.h"
+}
+
+using namespace sixdeg;
+using namespace sixdeg::test;
+
+namespace {
+
+EngineFile diesel() {
+    TomlFile file(std::filesystem::path(SD_ENGINES) / "diesel_22.toml");
+    EngineFile engine = read_engine(file);
+    engine.tick_hz = 1e7;
+    return engine;
+}
+
+sd_calibration_t page(const std::string &tune_text = "") {
+    TomlFile tune("tune", tune_text);
+    return calibrate(diesel(), read_tune(tune), "tune");
+}
+
+struct Ecu {
+    std::unique_ptr<sd_ecu_t> ecu = std::make_unique<sd_ecu_t>();
+    std::unique_ptr<sd_inproc_t> wire = std::make_unique<sd_inproc_t>();
+    sd_port_t ecu_side = sd_inproc_ecu_side(wire.get()), host_side = sd_inproc_host_side(wire.get());
+    std::vector<sd_event_t> answers;
+
+    explicit Ecu(const sd_calibration_t &calibration) { EXPECT_EQ(SD_OK, sd_ecu_init(ecu.get(), &calibration)); }
+
+    const std::vector<sd_event_t> &send(std::uint16_t kind, std::uint32_t tick) {
+        const sd_event_t event{tick, kind, 0, 0, 0};
+        EXPECT_EQ(1u, host_side.send(host_side.context, &event, 1));
+        sd_ecu_run(ecu.get(), &ecu_side);
+        answers.clear();
+        sd_event_t answer;
+        while (host_side.receive(host_side.context, &answer, 1) == 1) answers.push_back(answer);
+        return answers;
+    }
+};
+
+float value_of(const sd_event_t &event) {
+    float value;
+    std::memcpy(&value, &event.value, sizeof value);
+    return value;
+}
+
+TEST(CalibrationPage, ComesBackAsItWasAndIsRefusedWhenTouched) {
+    const sd_calibration_t original = page("[torque]\nharmonics = 7\ngain_energy = 4.0\n");
+    auto bytes = page_bytes(original);
+    sd_calibration_t back{};
+    ASSERT_EQ(SD_OK, sd_calibration_decode(&back, bytes.data(), std::uint32_t(bytes.size())));
+    EXPECT_EQ(bytes, page_bytes(back));
+    EXPECT_EQ(7.0f, back.parameters.torque_harmonics);
+    back.positions = 77;
+    for (std::size_t i = 0; i < bytes.size(); i += 3) {
+        auto broken = bytes;
+        broken[i] ^= 0x10;
+        ASSERT_EQ(SD_ERR_PAGE, sd_calibration_decode(&back, broken.data(), std::uint32_t(broken.size()))) << i;
+    }
+    for (std::uint32_t size = 0; size < bytes.size(); size += 13) {
+        ASSERT_EQ(SD_ERR_PAGE, sd_calibration_decode(&back, bytes.data(), size));
+    }
+    EXPECT_EQ(77, back.positions) << "a refused page changes nothing";
+}
+
+TEST(CalibrationPage, BytesHaveAFixedOrder) {
+    const auto bytes = page_bytes(page());
+    ASSERT_GT(bytes.size(), 16u);
+    EXPECT_EQ('S', bytes[0]);
+    EXPECT_EQ(bytes.size(), std::size_t(bytes[4] | bytes[5] << 8));
+    float tick_hz;
+    std::memcpy(&tick_hz, &bytes[12], 4);
+    EXPECT_EQ(1e7f, tick_hz);
+    EXPECT_EQ(60, bytes[16]);
+}
+
+TEST(Calibration, AnglesLandOnTheRightPositions) {
+    // diesel_22.toml: position 0 at 270 deg; firing TDC 0, 180, 360, 540; missing at 258 and 264 deg (document 004).
+    const sd_calibration_t c = page();
+    const int expected[] = {75, 105, 15, 45};
+    for (int i = 0; i < 4; ++i) EXPECT_EQ(expected[i], c.firing_position[i]) << i;
+    EXPECT_EQ(25, c.cam_position); // 420 deg
+    // J half a pitch before position 15, a TDC: 3 deg before it the arm is almost nothing.
+    EXPECT_NEAR(0.25, double(c.inertia_kgm2[15]), 1e-4);
+    const TorqueSignal independent;
+    for (int k = 0; k < 60; ++k) {
+        EXPECT_NEAR(independent.inertia((270 + 6 * (k - 0.5)) * M_PI / 180), double(c.inertia_kgm2[k]), 1e-7);
+    }
+}
+
+TEST(Calibration, RefusesGainsThatDoNotConvergeEvenBelowTheRule) {
+    TomlFile tune("t.toml", "[torque]\nharmonics = 12\ngain_energy = 1.0\ngain_reference = 2.0\n");
+    const sd_parameters_t parameters = read_tune(tune);
+    try {
+        calibrate(diesel(), parameters, "t.toml");
+        FAIL() << "accepted";
+    } catch (const InputError &error) {
+        EXPECT_NE(std::string(error.what()).find("t.toml: torque.gain_energy"), std::string::npos) << error.what();
+        EXPECT_NE(std::string(error.what()).find("allowed below 1"), std::string::npos) << error.what();
+    }
+}
+
+TEST(Ecu, TurnsEdgesIntoTorqueThroughTheStream) {
+    // Document 004's imbalance, exact tooth times, missing teeth, a cam edge each cycle: decoder and observer together.
+    TorqueSignal signal;
+    for (const char *number : {"0", "1"}) {
+        Ecu ecu(page(std::string("[torque]\nfixed_point = ") + number + "\ntorque_base = 1500\n"));
+        const auto times = signal.tooth_times(60, 120 * 30);
+        const auto projection = signal.harmonics(5);
+        double worst = 0, largest = 0;
+        int compared = 0, cycles = 0, cylinders_valid = 0;
+        for (int k = 0; k < 120 * 30; ++k) {
+            // The signal begins at a TDC; wheel position of its tooth k: 270 deg is position 0, so 0 deg is 15 or 75.
+            const int position = (k + 75) % 120;
+            if (position % 60 >= 58) continue;
+            const auto tick = std::uint32_t(std::llround(times[std::size_t(k)] * 1e7) + 1000);
+            const auto answers = ecu.send(SD_EVENT_CRANK_EDGE, tick);
+            if (position == 25) ecu.send(SD_EVENT_CAM_EDGE, tick + 10);
+            for (const sd_event_t &event : answers) {
+                ASSERT_EQ(SD_EVENT_SIGNAL, event.kind);
+                ASSERT_TRUE(std::isfinite(value_of(event)));
+                if (event.channel == SD_SIGNAL_CRANK_ANGLE && k > 120 * 20) {
+                    EXPECT_NEAR(std::fmod(6.0 * k, 720), double(value_of(event)), 1e-3);
+                }
+                if (event.channel == SD_SIGNAL_TORQUE_MASS && k > 120 * 20) {
+                    ASSERT_EQ(0u, event.flags) << "valid";
+                    const double truth = series_at(projection, 2 * M_PI / 60 * k);
+                    worst = std::fmax(worst, std::fabs(double(value_of(event)) - truth));
+                    largest = std::fmax(largest, std::fabs(truth));
+                    ++compared;
+                }
+                if (event.channel == SD_SIGNAL_CYCLE_SPEED) {
+                    ++cycles;
+                    cylinders_valid += ecu.ecu->status[SD_OWNER_CYLINDER].health == SD_VALID;
+                    if (cycles > 5) { EXPECT_NEAR(120 / (times[std::size_t(k)] - times[std::size_t(k - 120)]), double(value_of(event)), 0.1); }
+                }
+            }
+        }
+        EXPECT_GT(compared, 1000);
+        EXPECT_GT(largest, 200);
+        EXPECT_LT(worst, 0.06 * signal.peak_to_peak());
+        EXPECT_GT(cycles, 25);
+        EXPECT_GT(cylinders_valid, 15) << "phase known and observer settled";
+        // Cylinder 1 has 30 % of nominal more fuel than cylinder 4: it must show in this order.
+        const float *torque = ecu.ecu->signals.cycle_cylinder_torque_nm;
+        EXPECT_GT(torque[0], torque[1]);
+        EXPECT_GT(torque[2], torque[3]);
+        EXPECT_GT(torque[0], torque[3]);
+    }
+}
+
+TEST(Ecu, CylindersAreInvalidWithoutAPhase) {
+    TorqueSignal signal;
+    Ecu ecu(page());
+    const auto times = signal.tooth_times(60, 120 * 12);
+    int cycles = 0;
+    for (int k = 0; k < 120 * 12; ++k) {
+        if ((k + 75) % 60 >= 58) continue;
+        for (const sd_event_t &event : ecu.send(SD_EVENT_CRANK_EDGE, std::uint32_t(std::llround(times[std::size_t(k)] * 1e7)))) {
+            if (event.channel != SD_SIGNAL_CYCLE_CYLINDER_TORQUE) continue;
+            ++cycles;
+            EXPECT_EQ(SD_INVALID, event.flags & 0xff);
+            EXPECT_TRUE((event.flags >> 8) & SD_WHY_NO_PHASE);
+        }
+    }
+    EXPECT_GT(cycles, 5);
+}
+
+TEST(Ecu, StallMakesEverythingInvalidAndARestartWorks) {
+    TorqueSignal signal;
+    Ecu ecu(page());
+    const auto times = signal.tooth_times(60, 120 * 4);
+    const auto turn = [&](std::uint32_t start) {
+        for (int k = 0; k < 120 * 4; ++k) {
+            if (k % 60 < 58) ecu.send(SD_EVENT_CRANK_EDGE, start + std::uint32_t(std::llround(times[std::size_t(k)] * 1e7)));
+        }
+    };
+    turn(0);
+    EXPECT_EQ(SD_VALID, ecu.ecu->status[SD_OWNER_CRANK].health);
+    const auto last = std::uint32_t(std::llround(times.back() * 1e7));
+    const auto answers = ecu.send(SD_EVENT_TIME, last + 20000000u);
+    ASSERT_FALSE(answers.empty());
+    for (const sd_event_t &event : answers) {
+        EXPECT_EQ(SD_INVALID, event.flags & 0xff) << event.channel;
+        if (event.channel == SD_SIGNAL_CRANK_SPEED) { EXPECT_EQ(0.0f, value_of(event)); }
+    }
+    turn(last + 30000000u);
+    EXPECT_EQ(SD_VALID, ecu.ecu->status[SD_OWNER_CRANK].health);
+}
+
+TEST(Ecu, IgnoresAndCountsWhatItDoesNotKnow) {
+    Ecu ecu(page());
+    EXPECT_TRUE(ecu.send(999, 5).empty());
+    EXPECT_EQ(1u, ecu.ecu->unknown_events);
+}
+
+TEST(InprocPort, DropsAndCountsWhatDoesNotFit) {
+    auto wire = std::make_unique<sd_inproc_t>();
+    const sd_port_t host = sd_inproc_host_side(wire.get()), ecu = sd_inproc_ecu_side(wire.get());
+    std::vector<sd_event_t> events(SD_INPROC_EVENTS + 3);
+    for (std::size_t i = 0; i < events.size(); ++i) events[i].tick = std::uint32_t(i);
+    EXPECT_EQ(SD_INPROC_EVENTS, host.send(host.context, events.data(), std::uint32_t(events.size())));
+    EXPECT_EQ(3u, wire->dropped);
+    sd_event_t back[10];
+    EXPECT_EQ(10u, ecu.receive(ecu.context, back, 10));
+    EXPECT_EQ(9u, back[9].tick);
+    EXPECT_EQ(0u, host.receive(host.context, back, 10));
+}
+
+} // namespace

@@ -116,6 +116,8 @@ class EngineModel {
     const Event *events_end() const { return tables_.events.data() + next_event_; }
     /// Valid right after the event `exchange` of that lane: the cycle that just ended.
     const CycleTruth &finished(int lane) const { return finished_[std::size_t(lane)]; }
+    /// Of one cylinder, `lane` an index into firing_order, at the angle just reached. Work counts from the last event
+    /// `exchange`, heat from the last intake_close.
     double pressure_pa(int lane) const { return state_.p[lane]; }
     double trapped_kg(int lane) const { return mass_[std::size_t(lane)]; }
     double heat_lost_j(int lane) const { return state_.wall[lane]; }
@@ -127,7 +129,11 @@ class EngineModel {
     const StepTables &tables() const { return tables_; }
     int step_in_cycle() const { return step_; }
     std::int64_t cycle() const { return cycle_; }
+    /// Kinetic energy of the crank (with a dual-mass flywheel: of its primary side), J.
     double energy_j() const { return state_.energy; }
+    /// Dual-mass flywheel: how far the crank is ahead of the secondary mass, rad, and the secondary's speed.
+    double flywheel_twist_rad() const { return state_.twist; }
+    double secondary_speed_radps() const { return state_.secondary; }
 
   private:
     static constexpr int kLanes = 2 * kMaxCylinders; // fired cylinders first, then their motored twins

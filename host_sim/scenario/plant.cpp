@@ -62,6 +62,7 @@ void Plant::pre_roll() {
     const int step = int(std::lround(scenario_.start_deg / scenario_.step_deg)) % model_.tables().steps;
     const double speed = scenario_.speed_radps.at(0);
     demand_pa_ = scenario_.bmep_pa.at(0);
+    mean_speed_ = speed;
     for (int lane = 0; lane < scenario_.engine.shared.cylinders(); ++lane) {
         const int cylinder = scenario_.engine.shared.firing_order[std::size_t(lane)];
         model_.set_intake_pressure(lane, scenario_.engine.intake_pressure_pa.at(demand_pa_) *
@@ -148,7 +149,7 @@ bool Plant::fuel_is_cut(double time_s) const {
 void Plant::set_charge(const Event &event) {
     const StepTruth &truth = model_.truth();
     const int cylinder = scenario_.engine.shared.firing_order[std::size_t(event.lane)];
-    const double fuel = fuel_is_cut(truth.time_s) ? 0 : fuel_map_.fuel_kg(truth.speed_radps, demand_pa_);
+    const double fuel = fuel_is_cut(truth.time_s) ? 0 : fuel_map_.fuel_kg(mean_speed_, demand_pa_);
     const std::int64_t tdc_step = model_.cycle() * model_.tables().steps + event.step + steps_to_tdc_;
     const std::int64_t cycle = std::int64_t(std::floor(double(tdc_step) / model_.tables().steps));
     model_.set_charge(event.lane, plan_.draw(event.lane, cycle, fuel * fuel_trim_[std::size_t(cylinder - 1)], demand_pa_));
@@ -188,6 +189,7 @@ void Plant::control() {
                            (engine.dual_mass ? engine.dual_mass->secondary_inertia_kgm2 : 0);
     const double error_j = inertia / 2 * (mean * mean - middle * middle);
     const double ramp_nm = inertia / 2 * (next * next - middle * middle) / SpeedControl::kCycleRad;
+    mean_speed_ = mean;
     model_.set_mean_speed(mean);
     demand_pa_ = scenario_.bmep_pa.at(now);
     if (scenario_.speed_mode == SpeedMode::dyno) {

@@ -99,9 +99,12 @@ bool EdgeGenerator::pass_next() {
 
 bool EdgeGenerator::next_edge(Edge &edge) {
     while (!pickup_.take(now_s_, now_radps_, edge)) {
-        if (ended_ || !pass_next()) return pickup_.take_rest(edge);
+        if (ended_ || !pass_next()) {
+            if (!pickup_.take_rest(edge)) return false;
+            break;
+        }
     }
-    return true;
+    return edge.time_s < duration_s_;
 }
 
 } // namespace sixdeg

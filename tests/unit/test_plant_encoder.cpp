@@ -144,7 +144,7 @@ TEST(Encoder, OffsetDelayAndLagMoveEveryEdge) {
 TEST(Encoder, JitterHasTheAskedSpread) {
     EncoderFaults faults;
     faults.jitter_deg = 0.02;
-    const auto ideal = crank_only(generate({}, Profile(1000.0), 10)), jittered = crank_only(generate(faults, Profile(1000.0), 10));
+    const auto ideal = crank_only(generate({}, Profile(1000.0), 10.0005)), jittered = crank_only(generate(faults, Profile(1000.0), 10.0005));
     ASSERT_EQ(ideal.size(), jittered.size());
     double square = 0;
     for (std::size_t i = 0; i < ideal.size(); ++i) {
@@ -157,7 +157,7 @@ TEST(Encoder, DroppedEdgesComeAtTheAskedRateAndLength) {
     EncoderFaults faults;
     faults.drop_rate = 0.01;
     faults.drop_burst = 4;
-    const auto ideal = crank_only(generate({}, Profile(1000.0), 60)), holed = crank_only(generate(faults, Profile(1000.0), 60));
+    const auto ideal = crank_only(generate({}, Profile(1000.0), 60.0005)), holed = crank_only(generate(faults, Profile(1000.0), 60.0005));
     // Runs of mean length 4 begin at one edge in 100 of those outside a run: 4/(100 + 3) are lost.
     const double lost = 1 - double(holed.size()) / double(ideal.size());
     EXPECT_NEAR(lost, 4.0 / 103, 0.004);
@@ -167,7 +167,7 @@ TEST(Encoder, FalseEdgesAreMarkedAndInOrder) {
     EncoderFaults faults;
     faults.extra_rate = 0.02;
     faults.extra_burst = 3;
-    const auto edges = generate(faults, Profile(1000.0), 60);
+    const auto edges = generate(faults, Profile(1000.0), 60.0005);
     EXPECT_TRUE(ordered(edges));
     int spurious = 0, true_ones = 0;
     for (const Edge &edge : edges) {

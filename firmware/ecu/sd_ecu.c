@@ -1,0 +1,213 @@
+/* SPDX-License-Identifier: MIT */
+#include "sd_ecu.h"
+
+#include <string.h>
+
+#define RPM_PER_RADPS 9.5492966f
+
+static bool fixed_point(const sd_ecu_t *self) { return self->calibration.parameters.torque_fixed_point > 0.5f; }
+
+/* ---- the torque observer in either number type ----------------------------------------------------------------- */
+
+static float torque_step(sd_ecu_t *self, const sd_tooth_t *tooth) {
+    const uint8_t trusted = (tooth->health == SD_VALID) ? 1u : 0u;
+    return fixed_point(self) ? sd_fourier_step_q31(&self->torque.q31, tooth->cycle_position, tooth->advance,
+                                                   tooth->period_ticks, trusted)
+                             : sd_fourier_step_f32(&self->torque.f32, tooth->cycle_position, tooth->advance,
+                                                   tooth->period_ticks, trusted);
+}
+
+static float torque_at(const sd_ecu_t *self, uint32_t cycle_position) {
+    return fixed_point(self) ? sd_fourier_torque_at_q31(&self->torque.q31, cycle_position)
+                             : sd_fourier_torque_at_f32(&self->torque.f32, cycle_position);
+}
+
+static void torque_restart(sd_ecu_t *self) {
+    if (fixed_point(self)) { sd_fourier_restart_q31(&self->torque.q31); } else { sd_fourier_restart_f32(&self->torque.f32); }
+}
+
+static void torque_shift(sd_ecu_t *self) {
+    if (fixed_point(self)) {
+        sd_fourier_shift_revolution_q31(&self->torque.q31);
+    } else {
+        sd_fourier_shift_revolution_f32(&self->torque.f32);
+    }
+}
+
+static sd_status_t torque_status(const sd_ecu_t *self) {
+    sd_fourier_estimate_t estimate;
+    if (fixed_point(self)) { sd_fourier_read_q31(&self->torque.q31, &estimate); } else { sd_fourier_read_f32(&self->torque.f32, &estimate); }
+    return estimate.status;
+}
+
+sd_result_t sd_ecu_init(sd_ecu_t *self, const sd_calibration_t *calibration) {
+    sd_ecu_t fresh;
+    memset(&fresh, 0, sizeof fresh);
+    fresh.calibration = *calibration;
+    const sd_crank_config_t crank = sd_calibration_crank(&fresh.calibration);
+    const sd_fourier_config_t torque = sd_calibration_torque(&fresh.calibration);
+    if ((calibration->cylinders < 1u) || (calibration->cylinders > SD_CYLINDERS_MAX)) { return SD_ERR_CONFIG; }
+    if (sd_crank_init(&fresh.crank, &crank) != SD_OK) { return SD_ERR_CONFIG; }
+    const sd_result_t result = fixed_point(&fresh) ? sd_fourier_init_q31(&fresh.torque.q31, &torque)
+                                                   : sd_fourier_init_f32(&fresh.torque.f32, &torque);
+    if (result == SD_OK) { *self = fresh; }
+    return result;
+}
+
+/* ---- signals --------------------------------------------------------------------------------------------------- */
+
+static void publish(sd_ecu_t *self, const sd_port_t *port, uint32_t tick, sd_rate_t rate) {
+    const float *value = (const float *)&self->signals;
+    for (uint32_t channel = 0; channel < SD_SIGNAL_COUNT; ++channel) {
+        const sd_signal_info_t *info = &sd_signal_infos[channel];
+        if (info->rate != (uint8_t)rate) { continue; }
+        const sd_status_t *status = &self->status[info->owner];
+        sd_event_t event = { .tick = tick, .kind = SD_EVENT_SIGNAL, .channel = (uint16_t)channel,
+                             .flags = status->health | ((uint32_t)status->why << 8) };
+        memcpy(&event.value, &value[channel], sizeof event.value);
+        self->unsent_signals += 1u - port->send(port->context, &event, 1u);
+    }
+}
+
+_Static_assert(sizeof(sd_signals_t) == SD_SIGNAL_COUNT * sizeof(float), "signals are floats, without gaps");
+
+static void worst_of(sd_status_t *status, uint8_t health, uint8_t why) {
+    if (health > status->health) { status->health = health; }
+    status->why |= why;
+}
+
+/* ---- the cycle ------------------------------------------------------------------------------------------------- */
+
+/* Which firing interval a cycle position lies in; the last one reaches round to the first. */
+static uint32_t firing_at(const sd_calibration_t *c, uint32_t cycle_position) {
+    const uint32_t cycle = 2u * c->positions;
+    uint32_t best = 0, least = cycle;
+    for (uint32_t i = 0; i < c->cylinders; ++i) {
+        const uint32_t since = (cycle_position + cycle - c->firing_position[i]) % cycle;
+        if (since < least) { least = since; best = i; }
+    }
+    return best;
+}
+
+static void begin_cycle(sd_ecu_t *self) {
+    memset(self->interval, 0, sizeof self->interval);
+    self->cycle_ticks = 0;
+    self->cycle_positions = 0;
+    self->cycle_clean = 1;
+}
+
+static void end_cycle(sd_ecu_t *self, const sd_port_t *port, uint32_t tick) {
+    const sd_calibration_t *c = &self->calibration;
+    sd_status_t *status = &self->status[SD_OWNER_CYLINDER];
+    *status = self->status[SD_OWNER_TORQUE];
+    if (self->crank.phase_votes < 2u) { worst_of(status, SD_INVALID, SD_WHY_NO_PHASE); }
+    if (self->cycle_positions < 2u * c->positions) { worst_of(status, SD_INVALID, SD_WHY_NO_SYNC); }
+    if (self->cycle_clean == 0u) { worst_of(status, SD_DEGRADED, SD_WHY_FAULT); }
+    for (uint32_t i = 0; i < c->cylinders; ++i) {
+        const sd_interval_t *interval = &self->interval[i];
+        self->signals.cycle_cylinder_torque_nm[c->firing_order[i] - 1u] =
+            (interval->positions > 0u) ? interval->sum_nm / (float)interval->positions : 0.0f;
+    }
+    const float turns = (float)self->cycle_positions / (float)c->positions;
+    self->signals.cycle_speed_rpm = (self->cycle_ticks > 0u) ? 60.0f * turns * c->tick_hz / (float)self->cycle_ticks : 0.0f;
+    publish(self, port, tick, SD_RATE_CYCLE);
+}
+
+static void add_to_cycle(sd_ecu_t *self, const sd_tooth_t *tooth) {
+    const uint32_t cycle = 2u * self->calibration.positions;
+    for (uint32_t back = tooth->advance; back-- > 0u;) {
+        const uint32_t position = (tooth->cycle_position + cycle - back) % cycle;
+        sd_interval_t *interval = &self->interval[firing_at(&self->calibration, position)];
+        interval->sum_nm += torque_at(self, position);
+        interval->positions++;
+    }
+    self->cycle_ticks += tooth->period_ticks;
+    self->cycle_positions += tooth->advance;
+    if (self->status[SD_OWNER_TORQUE].health != SD_VALID) { self->cycle_clean = 0; }
+}
+
+/* ---- events ---------------------------------------------------------------------------------------------------- */
+
+/* Keeps the observer's angle the decoder's: half a cycle off is a matter of sign, anything else a fresh start. */
+static void follow(sd_ecu_t *self, const sd_tooth_t *tooth) {
+    const uint32_t cycle = 2u * self->calibration.positions;
+    const uint32_t expected = (self->cycle_position + (uint32_t)tooth->advance) % cycle;
+    const uint32_t off = (tooth->cycle_position + cycle - expected) % cycle;
+    if ((self->following == 0u) || ((off != 0u) && (off != self->calibration.positions))) {
+        torque_restart(self);
+        begin_cycle(self);
+    } else if (off != 0u) {
+        torque_shift(self);
+        begin_cycle(self);
+    }
+    self->following = 1;
+}
+
+static void on_tooth(sd_ecu_t *self, const sd_port_t *port, const sd_tooth_t *tooth) {
+    follow(self, tooth);
+    if (tooth->cycle_position < self->cycle_position) {
+        end_cycle(self, port, tooth->tick);
+        begin_cycle(self);
+    }
+    self->signals.torque_mass_nm = torque_step(self, tooth);
+    self->cycle_position = tooth->cycle_position;
+    sd_status_t *status = &self->status[SD_OWNER_TORQUE];
+    *status = torque_status(self);
+    worst_of(status, tooth->health, tooth->why);
+    self->signals.torque_innovation_j = status->innovation;
+    add_to_cycle(self, tooth);
+}
+
+static void lose_angle(sd_ecu_t *self, uint8_t why) {
+    self->following = 0;
+    self->signals.torque_mass_nm = 0.0f;
+    worst_of(&self->status[SD_OWNER_TORQUE], SD_INVALID, why);
+}
+
+static void on_crank_edge(sd_ecu_t *self, const sd_port_t *port, uint32_t tick) {
+    sd_tooth_t tooth;
+    sd_crank_edge(&self->crank, tick, &tooth);
+    const sd_calibration_t *c = &self->calibration;
+    sd_signals_t *s = &self->signals;
+    self->status[SD_OWNER_CRANK] = (sd_status_t){ .health = tooth.health, .why = tooth.why };
+    s->crank_edge_class = (float)tooth.edge_class;
+    s->crank_tooth = (float)tooth.position;
+    const float angle_deg = c->position_0_deg + (float)tooth.cycle_position * (360.0f / (float)c->positions);
+    s->crank_angle_deg = (angle_deg >= 720.0f) ? angle_deg - 720.0f : angle_deg;
+    s->crank_phase_known = (float)tooth.phase_known;
+    if (tooth.period_ticks > 0u) {
+        s->crank_speed_rpm = sd_crank_speed_radps(&self->crank, &tooth, c->tick_hz) * RPM_PER_RADPS;
+        s->crank_acceleration_radps2 = sd_crank_acceleration_radps2(&self->crank, &tooth, c->tick_hz);
+    }
+    if (tooth.edge_class == SD_EDGE_UNSYNCED) {
+        lose_angle(self, SD_WHY_NO_SYNC);
+    } else if (tooth.edge_class != SD_EDGE_SPURIOUS) {
+        on_tooth(self, port, &tooth);
+    }
+    publish(self, port, tick, SD_RATE_EDGE);
+}
+
+static void on_time(sd_ecu_t *self, const sd_port_t *port, uint32_t tick) {
+    if (!sd_crank_poll(&self->crank, tick)) { return; }
+    lose_angle(self, SD_WHY_STALL);
+    self->status[SD_OWNER_CRANK] = (sd_status_t){ .health = SD_INVALID, .why = SD_WHY_STALL };
+    self->signals.crank_edge_class = (float)SD_EDGE_UNSYNCED;
+    self->signals.crank_speed_rpm = 0.0f;
+    self->signals.crank_acceleration_radps2 = 0.0f;
+    publish(self, port, tick, SD_RATE_EDGE);
+}
+
+uint32_t sd_ecu_run(sd_ecu_t *self, const sd_port_t *port) {
+    sd_event_t event;
+    uint32_t handled = 0;
+    while (port->receive(port->context, &event, 1u) == 1u) {
+        switch (event.kind) {
+        case SD_EVENT_CRANK_EDGE: on_crank_edge(self, port, event.tick); break;
+        case SD_EVENT_CAM_EDGE:   sd_crank_cam_edge(&self->crank, event.tick); break;
+        case SD_EVENT_TIME:       on_time(self, port, event.tick); break;
+        default:                  self->unknown_events++; break;
+        }
+        handled++;
+    }
+    return handled;
+}

@@ -1,0 +1,75 @@
+/* SPDX-License-Identifier: MIT */
+/// sd_num.h - one arithmetic vocabulary, two number types: f32 (float) and q31 (1.31 fixed point).
+///
+/// A kernel body is written once against these verbs (sd_add, sd_mul, sd_gain ...) and compiled once per type; see
+/// sd_fourier.inc. All values are per-unit in [-1, 1); q31 verbs saturate at the ends and round down. A gain is a
+/// constant factor of any size up to 2^20; sums of products go through an accumulator that cannot overflow in 2^30 terms.
+#ifndef SD_NUM_H
+#define SD_NUM_H
+#include <stdbool.h>
+#include <stdint.h>
+
+typedef int32_t sd_q31_t; /* LSB 4.66e-10 per unit */
+#ifndef __cplusplus
+_Static_assert((-1 >> 1) == -1, "q31 needs an arithmetic right shift");
+#endif
+
+typedef struct { float factor; } sd_gain_f32_t;
+typedef struct { sd_q31_t mantissa; int8_t exponent; } sd_gain_q31_t; /* value = mantissa 2^(exponent - 31) */
+typedef float   sd_acc_f32_t;
+typedef int64_t sd_acc_q31_t;
+
+static inline sd_q31_t sd_sat_q31(int64_t x) {
+    return (x > INT32_MAX) ? INT32_MAX : (x < INT32_MIN) ? INT32_MIN : (sd_q31_t)x;
+}
+
+static inline float    sd_add_f32(float a, float b)       { return a + b; }
+static inline sd_q31_t sd_add_q31(sd_q31_t a, sd_q31_t b) { return sd_sat_q31((int64_t)a + b); }
+static inline float    sd_sub_f32(float a, float b)       { return a - b; }
+static inline sd_q31_t sd_sub_q31(sd_q31_t a, sd_q31_t b) { return sd_sat_q31((int64_t)a - b); }
+static inline float    sd_mul_f32(float a, float b)       { return a * b; }
+static inline sd_q31_t sd_mul_q31(sd_q31_t a, sd_q31_t b) { return sd_sat_q31(((int64_t)a * b) >> 31); }
+static inline float    sd_neg_f32(float a)                { return -a; }
+static inline sd_q31_t sd_neg_q31(sd_q31_t a)             { return sd_sat_q31(-(int64_t)a); }
+
+/* numerator / denominator, both > 0; q31 saturates just below 1. */
+static inline float    sd_ratio_f32(uint32_t n, uint32_t d) { return (float)n / (float)d; }
+static inline sd_q31_t sd_ratio_q31(uint32_t n, uint32_t d) {
+    return (n >= d) ? INT32_MAX : (sd_q31_t)(((uint64_t)n << 31) / d);
+}
+
+static inline float    sd_gain_f32(sd_gain_f32_t g, float x)    { return g.factor * x; }
+static inline sd_q31_t sd_gain_q31(sd_gain_q31_t g, sd_q31_t x) {
+    return sd_sat_q31(((int64_t)g.mantissa * x) >> (31 - g.exponent));
+}
+
+/* acc + a b */
+static inline sd_acc_f32_t sd_mac_f32(sd_acc_f32_t acc, float a, float b)       { return acc + a * b; }
+static inline sd_acc_q31_t sd_mac_q31(sd_acc_q31_t acc, sd_q31_t a, sd_q31_t b) { return acc + (((int64_t)a * b) >> 31); }
+static inline sd_acc_f32_t sd_acc_f32(float x)                 { return x; }
+static inline sd_acc_q31_t sd_acc_q31(sd_q31_t x)              { return x; }
+static inline float        sd_settle_f32(sd_acc_f32_t acc)     { return acc; }
+static inline sd_q31_t     sd_settle_q31(sd_acc_q31_t acc)     { return sd_sat_q31(acc); }
+
+/* Conversions, for init and read only. */
+static inline float    sd_from_float_f32(float x)    { return x; }
+static inline sd_q31_t sd_from_float_q31(float x)    { return sd_sat_q31((int64_t)(x * 2147483648.0f)); }
+static inline float    sd_to_float_f32(float x)      { return x; }
+static inline float    sd_to_float_q31(sd_q31_t x)   { return (float)x * (1.0f / 2147483648.0f); }
+static inline float    sd_from_q31_f32(sd_q31_t x)   { return (float)x * (1.0f / 2147483648.0f); }
+static inline sd_q31_t sd_from_q31_q31(sd_q31_t x)   { return x; }
+
+/* |value| < 2^20. */
+static inline sd_gain_f32_t sd_gain_of_f32(float value) { return (sd_gain_f32_t){ value }; }
+static inline sd_gain_q31_t sd_gain_of_q31(float value) {
+    int8_t exponent = 0;
+    while ((exponent < 20) && ((value >= 1.0f) || (value < -1.0f))) { value *= 0.5f; exponent++; }
+    while ((exponent > -20) && (value < 0.5f) && (value > -0.5f))   { value *= 2.0f; exponent--; }
+    return (sd_gain_q31_t){ sd_from_float_q31(value), exponent };
+}
+
+/* Inside the range, not at its ends, where q31 saturates; false for NaN. */
+static inline bool sd_in_unit_f32(float x)    { return (x > -1.0f) && (x < 1.0f); }
+static inline bool sd_in_unit_q31(sd_q31_t x) { return (x > INT32_MIN) && (x < INT32_MAX); }
+
+#endif

@@ -1,0 +1,324 @@
+// SPDX-License-Identifier: MIT
+// Recordings in every accepted form, their edges, and the guess of wheel, edge, column and cam.
+#include <ctime>
+#include <filesystem>
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "common/error.hpp"
+#include "recording/guess.hpp"
+#include "unit/crank_trace.hpp"
+
+namespace fs = std::filesystem;
+using namespace sixdeg;
+using crank_trace::Trace;
+
+namespace {
+
+const std::vector<double> kTimes{0, 0.5, 0.75};
+const std::vector<double> kLevels{1, 0, 1};
+
+struct Form {
+    const char *name, *text;
+};
+void PrintTo(const Form &form, std::ostream *out) { *out << form.name; }
+struct Forms : ::testing::TestWithParam<Form> {};
+
+TEST_P(Forms, ReadAlike) {
+    const Recording recording = parse_recording("r.csv", GetParam().text);
+    ASSERT_EQ(recording.columns.size(), 2u);
+    EXPECT_EQ(recording.time_s(), kTimes);
+    EXPECT_EQ(recording.columns[1], kLevels);
+    EXPECT_EQ(edges(recording, 1, Edge::falling), std::vector<double>{0.5});
+    EXPECT_EQ(edges(recording, 1, Edge::rising), std::vector<double>{0.75});
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Reader, Forms,
+    ::testing::Values(Form{"comma", "0,1\n0.5,0\n0.75,1\n"},
+                      Form{"comma_header", "Time[s], Channel 0\n0, 1\n0.5, 0\n0.75, 1\n"},
+                      Form{"semicolon", "t;level\n0;1\n0.5;0\n0.75;1"},
+                      Form{"tab", "0.0E+0\t1\n5.0E-1\t0\n7.5E-1\t1\n"},
+                      Form{"blanks", "  0   1\n 0.5   0\n 0.75  1\n"},
+                      Form{"blank_header", "time level\n0,1\n0.5,0\n0.75,1\n"},
+                      Form{"windows", "\xEF\xBB\xBFt,level\r\n0,1\r\n0.5,0\r\n0.75,1\r\n"},
+                      Form{"comments_and_ends", "# scope 3\n0,1,\n\n0.5,0,\n+0.75,+1,\n"}),
+    [](const auto &param) { return std::string(param.param.name); });
+
+TEST(Reader, NamesColumnsFromTheHeader) {
+    const Recording recording = parse_recording("r.csv", "Time[s], Channel 0\n0, 1\n");
+    EXPECT_EQ(column_label(recording, 1), "column 1 (Channel 0)");
+    EXPECT_EQ(column_label(parse_recording("r.csv", "0,1\n"), 1), "column 1");
+}
+
+TEST(Reader, TwoMegabytesTakeFarLessThanAFifthOfASecond) {
+    std::string text;
+    while (text.size() < 2'000'000)
+        text += fmt::format("{:.6E}\t7.090274E-1\t-7.328753E-1\n", double(text.size()) * 1e-7);
+    const std::clock_t begin = std::clock();
+    const Recording recording = parse_recording("r.csv", text);
+    const double seconds = double(std::clock() - begin) / CLOCKS_PER_SEC;
+    EXPECT_GT(recording.rows(), 50000u);
+#ifdef __SANITIZE_ADDRESS__
+    EXPECT_LT(seconds, 2.0);
+#else
+    EXPECT_LT(seconds, 0.1);
+#endif
+}
+
+TEST(Edges, KindsAreToldByTheValues) {
+    const Recording recording = parse_recording("r.csv", "0,5,0,0.1\n1,5,1,0.2\n2,5,0,0.3\n");
+    EXPECT_EQ(column_kind(recording, 1), ColumnKind::constant);
+    EXPECT_EQ(column_kind(recording, 2), ColumnKind::level);
+    EXPECT_EQ(column_kind(recording, 3), ColumnKind::sampled);
+    EXPECT_EQ(column_kind(parse_recording("r.csv", "0\n1\n"), 0), ColumnKind::edge_times);
+    EXPECT_TRUE(edges(recording, 1, Edge::falling).empty());
+}
+
+TEST(Edges, AreInterpolatedBetweenSamples) {
+    const Recording recording = parse_recording("r.csv", "0,0\n1,0\n2,1\n3,4\n4,4\n5,1\n6,0\n");
+    ASSERT_EQ(edges(recording, 1, Edge::rising).size(), 1u);
+    EXPECT_DOUBLE_EQ(edges(recording, 1, Edge::rising)[0], 2 + 1.0 / 3);
+    ASSERT_EQ(edges(recording, 1, Edge::falling).size(), 1u);
+    EXPECT_DOUBLE_EQ(edges(recording, 1, Edge::falling)[0], 4 + 2.0 / 3);
+}
+
+TEST(Edges, NoiseInsideTheDeadBandIsNoEdge) {
+    // Threshold 2, dead band 1.76 to 2.24.
+    const Recording recording =
+        parse_recording("r.csv", "0,0\n1,1.9\n2,2.1\n3,1.9\n4,2.1\n5,4\n6,2.1\n7,1.9\n8,2.1\n9,4\n10,0\n");
+    EXPECT_EQ(edges(recording, 1, Edge::rising).size(), 1u);
+    EXPECT_EQ(edges(recording, 1, Edge::falling).size(), 1u);
+}
+
+TEST(Edges, AVoltageFoldedOverAtTheTopOfTheRangeIsUnfolded) {
+    // A slow swing from 0 to 12 recorded with a range of 10: the top comes out at the bottom.
+    std::string rows;
+    for (int i = 0; i < 400; ++i) {
+        const double v = 6 - 6 * std::cos(i * 0.1);
+        rows += fmt::format("{},{:.3f}\n", i, v > 10 ? v - 10 : v);
+    }
+    EXPECT_EQ(edges(parse_recording("r.csv", rows), 1, Edge::rising).size(), 7u);
+    EXPECT_EQ(edges(parse_recording("r.csv", rows), 1, Edge::falling).size(), 6u);
+}
+
+// ---- The guess, on recordings of known wheels ----
+
+struct WheelCase {
+    int positions, missing;
+    double jitter;
+};
+void PrintTo(const WheelCase &wheel, std::ostream *out) { *out << wheel.positions << '-' << wheel.missing; }
+struct Wheels : ::testing::TestWithParam<WheelCase> {};
+
+/// Cranking with a compression ripple of +-40 % for a third of the way, then running.
+double cranking_rpm(double revolutions) {
+    return revolutions < 6 ? 250 * (1 + 0.4 * std::sin(4 * crank_trace::kPi * revolutions))
+                           : 250 + 100 * (revolutions - 6);
+}
+
+Trace cranking(const WheelCase &wheel) {
+    return {wheel.positions, wheel.missing, 18, cranking_rpm, wheel.jitter};
+}
+
+void expect_wheel(const Guess &found, const WheelCase &wheel) {
+    EXPECT_EQ(found.wheel.positions, wheel.positions);
+    EXPECT_EQ(int(found.wheel.missing.size()), wheel.missing);
+    EXPECT_NEAR(found.gap_ratio, wheel.missing + 1, 0.35);
+}
+
+TEST_P(Wheels, FromEdgeTimes) {
+    std::string rows;
+    for (double t_s : crank_trace::edge_times(cranking(GetParam()))) rows += fmt::format("{:.7f}\n", t_s);
+    const Guess found = guess(parse_recording("r.csv", rows));
+    expect_wheel(found, GetParam());
+    EXPECT_TRUE(found.is_edge_times);
+    EXPECT_EQ(found.column, 0);
+}
+
+TEST_P(Wheels, FromLevelsOfEitherPolarity) {
+    // The wide tooth stands in the gap: its other edge splits the gap in two.
+    const Trace trace = cranking(GetParam());
+    const std::vector<double> clean = crank_trace::edge_times(trace);
+    std::vector<double> split;
+    for (std::size_t i = 1; i < clean.size(); ++i) split.push_back((clean[i - 1] + clean[i]) / 2);
+    const Guess falling = guess(parse_recording("r.csv", crank_trace::level_rows(clean, split)));
+    expect_wheel(falling, GetParam());
+    EXPECT_EQ(falling.edge, Edge::falling);
+    const Guess rising = guess(parse_recording("r.csv", crank_trace::level_rows(split, clean)));
+    expect_wheel(rising, GetParam());
+    EXPECT_EQ(rising.edge, Edge::rising);
+    EXPECT_EQ(rising.time_s.size(), clean.size());
+}
+
+TEST_P(Wheels, FromAReluctanceVoltage) {
+    Trace trace = cranking(GetParam());
+    trace.jitter = 0;
+    const Guess found = guess(parse_recording("r.txt", crank_trace::reluctance_rows(trace, 2e4)));
+    expect_wheel(found, GetParam());
+    EXPECT_EQ(found.edge, Edge::falling);
+}
+
+INSTANTIATE_TEST_SUITE_P(Guess, Wheels,
+                         ::testing::Values(WheelCase{60, 2, 0}, WheelCase{60, 2, 0.07},
+                                           WheelCase{60, 2, 0.15}, WheelCase{36, 1, 0.03},
+                                           WheelCase{36, 2, 0.07}, WheelCase{24, 1, 0.03},
+                                           WheelCase{12, 1, 0}, WheelCase{30, 2, 0.05},
+                                           WheelCase{50, 3, 0.03}),
+                         [](const auto &param) {
+                             return fmt::format("w{}_{}_jitter{}", param.param.positions, param.param.missing,
+                                                int(std::lround(100 * param.param.jitter)));
+                         });
+
+TEST(Guess, SurvivesLostEdges) {
+    Trace trace;
+    trace.revolutions = 60;
+    trace.lost = 0.01;
+    const std::vector<double> times = crank_trace::edge_times(trace);
+    std::string rows;
+    for (double t_s : times) rows += fmt::format("{:.7f}\n", t_s);
+    EXPECT_EQ(describe(guess(parse_recording("r.csv", rows))), "60-2, edge times, gap ratio 3.0");
+}
+
+TEST(Guess, PrefersTheEdgeWhoseMarkIsOneGap) {
+    // Each gap has one falling edge 2.1 teeth after the last tooth: falling intervals of 2.6 and 1.4 teeth.
+    const double tooth_s = 60.0 / 900 / 60;
+    const std::vector<double> rising = crank_trace::edge_times({});
+    std::vector<double> falling;
+    for (std::size_t i = 1; i < rising.size(); ++i) {
+        const bool is_gap = rising[i] - rising[i - 1] > 2 * tooth_s;
+        falling.push_back(rising[i - 1] + (is_gap ? 2.1 : 0.5) * tooth_s);
+    }
+    const Recording recording = parse_recording("r.csv", crank_trace::level_rows(falling, rising));
+    EXPECT_EQ(describe(guess(recording)), "60-2, rising, gap ratio 3.0");
+    EXPECT_EQ(guess(recording, {{}, Edge::falling, {}}).edge, Edge::falling);
+}
+
+TEST(Guess, PrefersTheEvenerOfTwoGoodEdges) {
+    Trace rough;
+    rough.jitter = 0.03;
+    const Recording recording = parse_recording(
+        "r.csv", crank_trace::level_rows(crank_trace::edge_times(rough), crank_trace::edge_times({}, 0.5)));
+    EXPECT_EQ(guess(recording).edge, Edge::rising);
+}
+
+TEST(Guess, TakesTheFallingEdgeOfTwoAlike) {
+    const Recording recording = parse_recording(
+        "r.csv", crank_trace::level_rows(crank_trace::edge_times({}), crank_trace::edge_times({}, 0.5)));
+    EXPECT_EQ(guess(recording).edge, Edge::falling);
+}
+
+TEST(Guess, NeedsOnlyFiveGoodRevolutionsInARow) {
+    Trace good;
+    good.revolutions = 8;
+    std::vector<double> times = crank_trace::edge_times(good);
+    std::mt19937 random(5);
+    std::uniform_real_distribution<double> wait(0.0008, 0.0016);
+    while (times.size() < 60 * 58) times.push_back(times.back() + wait(random));
+    std::string rows;
+    for (double t_s : times) rows += fmt::format("{:.7f}\n", t_s);
+    EXPECT_EQ(describe(guess(parse_recording("r.csv", rows)).wheel), "60-2");
+}
+
+TEST(Guess, WordOfTheCallerStands) {
+    const std::vector<double> falling = crank_trace::edge_times({});
+    std::string rows;
+    for (double t_s : falling) rows += fmt::format("{:.7f}\n", t_s);
+    const Guess found = guess(parse_recording("r.csv", rows), {parse_wheel("36-1", "test"), {}, {}});
+    EXPECT_EQ(describe(found), "36-1, edge times, no gap measured");
+    EXPECT_EQ(found.time_s.size(), falling.size());
+}
+
+// ---- Cam ----
+
+/// Crank in column 2, cam in column 1, both as levels in every row.
+std::string rows_with_cam(int cam_period_revolutions) {
+    Trace trace;
+    trace.revolutions = 20;
+    const crank_trace::Motion motion(trace);
+    std::string rows = "t,cam,crank\n";
+    for (double p = 8; p < 19.5 * 60; p += 0.25) {
+        const bool is_tooth = std::fmod(p, 60) < 58 && std::fmod(p, 1) < 0.5;
+        const double cam = std::fmod(p, 60.0 * cam_period_revolutions);
+        rows += fmt::format("{:.8f},{},{}\n", motion.time_at(p), cam > 41.1 && cam < 55 ? 1 : 0,
+                            is_tooth ? 1 : 0);
+    }
+    return rows;
+}
+
+TEST(Cam, IsTheColumnWithOnePulseACycle) {
+    const Guess found = guess(parse_recording("r.csv", rows_with_cam(2)));
+    EXPECT_EQ(found.column, 2);
+    ASSERT_TRUE(found.cam);
+    EXPECT_EQ(found.cam->column, 1);
+    EXPECT_EQ(found.cam->edge, Edge::rising);
+    // Falling edges lie half a tooth on, so the rise after position 41.1 follows the fall of tooth 40.
+    EXPECT_EQ(found.cam->tooth, 40);
+    EXPECT_EQ(found.cam->time_s.size(), 10u);
+}
+
+TEST(Cam, IsNotAPulseEveryRevolutionOrEveryThird) {
+    EXPECT_FALSE(guess(parse_recording("r.csv", rows_with_cam(1))).cam);
+    EXPECT_FALSE(guess(parse_recording("r.csv", rows_with_cam(3))).cam);
+}
+
+TEST(Cam, IsNotAPressure) {
+    // One smooth hump a cycle in column 1, the crank's levels in column 2.
+    Trace trace;
+    trace.revolutions = 20;
+    const crank_trace::Motion motion(trace);
+    std::string rows;
+    for (double p = 8; p < 19.5 * 60; p += 0.25) {
+        const double from_top_deg = std::remainder(p * 6 - 30, 720);
+        const bool is_tooth = std::fmod(p, 60) < 58 && std::fmod(p, 1) < 0.5;
+        rows += fmt::format("{:.8f},{:.4f},{}\n", motion.time_at(p),
+                            1 + 60 * std::exp(-std::pow(from_top_deg / 30, 2)), is_tooth ? 1 : 0);
+    }
+    const Guess found = guess(parse_recording("r.csv", rows));
+    EXPECT_EQ(found.column, 2);
+    EXPECT_FALSE(found.cam);
+}
+
+// ---- Real recordings, where they are ----
+
+Guess guess_real(const std::string &name) { return guess(read_recording(fs::path(SD_RECORDINGS) / name)); }
+
+struct Real : ::testing::Test {
+    void SetUp() override {
+        if (!fs::is_directory(SD_RECORDINGS)) GTEST_SKIP() << "no real recordings beside the project";
+    }
+};
+
+TEST_F(Real, FourCylinderEventList) {
+    const Guess found = guess_real("real_60-2_vw_aba.csv");
+    EXPECT_EQ(describe(found), "60-2, falling, gap ratio 3.3");
+    EXPECT_EQ(found.column, 1);
+    EXPECT_EQ(found.time_s.size(), 2577u);
+    EXPECT_EQ(found.consistent_revolutions, 43);
+    ASSERT_TRUE(found.cam);
+    EXPECT_EQ(found.cam->column, 2);
+    EXPECT_EQ(found.cam->edge, Edge::rising);
+}
+
+TEST_F(Real, SampledEncoderBesidePressure) {
+    const Guess found = guess_real("real_single_pressure_full_load.txt");
+    EXPECT_EQ(describe(found), "60-2, rising, gap ratio 3.5");
+    EXPECT_EQ(found.column, 2);
+    EXPECT_EQ(found.time_s.size(), 1450u);
+    EXPECT_EQ(found.consistent_revolutions, 23);
+    EXPECT_FALSE(found.cam);
+}
+
+TEST_F(Real, NoisyEvents) {
+    const Guess found = guess_real("real_36-2_noisy.csv");
+    EXPECT_EQ(describe(found.wheel), "36-2");
+    EXPECT_GE(found.consistent_revolutions, 6);
+}
+
+TEST_F(Real, ReluctanceVoltageThatOverflowsItsRecorder) {
+    const Guess found = guess_real("real_60-2_vr_analog.csv");
+    EXPECT_EQ(describe(found), "60-2, falling, gap ratio 3.2");
+    EXPECT_EQ(found.consistent_revolutions, 40);
+}
+
+} // namespace

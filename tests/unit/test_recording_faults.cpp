@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: MIT
+// Every recording that cannot be used gets one line that names file, place and what is allowed.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "common/error.hpp"
+#include "recording/guess.hpp"
+#include "unit/crank_trace.hpp"
+
+using namespace sixdeg;
+
+namespace {
+
+template <typename Action> std::string message(Action action) {
+    try {
+        action();
+    } catch (const InputError &error) {
+        return error.what();
+    }
+    return "";
+}
+
+struct BadText {
+    const char *name, *text, *message;
+};
+void PrintTo(const BadText &bad, std::ostream *out) { *out << bad.name; }
+struct BadTexts : ::testing::TestWithParam<BadText> {};
+
+TEST_P(BadTexts, AreNamed) {
+    EXPECT_EQ(message([] { parse_recording("r.csv", GetParam().text); }), GetParam().message);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Reader, BadTexts,
+    ::testing::Values(
+        BadText{"empty", "",
+                "r.csv: is empty; rows of time in s and, after it, levels or voltages are wanted"},
+        BadText{"blank", " \n\n# nothing\n",
+                "r.csv: is empty; rows of time in s and, after it, levels or voltages are wanted"},
+        BadText{"header_only", "time,level\n",
+                "r.csv: holds a header and no rows; rows of time in s and, after it, levels or voltages are "
+                "wanted"},
+        BadText{"no_number", "t,x\n0,1\n1,high\n",
+                "r.csv: line 3, column 1: 'high' is not a finite number such as 0.0125 or 1.25e-2"},
+        BadText{"second_header", "t,x\nt,x\n",
+                "r.csv: line 2, column 0: 't' is not a finite number such as 0.0125 or 1.25e-2"},
+        BadText{"empty_field", "0,1,2\n1,,2\n",
+                "r.csv: line 2, column 1: '' is not a finite number such as 0.0125 or 1.25e-2"},
+        BadText{"half_number", "0,1\n1,2x\n",
+                "r.csv: line 2, column 1: '2x' is not a finite number such as 0.0125 or 1.25e-2"},
+        BadText{"decimal_comma", "0;1\n0,5;1\n",
+                "r.csv: line 2, column 0: '0,5' is not a finite number such as 0.0125 or 1.25e-2"},
+        BadText{"nan", "0,nan\n",
+                "r.csv: line 1, column 1: 'nan' is not a finite number such as 0.0125 or 1.25e-2"},
+        BadText{"nan_first", "nan,0\n",
+                "r.csv: line 1, column 0: 'nan' is not a finite number such as 0.0125 or 1.25e-2"},
+        BadText{"inf", "0,1\n1,-inf\n",
+                "r.csv: line 2, column 1: '-inf' is not a finite number such as 0.0125 or 1.25e-2"},
+        BadText{"too_large", "0,1\n1,1e999\n",
+                "r.csv: line 2, column 1: '1e999' is not a finite number such as 0.0125 or 1.25e-2"},
+        BadText{"binary", "0,1\n1,\x01\x02\n",
+                "r.csv: line 2, column 1: '?\?' is not a finite number such as 0.0125 or 1.25e-2"},
+        BadText{
+            "time_goes_back", "0,1\n2,0\n1.5,1\n",
+            "r.csv: line 3, column 0: time 1.5 s is before the 2 s of the row above; time must not go back"},
+        BadText{"short_row", "0,1\n1\n",
+                "r.csv: line 2: has 1 columns, the first row has 2; every row must have as many"},
+        BadText{"long_row", "0,1\n1,2,3\n",
+                "r.csv: line 2: has 3 columns, the first row has 2; every row must have as many"}),
+    [](const auto &param) { return std::string(param.param.name); });
+
+TEST(Reader, MissingFileIsNamed) {
+    EXPECT_EQ(message([] { read_recording("no-such-file.csv"); }), "no-such-file.csv: cannot be read");
+}
+
+TEST(Columns, ThatAreNotThereAreNamed) {
+    const Recording recording = parse_recording("r.csv", "0,1,0\n1,0,1\n");
+    EXPECT_EQ(message([&] {
+                  guess(recording, {{}, {}, 3});
+              }),
+              "r.csv: column 3: is not a signal; column 0 is the time, signals are 1 to 2");
+    EXPECT_EQ(message([&] { edges(recording, 0, Edge::falling); }),
+              "r.csv: column 0: is not a signal; column 0 is the time, signals are 1 to 2");
+    EXPECT_EQ(message([&] { edges(parse_recording("r.csv", "0\n1\n"), 1, Edge::falling); }),
+              "r.csv: column 1: is not there: the only column, 0, holds the edge times");
+}
+
+TEST(Edges, OnlyTwoWordsAreEdges) {
+    EXPECT_EQ(parse_edge("rising", "--edge"), Edge::rising);
+    EXPECT_EQ(message([] { parse_edge("up", "--edge"); }), "--edge: 'up' is not an edge: falling or rising");
+}
+
+TEST(Guess, SaysWhatItTriedAndWhatToGive) {
+    std::string even; // teeth without any gap, and a column that never changes
+    for (int i = 0; i < 400; ++i) even += fmt::format("{},{},5\n", i * 0.001, i % 2);
+    EXPECT_EQ(message([&] { guess(parse_recording("r.csv", even)); }),
+              "r.csv: no toothed wheel found (column 1 falling: 199 edges, 0 gaps, 0 of them one revolution "
+              "apart; column 1 "
+              "rising: 200 edges, 0 gaps, 0 of them one revolution apart); too few edges, or say more: "
+              "--wheel 60-2, --edge "
+              "falling or rising, --column N");
+    EXPECT_NE(message([&] { guess(parse_recording("r.csv", "0,1\n1,1\n")); }).find("(no column has edges)"),
+              std::string::npos);
+}
+
+TEST(Guess, FindsNoWheelInNoise) {
+    std::mt19937 random(3);
+    std::exponential_distribution<double> wait(1000);
+    std::string rows;
+    double t_s = 0;
+    for (int i = 0; i < 3000; ++i) rows += fmt::format("{:.9f}\n", t_s += wait(random));
+    EXPECT_NE(message([&] { guess(parse_recording("r.csv", rows)); }), "");
+}
+
+TEST(Guess, AGapOfSixMissingTeethIsNoMark) {
+    crank_trace::Trace trace;
+    trace.missing = 6;
+    std::string rows;
+    for (double t_s : crank_trace::edge_times(trace)) rows += fmt::format("{:.7f}\n", t_s);
+    EXPECT_NE(message([&] { guess(parse_recording("r.csv", rows)); }), "");
+}
+
+TEST(Guess, WrongWheelFromTheCallerIsNotFound) {
+    const std::vector<double> falling = crank_trace::edge_times({});
+    std::vector<double> rising;
+    for (std::size_t i = 1; i < falling.size(); ++i) rising.push_back((falling[i - 1] + falling[i]) / 2);
+    const Recording recording = parse_recording("r.csv", crank_trace::level_rows(falling, rising));
+    EXPECT_NE(message([&] {
+                  guess(recording, {parse_wheel("36-1", "test"), {}, {}});
+              }).find("no 36-1 wheel found"),
+              std::string::npos);
+}
+
+TEST(Guess, FewerEdgesThanOneRevolutionAreNamed) {
+    const Recording recording = parse_recording("r.csv", "0,1\n1,0\n2,1\n3,0\n");
+    EXPECT_EQ(message([&] {
+                  guess(recording, {parse_wheel("60-2", "test"), Edge::falling, 1});
+              }),
+              "r.csv: column 1: has 2 edges, too few: one revolution of 60-2 needs 59");
+}
+
+} // namespace

@@ -1,0 +1,110 @@
+# SPDX-License-Identifier: MIT
+"""The pictures of a replay, as PNG bytes. Each function returns None where there is nothing to draw."""
+import io
+import os
+import sys
+
+# The font cache belongs to the build folder, not to the user's home.
+os.environ.setdefault("MPLCONFIGDIR", os.path.join(sys.prefix, "matplotlib"))
+
+import matplotlib  # noqa: E402
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt  # noqa: E402
+import numpy as np  # noqa: E402
+
+INK, BLUE, ORANGE, RED, GREY = "#222222", "#1f5f99", "#d9822b", "#c23b22", "#9a9a9a"
+MARKS = {"coasted": (ORANGE, "v", "coasted through"), "spurious": (RED, "x", "spurious"),
+         "unsynced": (GREY, ".", "not yet synced")}
+LAST_CYCLES = 8
+TEETH_BESIDE_MARK = 12
+
+plt.rcParams.update({"font.size": 10, "axes.edgecolor": INK, "axes.spines.top": False, "axes.spines.right": False,
+                     "axes.grid": True, "grid.color": "#e6e6e6", "axes.axisbelow": True, "legend.frameon": False})
+
+
+def _png(figure):
+    data = io.BytesIO()
+    # Without the version of the library in it, the same numbers give the same bytes.
+    figure.savefig(data, format="png", dpi=110, metadata={"Software": None})
+    plt.close(figure)
+    return data.getvalue()
+
+
+def _axes(title, x, y):
+    figure, axes = plt.subplots(figsize=(10, 4), layout="constrained")
+    axes.set_title(title, loc="left", color=INK)
+    axes.set_xlabel(x)
+    axes.set_ylabel(y)
+    return figure, axes
+
+
+def speed(teeth):
+    """Speed over time, faults marked where they happened."""
+    known = np.isfinite(teeth.rpm)
+    if not known.any():
+        return None
+    figure, axes = _axes("Speed, tooth by tooth", "time, s", "speed, rpm")
+    axes.plot(teeth.t_s[known], teeth.rpm[known], color=BLUE, linewidth=0.7)
+    for kind, (color, marker, label) in MARKS.items():
+        chosen = teeth.kind == kind
+        if not chosen.any():
+            continue
+        # An edge without a speed of its own is drawn at the speed around it.
+        rpm = np.interp(teeth.t_s[chosen], teeth.t_s[known], teeth.rpm[known])
+        axes.plot(teeth.t_s[chosen], rpm, marker, color=color, markersize=5, label=f"{label} ({chosen.sum()})")
+    axes.set_ylim(bottom=0)
+    if axes.get_legend_handles_labels()[0]:
+        axes.legend(loc="lower right")
+    return _png(figure)
+
+
+def _cycles(angle_deg):
+    """Index ranges in which the crank angle only rises."""
+    starts = np.flatnonzero(np.diff(angle_deg) < 0) + 1
+    bounds = [0, *starts.tolist(), len(angle_deg)]
+    return list(zip(bounds[:-1], bounds[1:]))
+
+
+def torque(teeth):
+    """Torque over crank angle, the last cycles over one another; the newest is dark."""
+    known = np.isfinite(teeth.torque_nm) & np.isfinite(teeth.angle_deg) & (teeth.kind == "tooth")
+    if not known.any():
+        return None
+    angle_deg, torque_nm = teeth.angle_deg[known], teeth.torque_nm[known]
+    span_deg = 720 if angle_deg.max() > 360 else 360
+    # The first and last are cut off somewhere on the way.
+    whole = [(a, b) for a, b in _cycles(angle_deg) if angle_deg[b - 1] - angle_deg[a] > 0.9 * span_deg][-LAST_CYCLES:]
+    if not whole:
+        return None
+    name = "cycles" if span_deg == 720 else "revolutions"
+    figure, axes = _axes(f"Torque at the crank, last {len(whole)} {name}", "crank angle, deg", "torque, N m")
+    for age, (a, b) in enumerate(reversed(whole)):
+        axes.plot(angle_deg[a:b], torque_nm[a:b], color=BLUE if age == 0 else GREY, linewidth=1.6 if age == 0 else 0.7,
+                  zorder=3 if age == 0 else 2)
+    axes.axhline(0, color=INK, linewidth=0.6)
+    axes.set_xlim(0, span_deg)
+    axes.set_xticks(range(0, span_deg + 1, 90))
+    return _png(figure)
+
+
+def mark(teeth):
+    """Intervals between edges around the last mark, with the tooth numbers that the decoder gave."""
+    firsts = np.flatnonzero((teeth.tooth == 0) & (teeth.kind == "tooth"))
+    firsts = firsts[(firsts > TEETH_BESIDE_MARK) & (firsts < len(teeth.t_s) - TEETH_BESIDE_MARK)]
+    if firsts.size == 0:
+        return None
+    middle = firsts[-1]
+    shown = np.arange(middle - TEETH_BESIDE_MARK, middle + TEETH_BESIDE_MARK)
+    t_ms = 1e3 * (teeth.t_s[shown] - teeth.t_s[middle])
+    interval_ms = 1e3 * (teeth.t_s[shown] - teeth.t_s[shown - 1])
+    figure, axes = _axes(f"Decoded teeth around the mark at {teeth.t_s[middle]:.3f} s", "time after the first tooth, ms",
+                         "time since the edge before, ms")
+    axes.vlines(t_ms, 0, interval_ms, color=GREY, linewidth=1)
+    for i, x, y in zip(shown, t_ms, interval_ms):
+        color = MARKS[teeth.kind[i]][0] if teeth.kind[i] in MARKS else BLUE
+        axes.plot(x, y, "o", color=color, markersize=4)
+        label = f"{teeth.tooth[i]:.0f}" if np.isfinite(teeth.tooth[i]) else "?"
+        axes.annotate(label, (x, y), textcoords="offset points", xytext=(0, 6), ha="center", fontsize=8, color=INK)
+    axes.set_ylim(0, 1.2 * interval_ms.max())
+    return _png(figure)

@@ -25,10 +25,11 @@ class FuelMap {
     static double largest_bmep_pa(const PlantEngine &engine, double speed_radps, double limit_pa);
 
   private:
-    static constexpr int kSpeeds = 3, kLoads = 6;
+    static constexpr int kLoads = 6;
     double interpolate(const std::vector<double> &table, double speed_radps, double bmep_pa) const;
     double speed_low_, speed_span_, bmep_top_;
-    std::vector<double> fuel_, motored_; // [kSpeeds][kLoads]
+    int speeds_; // 1 when there is but one speed
+    std::vector<double> fuel_, motored_; // [speeds_][kLoads]
     bool reaches_ = true;
 };
 

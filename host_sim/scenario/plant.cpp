@@ -89,7 +89,7 @@ void Plant::pre_roll() {
 }
 
 bool Plant::next_edge(Edge &edge) {
-    while (!pickup_.take(model_.truth().time_s, model_.truth().speed_radps, edge)) {
+    while (!pickup_.take(sensor_.time_s, sensor_.speed_radps, edge)) {
         if (ended_) {
             if (!pickup_.take_rest(edge)) return false;
             break;
@@ -115,11 +115,12 @@ bool Plant::at_end() const {
 }
 
 void Plant::advance() {
+    if (stop_) return advance_stop();
     if (model_.truth().time_s >= refresh_at_s_) refresh_speed_and_load();
     const StepTruth before = model_.truth();
     const SensorPoint from = sensor_;
     if (!model_.step()) {
-        stalled_ = ended_ = true;
+        stop_.emplace(scenario_.engine, spread_of(scenario_), model_);
         return;
     }
     handle_events();
@@ -129,6 +130,19 @@ void Plant::advance() {
     if (step_sink_) step_sink_->push_back(model_.truth());
     if (model_.truth().angle_rad > next_control_rad_ - 1e-6) control();
     ended_ = at_end();
+}
+
+// The wheel is taken as rigid with the crank here.
+void Plant::advance_stop() {
+    const SensorPoint from = sensor_;
+    ended_ = !stop_->step() || (scenario_.duration_s > 0 && stop_->time_s() >= scenario_.duration_s);
+    sensor_ = {stop_->angle_rad() * kDegPerRad, stop_->time_s(), stop_->speed_radps()};
+    if (sensor_.angle_deg == from.angle_deg) return;
+    if ((sensor_.angle_deg < from.angle_deg) != backward_) {
+        backward_ = !backward_;
+        wheel_.seek(from.angle_deg);
+    }
+    backward_ ? find_backward_edges(model_.truth(), from) : find_edges(model_.truth(), from);
 }
 
 void Plant::handle_events() {
@@ -225,17 +239,27 @@ void Plant::find_edges(const StepTruth &before, const SensorPoint &from) {
     }
 }
 
+void Plant::find_backward_edges(const StepTruth &before, const SensorPoint &from) {
+    while (wheel_.backward().angle_deg >= sensor_.angle_deg) {
+        pass(wheel_.backward().angle_deg, before, from, EdgeKind::crank, wheel_.backward().tooth);
+        wheel_.pass_backward();
+    }
+}
+
 void Plant::pass(double angle_deg, const StepTruth &before, const SensorPoint &from, EdgeKind kind, int tooth) {
     const StepTruth &after = model_.truth();
     const double x = (angle_deg - from.angle_deg) / (sensor_.angle_deg - from.angle_deg);
     const auto mix = [x](double a, double b) { return a + x * (b - a); };
     Edge edge;
-    edge.time_s = crossing_time(angle_deg, from.angle_deg, sensor_.angle_deg, from.time_s, sensor_.time_s, from.speed_radps,
-                                sensor_.speed_radps);
+    edge.time_s = stop_ ? mix(from.time_s, sensor_.time_s)
+                        : crossing_time(angle_deg, from.angle_deg, sensor_.angle_deg, from.time_s, sensor_.time_s,
+                                        from.speed_radps, sensor_.speed_radps);
+    edge.backward = backward_;
     edge.kind = kind;
     edge.tooth = tooth;
     edge.angle_deg = angle_deg - 720 * std::floor(angle_deg / 720);
-    edge.speed_radps = mix(before.speed_radps, after.speed_radps);
+    edge.speed_radps = stop_ ? sensor_.speed_radps : mix(before.speed_radps, after.speed_radps);
+    if (stop_) return pickup_.pass(edge); // no torque truth at standstill
     edge.combustion_torque_nm = mix(before.combustion_torque_nm, after.combustion_torque_nm);
     edge.gas_torque_nm = mix(before.gas_torque_nm, after.gas_torque_nm);
     edge.net_torque_nm = mix(before.net_torque_nm, after.net_torque_nm);

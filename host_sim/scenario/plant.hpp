@@ -12,11 +12,13 @@
 #pragma once
 #include <array>
 #include <deque>
+#include <optional>
 #include <vector>
 
 #include "engine/engine_model.hpp"
 #include "engine/fuel_map.hpp"
 #include "engine/road.hpp"
+#include "engine/stop_motion.hpp"
 #include "engine/torsion.hpp"
 #include "scenario/combustion_plan.hpp"
 #include "scenario/scenario.hpp"
@@ -34,18 +36,20 @@ class Plant {
     Plant(const Plant &) = delete;
     Plant &operator=(const Plant &) = delete;
 
-    /// Next edge in order of time. False at the end of the run, or when the engine has stalled and no edge is left.
+    /// Next edge in order of time. False at the end of the run, or when the engine has stalled and come to rest: it
+    /// rocks on its compressed cylinders first, and gives the edges of that, some of them backward.
     bool next_edge(Edge &edge);
     /// Next cylinder cycle that is complete, in order of completion: 360 deg after its firing TDC. False if none waits.
     bool next_cycle(CycleTruth &cycle);
 
-    /// The crank at the end of the last step taken; up to a tooth ahead of the last edge handed out.
+    /// The crank at the end of the last step taken; up to a tooth ahead of the last edge handed out. Holds its last value
+    /// once the engine has stalled.
     const StepTruth &truth() const { return model_.truth(); }
     /// Appends every step from now on to `sink` (caller-owned, outlives the plant); nullptr ends it.
     void record_steps(std::vector<StepTruth> *sink) { step_sink_ = sink; }
     /// Factor on the fuel of a physical cylinder from its next intake closing on, for closed loops. [0, 2].
     void set_fuel_trim(int cylinder, double factor);
-    bool stalled() const { return stalled_; }
+    bool stalled() const { return stop_.has_value(); }
     const EngineModel &model() const { return model_; }
     const WheelEdges &wheel() const { return wheel_; }
 
@@ -59,7 +63,9 @@ class Plant {
     void set_charge(const Event &event);
     void control();
     void refresh_speed_and_load();
+    void advance_stop();
     void find_edges(const StepTruth &before, const SensorPoint &from);
+    void find_backward_edges(const StepTruth &before, const SensorPoint &from);
     void pass(double angle_deg, const StepTruth &before, const SensorPoint &from, EdgeKind kind, int tooth);
     SensorPoint sensor() const;
     bool fuel_is_cut(double time_s) const;
@@ -79,7 +85,9 @@ class Plant {
     double next_cam_deg_ = 0, end_angle_rad_ = 1e300, next_control_rad_ = 0, control_time_ = 0;
     double mean_speed_ = 0, brake_nm_ = 0, demand_pa_ = 0, refresh_at_s_ = 0;
     int steps_to_tdc_ = 0;
-    bool running_ = false, ended_ = false, stalled_ = false;
+    bool running_ = false, ended_ = false;
+    std::optional<StopMotion> stop_;
+    bool backward_ = false;
     std::deque<CycleTruth> cycles_;
     std::vector<StepTruth> *step_sink_ = nullptr;
 };

@@ -184,12 +184,27 @@ TEST(PlantRun, SwitchingOneFaultOnChangesNoOtherDraw) {
     for (std::size_t i = 0; i < plain.size(); ++i) EXPECT_EQ(plain[i].imep_pa, faulty[i].imep_pa);
 }
 
-TEST(PlantRun, LowSpeedFullLoadWithoutFuelStallsAndSaysSo) {
-    const Scenario s = scenario({"speed.mode=\"free\"", "load.fuel_cut_s=[0.1, 100]", "run.cycles=200"});
+TEST(PlantRun, WithoutFuelItStallsAndRocksBack) {
+    const Scenario s = scenario({"speed.mode=\"free\"", "load={bmep_bar=1, fuel_cut_s=[0.1, 100]}", "run.cycles=200"});
     Plant plant(s, 1);
     Edge edge;
-    while (plant.next_edge(edge)) {}
+    int backward = 0;
+    double last = 0, angle = 0;
+    while (plant.next_edge(edge)) {
+        ASSERT_GE(edge.time_s, last);
+        last = edge.time_s;
+        if (edge.backward) {
+            EXPECT_LT(edge.speed_radps, 0);
+            if (backward > 0) { // neighbouring teeth, downward, or the same flank again after another reversal
+                EXPECT_LE(std::remainder(edge.angle_deg - angle, 720), 1e-9);
+            }
+            angle = edge.angle_deg;
+            ++backward;
+        }
+    }
     EXPECT_TRUE(plant.stalled());
+    EXPECT_GT(backward, 1);
+    EXPECT_LT(last, 5); // it came to rest
 }
 
 TEST(PlantRun, StartAngleIsWhereTimeBegins) {

@@ -5,5 +5,8 @@
 
 namespace sixdeg {
 
+void add_bench(CLI::App &app);
+void add_calibrate(CLI::App &app);
+void add_replay(CLI::App &app);
 
 } // namespace sixdeg

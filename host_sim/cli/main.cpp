@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 // sixdeg: exit status 0 done, 1 a fault of ours, 2 bad input or usage (one line says which file, field and range).
-#include <CLI/CLI.hpp>
+#include <CLI/App.hpp>
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
 #include <cstdio>
 
 #include "cli/commands.hpp"
@@ -9,6 +11,9 @@
 int main(int argc, char **argv) {
     CLI::App app{"sixdeg: see inside every cylinder from the sensors a production engine already has"};
     app.require_subcommand(1);
+    sixdeg::add_replay(app);
+    sixdeg::add_calibrate(app);
+    sixdeg::add_bench(app);
     try {
         app.parse(argc, argv);
         return 0;

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: MIT
+#include "calibration/calibration.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+
+#include "common/error.hpp"
+extern "C" {
+#include "sd_ecu.h"
+}
+
+namespace sixdeg {
+namespace {
+
+constexpr double kRadPerDeg = M_PI / 180;
+
+/// Cycle position of a crank angle, in wheel positions from position 0 of the first revolution.
+double cycle_position(const EngineFile &engine, double angle_deg) {
+    const double off = std::fmod(angle_deg - engine.position_0_deg + 1440, 720);
+    return off / 360 * engine.wheel.positions;
+}
+
+std::int32_t to_q31(double x) {
+    return std::int32_t(std::clamp(std::round(x * 2147483648.0), -2147483648.0, 2147483647.0));
+}
+
+void check_starts(const sd_calibration_t &calibration, const EngineFile &engine, const std::string &tune_name) {
+    sd_crank_t crank;
+    const sd_crank_config_t crank_config = sd_calibration_crank(&calibration);
+    if (sd_crank_init(&crank, &crank_config) != SD_OK) {
+        throw InputError(engine.name, "wheel", fmt::format("the decoder takes runs of 1 to 3 missing teeth, at most {} of them at least 4 teeth "
+                                                           "apart, and a stall time of 256 to 16777216 ticks", SD_CRANK_MARKS_MAX));
+    }
+    sd_ecu_t ecu;
+    if (sd_ecu_init(&ecu, &calibration) != SD_OK) {
+        throw InputError(tune_name, "torque", "these parameters cannot start the observer: gain_reference must be below "
+                                              "its limit, the wheel even, and a tooth at speed_base at least 16 ticks long");
+    }
+}
+
+} // namespace
+
+sd_parameters_t read_tune(TomlFile &tune) {
+    sd_parameters_t parameters;
+    float *value = reinterpret_cast<float *>(&parameters);
+    for (const sd_signal_info_t &info : sd_parameter_infos) {
+        *value++ = float(tune.number_or(info.name, {double(info.low), double(info.high), info.unit}, double(info.value)));
+    }
+    tune.finish();
+    const float harmonics = parameters.torque_harmonics;
+    if (harmonics != std::floor(harmonics)) tune.fail("torque.harmonics", fmt::format("{:g} is not a whole number in [1, 12]", harmonics));
+    return parameters;
+}
+
+double crank_inertia_kgm2(const EngineFile &engine, double alpha) {
+    const double r = engine.stroke_m / 2, l = engine.rod_m;
+    double inertia = engine.inertia_kgm2;
+    for (double tdc_deg : engine.firing_tdc_deg) {
+        const double a = alpha - tdc_deg * kRadPerDeg;
+        const double arm = r * std::sin(a) * (1 + r * std::cos(a) / std::sqrt(l * l - std::pow(r * std::sin(a), 2)));
+        inertia += engine.reciprocating_mass_kg * arm * arm;
+    }
+    return inertia;
+}
+
+double observer_radius(const EngineFile &engine, const sd_parameters_t &tune) {
+    const int positions = engine.wheel.positions, harmonics = int(tune.torque_harmonics), n = 2 * harmonics + 2;
+    const double pitch = 2 * M_PI / positions;
+    const auto absent = [&](int k) {
+        const auto &missing = engine.wheel.missing;
+        return std::find(missing.begin(), missing.end(), (k + positions) % positions) != missing.end();
+    };
+    Eigen::MatrixXd map = Eigen::MatrixXd::Identity(n, n);
+    Eigen::VectorXd f(n - 1), gain(n - 1);
+    for (int k = 0; k < 2 * positions; ++k) {
+        f(0) = 1;
+        gain(0) = double(tune.torque_gain_mean_per_rad2);
+        for (int i = 1; i <= harmonics; ++i) {
+            f(2 * i - 1) = std::cos(i * pitch * k / 2);
+            f(2 * i) = std::sin(i * pitch * k / 2);
+            gain(2 * i - 1) = gain(2 * i) = i * double(tune.torque_gain_reference_per_rad2);
+        }
+        if (!absent(k) && !absent(k - 1)) {
+            const Eigen::RowVectorXd error = map.row(0);
+            map.row(0) -= pitch * double(tune.torque_gain_energy_per_rad) * error;
+            map.bottomRows(n - 1) -= pitch * gain.cwiseProduct(f) * error;
+        }
+        map.row(0) += pitch * f.transpose() * map.bottomRows(n - 1);
+    }
+    return map.eigenvalues().cwiseAbs().maxCoeff();
+}
+
+sd_calibration_t calibrate(const EngineFile &engine, const sd_parameters_t &tune, const std::string &tune_name) {
+    sd_calibration_t c{};
+    const int positions = engine.wheel.positions;
+    c.tick_hz = float(engine.tick_hz);
+    c.positions = std::uint8_t(positions);
+    c.missing_count = std::uint8_t(engine.wheel.missing.size());
+    std::copy(engine.wheel.missing.begin(), engine.wheel.missing.end(), c.missing);
+    c.has_cam = engine.has_cam;
+    c.cam_position = std::uint16_t(int(std::lround(cycle_position(engine, engine.cam_edge_deg))) % (2 * positions));
+    c.position_0_deg = float(engine.position_0_deg);
+    c.cylinders = std::uint8_t(engine.cylinders());
+    for (int i = 0; i < engine.cylinders(); ++i) {
+        c.firing_order[i] = std::uint8_t(engine.firing_order[std::size_t(i)]);
+        const double start = cycle_position(engine, engine.firing_tdc_deg[std::size_t(i)]);
+        c.firing_position[i] = std::uint16_t(int(std::ceil(start - 1e-9)) % (2 * positions));
+    }
+    for (int k = 0; k < positions; ++k) {
+        const double alpha = engine.position_0_deg * kRadPerDeg + 2 * M_PI * (k - 0.5) / positions;
+        c.inertia_kgm2[k] = float(crank_inertia_kgm2(engine, alpha));
+    }
+    for (int k = 0; k < 2 * positions; ++k) c.sine_q31[k] = to_q31(std::sin(M_PI * k / positions));
+    c.parameters = tune;
+    check_starts(c, engine, tune_name);
+    const double radius = observer_radius(engine, tune);
+    if (!(radius < 1)) {
+        throw InputError(tune_name, "torque.gain_energy, gain_mean, gain_reference",
+                         fmt::format("the observer does not converge: its error changes by {:.4g} a cycle, allowed below 1", radius));
+    }
+    return c;
+}
+
+std::vector<std::uint8_t> page_bytes(const sd_calibration_t &calibration) {
+    std::vector<std::uint8_t> bytes(SD_CALIBRATION_BYTES_MAX);
+    bytes.resize(sd_calibration_encode(&calibration, bytes.data()));
+    return bytes;
+}
+
+std::string page_source(const std::vector<std::uint8_t> &bytes, const std::string &engine_name) {
+    std::string text = fmt::format("/* Generated by `sixdeg calibrate` for {}; read it with sd_calibration_decode. */\n"
+                                   "#include <stdint.h>\n\nconst uint32_t sd_calibration_page_size = {}u;\n"
+                                   "const uint8_t sd_calibration_page[{}] = {{", engine_name, bytes.size(), bytes.size());
+    for (std::size_t i = 0; i < bytes.size(); ++i) text += fmt::format("{}0x{:02x},", i % 16 ? " " : "\n    ", bytes[i]);
+    return text + "\n};\n";
+}
+
+} // namespace sixdeg

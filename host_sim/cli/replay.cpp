@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: MIT
+// sixdeg replay: a recording of crank edges through the firmware; summary.json, teeth.csv, cycles.csv.
+#include "replay/replay.hpp"
+
+#include <CLI/App.hpp>
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+
+#include "calibration/calibration.hpp"
+#include "cli/commands.hpp"
+#include "cli/tune_options.hpp"
+#include "common/error.hpp"
+#include "common/files.hpp"
+#include "recording/guess.hpp"
+
+namespace sixdeg {
+namespace {
+
+struct Options {
+    std::string file, wheel, edge, engine, tune, number, out, json;
+    int column = 0;
+    std::vector<std::string> set;
+};
+
+/// What a recording says of an engine nobody described: its wheel, and no more.
+EngineFile nameless_engine(const Wheel &wheel) {
+    EngineFile engine;
+    engine.name = "not given";
+    engine.guessed = {"crank.inertia_kgm2", "cylinders"};
+    engine.firing_order = {1, 2, 3, 4};
+    engine.firing_tdc_deg = {0, 180, 360, 540};
+    engine.bore_m = engine.stroke_m = 0.09;
+    engine.rod_m = 0.15;
+    engine.inertia_kgm2 = 0.2;
+    engine.wheel = wheel;
+    engine.tick_hz = 1e7;
+    return engine;
+}
+
+/// Everything that went into a run, kept for the summary.
+struct Inputs {
+    Recording recording;
+    Guess guess;
+    EngineFile engine;
+    sd_parameters_t tune;
+    nlohmann::ordered_json files;
+    std::vector<std::string> assumptions;
+};
+
+std::vector<std::string> list_assumptions(const Inputs &inputs, bool engine_given) {
+    const EngineFile &engine = inputs.engine;
+    std::vector<std::string> list;
+    if (!engine_given) {
+        list.push_back(fmt::format("no engine file: a four-cylinder with constant inertia {:g} kg m2 is assumed, so torque is in proportion only", engine.inertia_kgm2));
+    } else {
+        for (const std::string &field : engine.guessed) list.push_back("engine: " + field + " is a guess");
+    }
+    if (!engine.has_cam || !inputs.guess.cam) list.push_back("no cam edge: which revolution of the cycle comes first is arbitrary, cylinders are invalid");
+    return list;
+}
+
+Inputs read_inputs(const Options &options) {
+    Inputs inputs;
+    inputs.recording = read_recording(options.file);
+    inputs.files[options.file] = sha256(read_file(options.file));
+    Constraints known;
+    if (!options.wheel.empty()) known.wheel = parse_wheel(options.wheel, "--wheel");
+    if (!options.edge.empty()) known.edge = parse_edge(options.edge, "--edge");
+    if (options.column != 0) known.column = options.column;
+    if (!options.engine.empty()) {
+        TomlFile file{std::filesystem::path(options.engine)};
+        inputs.engine = read_engine(file);
+        file.finish();
+        inputs.files[options.engine] = sha256(file.content());
+        if (!known.wheel) known.wheel = inputs.engine.wheel;
+        if (!known.edge) known.edge = inputs.engine.falling_edge ? Edge::falling : Edge::rising;
+    }
+    inputs.guess = guess(inputs.recording, known);
+    if (options.engine.empty()) inputs.engine = nameless_engine(inputs.guess.wheel);
+    inputs.engine.wheel = inputs.guess.wheel;
+
+    TomlFile tune = open_tune(options.tune, options.set);
+    if (!options.number.empty()) tune.set(std::string("torque.fixed_point=") + (options.number == "q31" ? "1" : "0"));
+    inputs.tune = read_tune(tune);
+    if (!options.tune.empty()) inputs.files[options.tune] = sha256(tune.content());
+    inputs.assumptions = list_assumptions(inputs, !options.engine.empty());
+    return inputs;
+}
+
+nlohmann::ordered_json summarise(const Inputs &inputs, const ReplayResult &result) {
+    nlohmann::ordered_json summary;
+    const auto or_null = [](const auto &value) { return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json(); };
+    summary["edges"] = result.teeth.size();
+    summary["revolutions"] = result.revolutions;
+    summary["sync_losses"] = result.counts.sync_losses;
+    summary["faults_coasted"] = result.counts.coasted + result.counts.spurious;
+    summary["first_sync_edge"] = or_null(result.first_sync_edge);
+    summary["rpm_last"] = or_null(result.rpm_last);
+    summary["guess"] = {{"wheel", describe(inputs.guess.wheel)}, {"edge", to_string(inputs.guess.edge)},
+                        {"column", inputs.guess.column}, {"gap_ratio", inputs.guess.gap_ratio},
+                        {"cam_column", inputs.guess.cam ? nlohmann::ordered_json(inputs.guess.cam->column) : nlohmann::ordered_json()}};
+    summary["decoder"] = {{"sync_gains", result.counts.sync_gains}, {"teeth_coasted", result.counts.coasted},
+                          {"edges_left_out", result.counts.spurious}, {"slips_corrected", result.counts.slips},
+                          {"marks_missed", result.counts.marks_missed}, {"stalls", result.counts.stalls},
+                          {"cam_edges_rejected", result.counts.cam_rejected}, {"mark_spacings", result.mark_spacings}};
+    nlohmann::ordered_json parameters;
+    const float *value = reinterpret_cast<const float *>(&inputs.tune);
+    for (const sd_signal_info_t &info : sd_parameter_infos) {
+        // Through text, so that 0.05f reads 0.05.
+        parameters[info.name] = std::stod(fmt::format("{:.7g}", *value++));
+    }
+    summary["engine"] = {{"name", inputs.engine.name}, {"guessed", inputs.engine.guessed}};
+    summary["parameters"] = parameters;
+    summary["files"] = inputs.files;
+    summary["assumptions"] = inputs.assumptions;
+    return summary;
+}
+
+void print_figures(const Inputs &inputs, const ReplayResult &result) {
+    fmt::print("{}\n", describe(inputs.guess));
+    fmt::print("{} edges, {} whole revolutions, sync at edge {}, {} losses, {} faults coasted through\n", result.teeth.size(),
+               result.revolutions, result.first_sync_edge ? std::to_string(*result.first_sync_edge) : std::string("none"),
+               result.counts.sync_losses, result.counts.coasted + result.counts.spurious);
+    if (result.rpm_last) fmt::print("{:.1f} rpm in the last revolution\n", *result.rpm_last);
+    for (const std::string &assumption : inputs.assumptions) fmt::print("assumed: {}\n", assumption);
+}
+
+void run(const Options &options) {
+    const Inputs inputs = read_inputs(options);
+    const sd_calibration_t calibration = calibrate(inputs.engine, inputs.tune, options.tune.empty() ? "tune" : options.tune);
+    const bool with_cam = inputs.engine.has_cam && inputs.guess.cam.has_value();
+    const ReplayResult result = replay(options.file, inputs.guess.time_s, with_cam ? inputs.guess.cam->time_s : std::vector<double>{}, calibration);
+    const std::string summary = summarise(inputs, result).dump(2) + "\n";
+    if (!options.out.empty()) {
+        OutputFolder out(options.out);
+        out.add("summary.json", summary);
+        out.add("teeth.csv", teeth_csv(result));
+        out.add("cycles.csv", cycles_csv(result, inputs.engine));
+        out.commit();
+    }
+    if (!options.json.empty()) write_file(options.json, summary);
+    print_figures(inputs, result);
+}
+
+} // namespace
+
+void add_replay(CLI::App &app) {
+    auto options = std::make_shared<Options>();
+    CLI::App *command = app.add_subcommand("replay", "a recording of crank edges through the firmware");
+    command->add_option("FILE", options->file, "edge list, sampled voltages or edge times (docs/recordings.md)")->required();
+    command->add_option("--wheel", options->wheel, "like 60-2; guessed otherwise");
+    command->add_option("--edge", options->edge, "falling or rising; guessed otherwise");
+    command->add_option("--column", options->column, "of the crank signal, column 0 is time; guessed otherwise")->check(CLI::PositiveNumber);
+    command->add_option("--engine", options->engine, "engine file (docs/files.md)");
+    command->add_option("--tune", options->tune, "tune file");
+    command->add_option("--set", options->set, "key=value, over the tune file")->allow_extra_args(false);
+    command->add_option("--number", options->number, "f32 or q31")->check(CLI::IsMember({"f32", "q31"}));
+    command->add_option("--out", options->out, "folder for summary.json, teeth.csv and cycles.csv");
+    command->add_option("--json", options->json, "the summary alone");
+    command->callback([options] { run(*options); });
+}
+
+} // namespace sixdeg

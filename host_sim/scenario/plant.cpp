@@ -16,7 +16,8 @@ constexpr double kGovernorLimitPa = 40 * kPaPerBar;
 std::vector<CylinderSpread> spread_of(const Scenario &scenario) {
     std::vector<CylinderSpread> spread;
     for (int cylinder : scenario.engine.shared.firing_order) {
-        spread.push_back({scenario.engine.shared.compression_ratio * scenario.compression_factor[std::size_t(cylinder - 1)]});
+        spread.push_back({scenario.engine.shared.compression_ratio *
+                          scenario.compression_factor[std::size_t(cylinder - 1)]});
     }
     return spread;
 }
@@ -27,7 +28,9 @@ FuelMap make_fuel_map(const Scenario &s) {
     if (s.speed_mode == SpeedMode::governor) top = FuelMap::largest_bmep_pa(s.engine, high, kGovernorLimitPa);
     FuelMap map(s.engine, low, high, top);
     if (!map.reaches_top() && s.speed_mode != SpeedMode::governor) {
-        throw InputError(s.name, "load.bmep_bar", "demands more than the trapped air can burn; lower it or raise plant.air.intake_pressure_bar");
+        throw InputError(
+            s.name, "load.bmep_bar",
+            "demands more than the trapped air can burn; lower it or raise plant.air.intake_pressure_bar");
     }
     return map;
 }
@@ -37,8 +40,10 @@ SpeedControl make_control(SpeedMode mode) {
 }
 
 // Position in [0, 1] of `angle` within a step, and the cubic through both ends' times and slopes there.
-double crossing_time(double angle_deg, double from_deg, double to_deg, double t0, double t1, double speed0, double speed1) {
-    const double x = (angle_deg - from_deg) / (to_deg - from_deg), h = (to_deg - from_deg) * kRadPerDeg, y = 1 - x;
+double crossing_time(double angle_deg, double from_deg, double to_deg, double t0, double t1, double speed0,
+                     double speed1) {
+    const double x = (angle_deg - from_deg) / (to_deg - from_deg), h = (to_deg - from_deg) * kRadPerDeg,
+                 y = 1 - x;
     const double rise0 = h / speed0, rise1 = h / speed1;
     return t0 * y * y * (1 + 2 * x) + t1 * x * x * (1 + 2 * y) + x * y * (rise0 * y - rise1 * x);
 }
@@ -46,12 +51,14 @@ double crossing_time(double angle_deg, double from_deg, double to_deg, double t0
 } // namespace
 
 Plant::Plant(const Scenario &scenario, std::uint64_t seed)
-    : scenario_(scenario), model_(scenario.engine, spread_of(scenario), scenario.step_deg), fuel_map_(make_fuel_map(scenario)),
-      plan_(scenario_, seed), control_(make_control(scenario.speed_mode)),
-      road_(scenario.road_rms_nm, scenario.road_low_hz, scenario.road_high_hz, RandomStream(seed, stream::kRoad)),
+    : scenario_(scenario), model_(scenario.engine, spread_of(scenario), scenario.step_deg),
+      fuel_map_(make_fuel_map(scenario)), plan_(scenario_, seed), control_(make_control(scenario.speed_mode)),
+      road_(scenario.road_rms_nm, scenario.road_low_hz, scenario.road_high_hz,
+            RandomStream(seed, stream::kRoad)),
       torsion_(scenario.engine),
       wheel_(scenario.engine.shared, scenario.encoder.offset_deg, scenario.encoder.pattern_rms_deg,
-             scenario.encoder.tooth_width * 360 / scenario.engine.shared.wheel.positions, RandomStream(seed, stream::kPattern)),
+             scenario.encoder.tooth_width * 360 / scenario.engine.shared.wheel.positions,
+             RandomStream(seed, stream::kPattern)),
       pickup_(scenario.encoder, scenario.engine.shared.tick_hz, seed) {
     fuel_trim_.fill(1);
     steps_to_tdc_ = int(std::lround((4 * kPi - scenario.engine.intake_close_rad) / model_.tables().step_rad));
@@ -80,7 +87,8 @@ void Plant::pre_roll() {
     running_ = true;
     brake_nm_ = scenario_.engine.torque_of_mep_nm(demand_pa_);
     next_control_rad_ = model_.truth().angle_rad + SpeedControl::kCycleRad;
-    if (scenario_.cycles > 0) end_angle_rad_ = model_.truth().angle_rad + double(scenario_.cycles) * SpeedControl::kCycleRad;
+    if (scenario_.cycles > 0)
+        end_angle_rad_ = model_.truth().angle_rad + double(scenario_.cycles) * SpeedControl::kCycleRad;
     refresh_speed_and_load();
     sensor_ = sensor();
     wheel_.seek(sensor_.angle_deg);
@@ -88,7 +96,7 @@ void Plant::pre_roll() {
     while (next_cam_deg_ + scenario_.encoder.cam_retard_deg.at(0) <= sensor_.angle_deg) next_cam_deg_ += 720;
 }
 
-bool Plant::next_edge(Edge &edge) {
+bool Plant::next_edge(EncoderEdge &edge) {
     while (!pickup_.take(sensor_.time_s, sensor_.speed_radps, edge)) {
         if (ended_) {
             if (!pickup_.take_rest(edge)) return false;
@@ -106,7 +114,9 @@ bool Plant::next_cycle(CycleTruth &cycle) {
     return true;
 }
 
-void Plant::set_fuel_trim(int cylinder, double factor) { fuel_trim_[std::size_t(cylinder - 1)] = std::clamp(factor, 0.0, 2.0); }
+void Plant::set_fuel_trim(int cylinder, double factor) {
+    fuel_trim_[std::size_t(cylinder - 1)] = std::clamp(factor, 0.0, 2.0);
+}
 
 bool Plant::at_end() const {
     // The last edge before duration_s may still wait for the step behind it.
@@ -166,7 +176,8 @@ void Plant::set_charge(const Event &event) {
     const double fuel = fuel_is_cut(truth.time_s) ? 0 : fuel_map_.fuel_kg(mean_speed_, demand_pa_);
     const std::int64_t tdc_step = model_.cycle() * model_.tables().steps + event.step + steps_to_tdc_;
     const std::int64_t cycle = std::int64_t(std::floor(double(tdc_step) / model_.tables().steps));
-    model_.set_charge(event.lane, plan_.draw(event.lane, cycle, fuel * fuel_trim_[std::size_t(cylinder - 1)], demand_pa_));
+    model_.set_charge(
+        event.lane, plan_.draw(event.lane, cycle, fuel * fuel_trim_[std::size_t(cylinder - 1)], demand_pa_));
     // Breathed with the next stroke.
     model_.set_intake_pressure(event.lane, scenario_.engine.intake_pressure_pa.at(demand_pa_) *
                                                scenario_.trapped_factor[std::size_t(cylinder - 1)]);
@@ -185,7 +196,9 @@ void Plant::refresh_speed_and_load() {
     } else if (scenario_.speed_mode == SpeedMode::dyno) {
         torque += brake_nm_;
     } else {
-        const Profile given = scenario_.load_given ? scenario_.load_nm : scenario_.bmep_pa.scaled(scenario_.engine.torque_of_mep_nm(1));
+        const Profile given = scenario_.load_given
+                                  ? scenario_.load_nm
+                                  : scenario_.bmep_pa.scaled(scenario_.engine.torque_of_mep_nm(1));
         const Profile::Segment load = given.segment(now);
         torque += load.at(now);
         slope += load.slope;
@@ -196,10 +209,13 @@ void Plant::refresh_speed_and_load() {
 
 // Once a cycle: mean speed, demand, and whichever of brake and fuel holds the speed.
 void Plant::control() {
-    const double now = model_.truth().time_s, lasted = now - control_time_, mean = SpeedControl::kCycleRad / lasted;
+    const double now = model_.truth().time_s, lasted = now - control_time_,
+                 mean = SpeedControl::kCycleRad / lasted;
     const PlantEngine &engine = scenario_.engine;
-    const double middle = scenario_.speed_radps.at(now - lasted / 2), next = scenario_.speed_radps.at(now + lasted / 2);
-    const double inertia = model_.tables().inertia[0] + engine.driveline_inertia_kgm2 * (engine.dual_mass ? 1 : 0) +
+    const double middle = scenario_.speed_radps.at(now - lasted / 2),
+                 next = scenario_.speed_radps.at(now + lasted / 2);
+    const double inertia = model_.tables().inertia[0] +
+                           engine.driveline_inertia_kgm2 * (engine.dual_mass ? 1 : 0) +
                            (engine.dual_mass ? engine.dual_mass->secondary_inertia_kgm2 : 0);
     const double error_j = inertia / 2 * (mean * mean - middle * middle);
     const double ramp_nm = inertia / 2 * (next * next - middle * middle) / SpeedControl::kCycleRad;
@@ -212,7 +228,8 @@ void Plant::control() {
         brake_nm_ = engine.torque_of_mep_nm(given) + control_.update(error_j) - ramp_nm;
         refresh_at_s_ = now;
     } else if (scenario_.speed_mode == SpeedMode::governor) {
-        const double load = scenario_.load_given ? scenario_.load_nm.at(now) / engine.torque_of_mep_nm(1) : demand_pa_;
+        const double load =
+            scenario_.load_given ? scenario_.load_nm.at(now) / engine.torque_of_mep_nm(1) : demand_pa_;
         const double wanted = load + (ramp_nm - control_.update(error_j)) / engine.torque_of_mep_nm(1);
         demand_pa_ = std::clamp(wanted, 0.0, kGovernorLimitPa);
     }
@@ -246,14 +263,15 @@ void Plant::find_backward_edges(const StepTruth &before, const SensorPoint &from
     }
 }
 
-void Plant::pass(double angle_deg, const StepTruth &before, const SensorPoint &from, EdgeKind kind, int tooth) {
+void Plant::pass(double angle_deg, const StepTruth &before, const SensorPoint &from, EdgeKind kind,
+                 int tooth) {
     const StepTruth &after = model_.truth();
     const double x = (angle_deg - from.angle_deg) / (sensor_.angle_deg - from.angle_deg);
     const auto mix = [x](double a, double b) { return a + x * (b - a); };
-    Edge edge;
+    EncoderEdge edge;
     edge.time_s = stop_ ? mix(from.time_s, sensor_.time_s)
-                        : crossing_time(angle_deg, from.angle_deg, sensor_.angle_deg, from.time_s, sensor_.time_s,
-                                        from.speed_radps, sensor_.speed_radps);
+                        : crossing_time(angle_deg, from.angle_deg, sensor_.angle_deg, from.time_s,
+                                        sensor_.time_s, from.speed_radps, sensor_.speed_radps);
     edge.backward = backward_;
     edge.kind = kind;
     edge.tooth = tooth;

@@ -2,7 +2,7 @@
 // The engine on the bench: a scenario's engine, load, speed control and encoder as one source of timed edges.
 //
 //     Plant plant(scenario, scenario.seed);
-//     Edge edge;
+//     EncoderEdge edge;
 //     CycleTruth cycle;
 //     while (plant.next_edge(edge)) {
 //         firmware(edge.tick, edge.kind);                  // the firmware sees no more than this
@@ -27,7 +27,8 @@
 
 namespace sixdeg {
 
-/// One run. The same scenario and seed give the same bits. Instances share nothing; a Plant is neither copied nor moved.
+/// One run. The same scenario and seed give the same bits. Instances share nothing; a Plant is neither copied
+/// nor moved.
 class Plant {
   public:
     /// Turns the engine two cycles at the scenario's first speed, so that time 0 begins in running order.
@@ -36,14 +37,15 @@ class Plant {
     Plant(const Plant &) = delete;
     Plant &operator=(const Plant &) = delete;
 
-    /// Next edge in order of time. False at the end of the run, or when the engine has stalled and come to rest: it
-    /// rocks on its compressed cylinders first, and gives the edges of that, some of them backward.
-    bool next_edge(Edge &edge);
-    /// Next cylinder cycle that is complete, in order of completion: 360 deg after its firing TDC. False if none waits.
+    /// Next edge in order of time. False at the end of the run, or when the engine has stalled and come to
+    /// rest: it rocks on its compressed cylinders first, and gives the edges of that, some of them backward.
+    bool next_edge(EncoderEdge &edge);
+    /// Next cylinder cycle that is complete, in order of completion: 360 deg after its firing TDC. False if
+    /// none waits.
     bool next_cycle(CycleTruth &cycle);
 
-    /// The crank at the end of the last step taken; up to a tooth ahead of the last edge handed out. Holds its last value
-    /// once the engine has stalled.
+    /// The crank at the end of the last step taken; up to a tooth ahead of the last edge handed out. Holds
+    /// its last value once the engine has stalled.
     const StepTruth &truth() const { return model_.truth(); }
     /// Appends every step from now on to `sink` (caller-owned, outlives the plant); nullptr ends it.
     void record_steps(std::vector<StepTruth> *sink) { step_sink_ = sink; }

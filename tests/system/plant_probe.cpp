@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Prints what the simulated engine does, for tests in Python that check it with tools of their own.
-//   plant_probe trace ENGINE.toml RPM FUEL_MG LOAD_NM STEP_DEG   two cycles after three to settle, one line a step
-//   plant_probe turn ENGINE.toml CYLINDERS CYCLES                nothing printed; to count instructions
+//   plant_probe trace ENGINE.toml RPM FUEL_MG LOAD_NM STEP_DEG   two cycles after three to settle, one line a
+//   step plant_probe turn ENGINE.toml CYLINDERS CYCLES                nothing printed; to count instructions
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -14,7 +14,8 @@ using namespace sixdeg;
 namespace {
 
 std::vector<CylinderSpread> nominal(const PlantEngine &engine) {
-    return std::vector<CylinderSpread>(std::size_t(engine.shared.cylinders()), {engine.shared.compression_ratio});
+    return std::vector<CylinderSpread>(std::size_t(engine.shared.cylinders()),
+                                       {engine.shared.compression_ratio});
 }
 
 void step(EngineModel &model, double fuel_kg) {
@@ -37,9 +38,9 @@ void print_header(int cylinders) {
 
 void print_line(const EngineModel &model, int cylinders) {
     const StepTruth &t = model.truth();
-    std::printf("%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g", t.angle_rad * kDegPerRad, t.time_s, t.speed_radps,
-                t.gas_torque_nm, t.net_torque_nm, t.load_torque_nm, model.trapped_kg(0), model.heat_lost_j(0),
-                model.heat_released_j(0));
+    std::printf("%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g", t.angle_rad * kDegPerRad, t.time_s,
+                t.speed_radps, t.gas_torque_nm, t.net_torque_nm, t.load_torque_nm, model.trapped_kg(0),
+                model.heat_lost_j(0), model.heat_released_j(0));
     for (int lane = 0; lane < cylinders; ++lane) std::printf(",%.17g", model.pressure_pa(lane));
     std::printf("\n");
 }
@@ -77,11 +78,12 @@ int turn(PlantEngine engine, int cylinders, int cycles) {
 int main(int argc, char **argv) {
     try {
         if (argc == 7 && !std::strcmp(argv[1], "trace")) {
-            return trace(read_plant_engine(std::filesystem::path(argv[2])), std::atof(argv[3]), 1e-6 * std::atof(argv[4]),
-                         std::atof(argv[5]), std::atof(argv[6]));
+            return trace(read_plant_engine(std::filesystem::path(argv[2])), std::atof(argv[3]),
+                         1e-6 * std::atof(argv[4]), std::atof(argv[5]), std::atof(argv[6]));
         }
         if (argc == 5 && !std::strcmp(argv[1], "turn")) {
-            return turn(read_plant_engine(std::filesystem::path(argv[2])), std::atoi(argv[3]), std::atoi(argv[4]));
+            return turn(read_plant_engine(std::filesystem::path(argv[2])), std::atoi(argv[3]),
+                        std::atoi(argv[4]));
         }
     } catch (const InputError &error) {
         std::fprintf(stderr, "plant_probe: %s\n", error.what());

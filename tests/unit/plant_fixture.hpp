@@ -12,11 +12,15 @@ namespace plant_test {
 
 using namespace sixdeg;
 
-inline PlantEngine diesel() { return read_plant_engine(std::filesystem::path(SD_ENGINES) / "diesel_22.toml"); }
+inline PlantEngine diesel() {
+    return read_plant_engine(std::filesystem::path(SD_ENGINES) / "diesel_22.toml");
+}
 
 /// 1000 rpm and 5 bar on the 2.2 L diesel, 20 cycles, changed by "field=value" lines.
 inline Scenario scenario(const std::vector<std::string> &changes = {}) {
-    TomlFile file("s.toml", "engine = \"diesel_22.toml\"\n[run]\ncycles = 20\n[speed]\nrpm = 1000\n[load]\nbmep_bar = 5\n");
+    TomlFile file(
+        "s.toml",
+        "engine = \"diesel_22.toml\"\n[run]\ncycles = 20\n[speed]\nrpm = 1000\n[load]\nbmep_bar = 5\n");
     for (const auto &change : changes) file.set(change);
     return read_scenario(file, SD_ENGINES);
 }
@@ -32,7 +36,7 @@ inline std::string message(const std::function<void()> &action) {
 }
 
 struct Run {
-    std::vector<Edge> edges;
+    std::vector<EncoderEdge> edges;
     std::vector<CycleTruth> cycles;
     std::vector<StepTruth> steps;
 };
@@ -41,7 +45,7 @@ inline Run run(const Scenario &scenario, std::uint64_t seed = 1) {
     Plant plant(scenario, seed);
     Run result;
     plant.record_steps(&result.steps);
-    Edge edge;
+    EncoderEdge edge;
     CycleTruth cycle;
     while (plant.next_edge(edge)) result.edges.push_back(edge);
     while (plant.next_cycle(cycle)) result.cycles.push_back(cycle);
@@ -61,7 +65,8 @@ inline void turn(EngineModel &model, int steps, double fuel_kg) {
 }
 
 inline std::vector<CylinderSpread> nominal(const PlantEngine &engine) {
-    return std::vector<CylinderSpread>(std::size_t(engine.shared.cylinders()), {engine.shared.compression_ratio});
+    return std::vector<CylinderSpread>(std::size_t(engine.shared.cylinders()),
+                                       {engine.shared.compression_ratio});
 }
 
 } // namespace plant_test

@@ -15,21 +15,25 @@ const EngineFile &engine() {
     return file;
 }
 
-std::vector<Edge> generate(const EncoderFaults &faults, const Profile &rpm, double duration_s, double start_deg = 0) {
+std::vector<EncoderEdge> generate(const EncoderFaults &faults, const Profile &rpm, double duration_s,
+                                  double start_deg = 0) {
     EdgeGenerator generator(engine(), faults, rpm, start_deg, duration_s, 1);
-    std::vector<Edge> edges;
-    Edge edge;
+    std::vector<EncoderEdge> edges;
+    EncoderEdge edge;
     while (generator.next_edge(edge)) edges.push_back(edge);
     return edges;
 }
 
-std::vector<Edge> crank_only(std::vector<Edge> edges) {
-    edges.erase(std::remove_if(edges.begin(), edges.end(), [](const Edge &e) { return e.kind == EdgeKind::cam; }), edges.end());
+std::vector<EncoderEdge> crank_only(std::vector<EncoderEdge> edges) {
+    edges.erase(std::remove_if(edges.begin(), edges.end(),
+                               [](const EncoderEdge &e) { return e.kind == EdgeKind::cam; }),
+                edges.end());
     return edges;
 }
 
-bool ordered(const std::vector<Edge> &edges) {
-    return std::is_sorted(edges.begin(), edges.end(), [](const Edge &a, const Edge &b) { return a.time_s < b.time_s; });
+bool ordered(const std::vector<EncoderEdge> &edges) {
+    return std::is_sorted(edges.begin(), edges.end(),
+                          [](const EncoderEdge &a, const EncoderEdge &b) { return a.time_s < b.time_s; });
 }
 
 // From angle 0 the k-th edge stands at 6 (k + 1) deg but for the missing teeth at 258 and 264.
@@ -70,7 +74,7 @@ TEST(EdgeGenerator, ReversalGivesTheOtherFlanks) {
     const Profile rpm({0, 0.1, 0.2, 0.3}, {200.0 + 2.0 / 3, 0, 0, -(200.0 + 2.0 / 3)});
     const auto edges = crank_only(generate(faults, rpm, 0.3));
     std::vector<double> forward, backward;
-    for (const Edge &edge : edges) (edge.backward ? backward : forward).push_back(edge.angle_deg);
+    for (const EncoderEdge &edge : edges) (edge.backward ? backward : forward).push_back(edge.angle_deg);
     ASSERT_EQ(forward.size(), 10u); // 6 to 60 deg
     ASSERT_EQ(backward.size(), 10u);
     for (std::size_t i = 0; i < 10; ++i) {
@@ -84,20 +88,21 @@ TEST(EdgeGenerator, ReversalGivesTheOtherFlanks) {
 TEST(EdgeGenerator, CamComesOnceInACycleAndMovesWithThePhaser) {
     EncoderFaults faults;
     faults.cam_retard_deg = Profile({0, 1}, {0, 20});
-    std::vector<Edge> cams;
-    for (const Edge &edge : generate(faults, Profile(1200.0), 1)) {
+    std::vector<EncoderEdge> cams;
+    for (const EncoderEdge &edge : generate(faults, Profile(1200.0), 1)) {
         if (edge.kind == EdgeKind::cam) cams.push_back(edge);
     }
     ASSERT_EQ(cams.size(), 10u);
     // 7200 t = 420 + 720 k + 20 t
-    for (std::size_t k = 0; k < cams.size(); ++k) EXPECT_NEAR(cams[k].time_s, (420 + 720.0 * double(k)) / 7180, 1e-10);
+    for (std::size_t k = 0; k < cams.size(); ++k)
+        EXPECT_NEAR(cams[k].time_s, (420 + 720.0 * double(k)) / 7180, 1e-10);
 }
 
 TEST(Encoder, TickIsTheCaptureRegisterAndWraps) {
     EngineFile fast = engine();
     fast.tick_hz = 2e8; // wraps after 21 s
     EdgeGenerator generator(fast, {}, Profile(600.0), 0, 25, 1);
-    Edge edge;
+    EncoderEdge edge;
     bool wrapped = false;
     std::uint32_t last = 0;
     while (generator.next_edge(edge)) {
@@ -131,7 +136,8 @@ TEST(Encoder, OffsetDelayAndLagMoveEveryEdge) {
     faults.delay_s = 7e-6;
     faults.lag_deg = Profile({0, 2000 * kRadpsPerRpm}, {0, 0.6});
     const auto late = generate(faults, Profile(1000.0), 0.1);
-    for (std::size_t i = 0; i < late.size(); ++i) EXPECT_NEAR(late[i].time_s - ideal[i].time_s, 7e-6 + 0.3 / 6000, 1e-12);
+    for (std::size_t i = 0; i < late.size(); ++i)
+        EXPECT_NEAR(late[i].time_s - ideal[i].time_s, 7e-6 + 0.3 / 6000, 1e-12);
     faults = {};
     faults.offset_deg = 0.3;
     const auto turned = crank_only(generate(faults, Profile(1000.0), 0.1)), straight = crank_only(ideal);
@@ -144,7 +150,8 @@ TEST(Encoder, OffsetDelayAndLagMoveEveryEdge) {
 TEST(Encoder, JitterHasTheAskedSpread) {
     EncoderFaults faults;
     faults.jitter_deg = 0.02;
-    const auto ideal = crank_only(generate({}, Profile(1000.0), 10.0005)), jittered = crank_only(generate(faults, Profile(1000.0), 10.0005));
+    const auto ideal = crank_only(generate({}, Profile(1000.0), 10.0005)),
+               jittered = crank_only(generate(faults, Profile(1000.0), 10.0005));
     ASSERT_EQ(ideal.size(), jittered.size());
     double square = 0;
     for (std::size_t i = 0; i < ideal.size(); ++i) {
@@ -157,7 +164,8 @@ TEST(Encoder, DroppedEdgesComeAtTheAskedRateAndLength) {
     EncoderFaults faults;
     faults.drop_rate = 0.01;
     faults.drop_burst = 4;
-    const auto ideal = crank_only(generate({}, Profile(1000.0), 60.0005)), holed = crank_only(generate(faults, Profile(1000.0), 60.0005));
+    const auto ideal = crank_only(generate({}, Profile(1000.0), 60.0005)),
+               holed = crank_only(generate(faults, Profile(1000.0), 60.0005));
     // Runs of mean length 4 begin at one edge in 100 of those outside a run: 4/(100 + 3) are lost.
     const double lost = 1 - double(holed.size()) / double(ideal.size());
     EXPECT_NEAR(lost, 4.0 / 103, 0.004);
@@ -170,7 +178,7 @@ TEST(Encoder, FalseEdgesAreMarkedAndInOrder) {
     const auto edges = generate(faults, Profile(1000.0), 60.0005);
     EXPECT_TRUE(ordered(edges));
     int spurious = 0, true_ones = 0;
-    for (const Edge &edge : edges) {
+    for (const EncoderEdge &edge : edges) {
         spurious += edge.spurious;
         true_ones += !edge.spurious && edge.kind == EdgeKind::crank;
         if (edge.spurious) {
@@ -194,7 +202,8 @@ TEST(Encoder, OrderHoldsWithEverythingAtOnce) {
 
 // The engine at a prescribed ramp gives the edges that the generator has in closed form.
 TEST(PlantEncoder, CrossingsInAStepMatchTheClosedForm) {
-    const Scenario s = scenario({"speed={mode=\"prescribed\", time_s=[0, 1], rpm=[600, 3000]}", "run={duration_s=1}"});
+    const Scenario s =
+        scenario({"speed={mode=\"prescribed\", time_s=[0, 1], rpm=[600, 3000]}", "run={duration_s=1}"});
     const auto found = run(s).edges, exact = generate({}, s.speed_radps.scaled(1 / kRadpsPerRpm), 1);
     ASSERT_EQ(found.size(), exact.size());
     for (std::size_t i = 0; i < exact.size(); ++i) {
@@ -205,25 +214,31 @@ TEST(PlantEncoder, CrossingsInAStepMatchTheClosedForm) {
 
 // With combustion ripple: the edges of steps ten times finer.
 TEST(PlantEncoder, CrossingsInAStepMatchFinerSteps) {
-    const auto coarse = run(scenario({"run.cycles=2"})).edges, fine = run(scenario({"run.cycles=2", "run.step_deg=0.05"})).edges;
+    const auto coarse = run(scenario({"run.cycles=2"})).edges,
+               fine = run(scenario({"run.cycles=2", "run.step_deg=0.05"})).edges;
     ASSERT_EQ(coarse.size(), fine.size());
     double worst = 0;
-    for (std::size_t i = 0; i < fine.size(); ++i) worst = std::max(worst, std::abs(coarse[i].time_s - fine[i].time_s));
+    for (std::size_t i = 0; i < fine.size(); ++i)
+        worst = std::max(worst, std::abs(coarse[i].time_s - fine[i].time_s));
     EXPECT_LT(worst, 1e-9);
     RecordProperty("worst_s", std::to_string(worst));
 }
 
 TEST(PlantEncoder, TruthOfAnEdgeIsTheEngineThere) {
     const auto r = run(scenario({"run.cycles=3"}));
-    for (const Edge &edge : r.edges) {
+    for (const EncoderEdge &edge : r.edges) {
         const auto after = std::lower_bound(r.steps.begin(), r.steps.end(), edge.time_s,
                                             [](const StepTruth &s, double t) { return s.time_s < t; });
         if (after == r.steps.begin() || after == r.steps.end()) continue;
         const StepTruth &before = *(after - 1);
-        const auto within = [](double value, double a, double b) { return value >= std::min(a, b) - 1e-9 && value <= std::max(a, b) + 1e-9; };
-        EXPECT_TRUE(within(edge.combustion_torque_nm, before.combustion_torque_nm, after->combustion_torque_nm));
+        const auto within = [](double value, double a, double b) {
+            return value >= std::min(a, b) - 1e-9 && value <= std::max(a, b) + 1e-9;
+        };
+        EXPECT_TRUE(
+            within(edge.combustion_torque_nm, before.combustion_torque_nm, after->combustion_torque_nm));
         EXPECT_TRUE(within(edge.speed_radps, before.speed_radps, after->speed_radps));
-        EXPECT_NEAR(std::remainder(edge.angle_deg * kRadPerDeg - before.angle_rad, 4 * kPi), 0, 0.5 * kRadPerDeg + 1e-9);
+        EXPECT_NEAR(std::remainder(edge.angle_deg * kRadPerDeg - before.angle_rad, 4 * kPi), 0,
+                    0.5 * kRadPerDeg + 1e-9);
     }
 }
 

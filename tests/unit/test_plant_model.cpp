@@ -13,7 +13,9 @@ namespace {
 constexpr double kFuel = 17e-6; // kg, about 5 bar
 
 /// Entropy over R of the working gas, but for a constant: ds = c_v dT/T + R dV/V integrated.
-double entropy(double t, double v) { return gas::kB0 * std::log(t) + gas::kB1 * t + gas::kB2 * t * t / 2 + std::log(v); }
+double entropy(double t, double v) {
+    return gas::kB0 * std::log(t) + gas::kB1 * t + gas::kB2 * t * t / 2 + std::log(v);
+}
 
 struct Cylinder { // of lane 0, watched from outside
     const EngineModel &model;
@@ -40,7 +42,8 @@ TEST(PlantCylinder, AdiabaticMotoringIsIsentropicInClosedForm) {
     EXPECT_GT(hottest, 800); // it did compress
 }
 
-// First law between intake closing and exhaust opening, fired, with wall loss: 0.1 % of the heat asked, 1e-6 held.
+// First law between intake closing and exhaust opening, fired, with wall loss: 0.1 % of the heat asked, 1e-6
+// held.
 TEST(PlantCylinder, EnergyBalanceOfTheClosedCycle) {
     const PlantEngine engine = diesel();
     EngineModel model(engine, nominal(engine), 0.5);
@@ -50,13 +53,15 @@ TEST(PlantCylinder, EnergyBalanceOfTheClosedCycle) {
     const double energy = cylinder.energy(), work = model.work_j(0), lost = model.heat_lost_j(0);
     turn(model, 539, kFuel); // 849.5 deg
     const double heat = model.heat_released_j(0);
-    const double residue = cylinder.energy() - energy + model.work_j(0) - work + model.heat_lost_j(0) - lost - heat;
+    const double residue =
+        cylinder.energy() - energy + model.work_j(0) - work + model.heat_lost_j(0) - lost - heat;
     EXPECT_GT(heat, 700);
     EXPECT_GT(model.heat_lost_j(0) - lost, 50);
     EXPECT_LT(std::abs(residue), 1e-6 * heat);
 }
 
-// J' w^2/2 + J w' from the recorded motion, with J' in closed form, is the net torque the truth channel names.
+// J' w^2/2 + J w' from the recorded motion, with J' in closed form, is the net torque the truth channel
+// names.
 TEST(PlantCrank, EquationOfMotionHolds) {
     const PlantEngine engine = diesel();
     EngineModel model(engine, nominal(engine), 0.5);
@@ -90,7 +95,8 @@ TEST(PlantCrank, KinematicsAreEachOthersDerivatives) {
     const CrankSlider slider = diesel().slider(14);
     const double d = 1e-5;
     for (double theta = 0.1; theta < 6.2; theta += 0.1) {
-        EXPECT_NEAR(slider.travel_slope_m(theta), (slider.travel_m(theta + d) - slider.travel_m(theta - d)) / (2 * d), 1e-9);
+        EXPECT_NEAR(slider.travel_slope_m(theta),
+                    (slider.travel_m(theta + d) - slider.travel_m(theta - d)) / (2 * d), 1e-9);
         EXPECT_NEAR(slider.travel_curvature_m(theta),
                     (slider.travel_slope_m(theta + d) - slider.travel_slope_m(theta - d)) / (2 * d), 1e-8);
     }
@@ -107,11 +113,13 @@ End end_of(double step_deg, double fuel) {
     EngineModel model(engine, nominal(engine), step_deg);
     model.start(0, 0, 0, 100);
     model.set_load(fuel > 0 ? 50 : -60, 20); // without fuel the brake drives
-    turn(model, int(900 / step_deg), fuel); // lane 1 is compressed, lane 0 expands: 180 deg into the second cycle
+    turn(model, int(900 / step_deg),
+         fuel); // lane 1 is compressed, lane 0 expands: 180 deg into the second cycle
     return {model.pressure_pa(0), model.energy_j(), model.truth().time_s};
 }
 
-// Order from the errors at 1 and 0.5 deg against 0.05 deg; valve events and starts of combustion lie on all three grids.
+// Order from the errors at 1 and 0.5 deg against 0.05 deg; valve events and starts of combustion lie on all
+// three grids.
 void expect_fourth_order(double fuel) {
     const End fine = end_of(0.05, fuel), half = end_of(0.5, fuel), one = end_of(1, fuel);
     const auto order = [](double coarse, double middle, double exact) {
@@ -142,7 +150,8 @@ TEST(PlantCrank, DualMassFlywheelConservesEnergy) {
     const double before = stored();
     double gas = 0, load = 0, twist = 0;
     for (int step = 0; step < 2880; ++step) {
-        const double t0 = model.truth().time_s, w0 = model.secondary_speed_radps(), g0 = model.truth().gas_torque_nm;
+        const double t0 = model.truth().time_s, w0 = model.secondary_speed_radps(),
+                     g0 = model.truth().gas_torque_nm;
         turn(model, 1, kFuel);
         gas += (g0 + model.truth().gas_torque_nm) / 2 * model.tables().step_rad;
         load += 60 * (w0 + model.secondary_speed_radps()) / 2 * (model.truth().time_s - t0);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Whole runs: demanded load, speed control, spread, cyclic variation, misfires, seeds, and engines side by side.
+// Whole runs: demanded load, speed control, spread, cyclic variation, misfires, seeds, and engines side by
+// side.
 #include <gtest/gtest.h>
 #include <map>
 
@@ -18,18 +19,20 @@ double mean_imep(const Run &run, std::int64_t from) {
     return sum / count;
 }
 
-bool same(const Edge &a, const Edge &b) {
+bool same(const EncoderEdge &a, const EncoderEdge &b) {
     return a.time_s == b.time_s && a.tick == b.tick && a.kind == b.kind && a.tooth == b.tooth &&
            a.net_torque_nm == b.net_torque_nm;
 }
 
-bool same(const std::vector<Edge> &a, const std::vector<Edge> &b) {
-    return a.size() == b.size() && std::equal(a.begin(), a.end(), b.begin(), [](const Edge &x, const Edge &y) { return same(x, y); });
+bool same(const std::vector<EncoderEdge> &a, const std::vector<EncoderEdge> &b) {
+    return a.size() == b.size() &&
+           std::equal(a.begin(), a.end(), b.begin(),
+                      [](const EncoderEdge &x, const EncoderEdge &y) { return same(x, y); });
 }
 
-const std::vector<std::string> kNoisy{"cyclic.cov_percent=5",     "encoder.jitter_deg=0.01", "encoder.pattern_rms_deg=0.02",
-                                      "misfires.one_in=20",       "load.road_rms_nm=20",     "encoder.drop_rate=0.01",
-                                      "encoder.extra_rate=0.01"};
+const std::vector<std::string> kNoisy{
+    "cyclic.cov_percent=5", "encoder.jitter_deg=0.01", "encoder.pattern_rms_deg=0.02", "misfires.one_in=20",
+    "load.road_rms_nm=20",  "encoder.drop_rate=0.01",  "encoder.extra_rate=0.01"};
 
 // The map was solved at constant speed; the crank slows about TDC, which costs wall heat: 0.3 % at 1000 rpm.
 TEST(PlantRun, FuelMeetsTheDemandedLoad) {
@@ -74,7 +77,8 @@ TEST(PlantRun, FuelCutMotorsTheEngine) {
 
 TEST(PlantRun, FuelOffsetsReachTheirCylinders) {
     std::map<int, double> work;
-    for (const auto &cycle : run(scenario({"cylinders.fuel_percent=[10, 0, 0, -20]"})).cycles) work[cycle.cylinder] = cycle.combustion_work_j;
+    for (const auto &cycle : run(scenario({"cylinders.fuel_percent=[10, 0, 0, -20]"})).cycles)
+        work[cycle.cylinder] = cycle.combustion_work_j;
     EXPECT_NEAR(work[1] / work[2], 1.09, 0.015);
     EXPECT_NEAR(work[3] / work[2], 1.00, 0.01);
     EXPECT_NEAR(work[4] / work[2], 0.815, 0.015);
@@ -82,7 +86,9 @@ TEST(PlantRun, FuelOffsetsReachTheirCylinders) {
 
 TEST(PlantRun, TrappedMassAndCompressionReachTheirCylinders) {
     std::map<int, CycleTruth> last;
-    for (const auto &cycle : run(scenario({"cylinders.trapped_mass_percent=[0, 0, -3, 0]", "cylinders.compression_percent=[0, 2, 0, 0]"})).cycles) {
+    for (const auto &cycle : run(scenario({"cylinders.trapped_mass_percent=[0, 0, -3, 0]",
+                                           "cylinders.compression_percent=[0, 2, 0, 0]"}))
+                                 .cycles) {
         last[cycle.cylinder] = cycle;
     }
     EXPECT_NEAR(last[3].air_kg / last[1].air_kg, 0.97, 1e-3);
@@ -93,8 +99,9 @@ TEST(PlantRun, TrimChangesTheFuelOfOneCylinder) {
     const Scenario s = scenario();
     Plant plant(s, 1);
     plant.set_fuel_trim(3, 0.5);
-    Edge edge;
-    while (plant.next_edge(edge)) {}
+    EncoderEdge edge;
+    while (plant.next_edge(edge)) {
+    }
     std::map<int, double> fuel;
     CycleTruth cycle;
     while (plant.next_cycle(cycle)) fuel[cycle.cylinder] = cycle.fuel_kg;
@@ -103,7 +110,8 @@ TEST(PlantRun, TrimChangesTheFuelOfOneCylinder) {
 }
 
 TEST(PlantRun, CyclicVariationHasTheAskedSpread) {
-    const auto cycles = run(scenario({"run.cycles=2000", "cyclic.cov_percent=10", "speed.mode=\"prescribed\""})).cycles;
+    const auto cycles =
+        run(scenario({"run.cycles=2000", "cyclic.cov_percent=10", "speed.mode=\"prescribed\""})).cycles;
     double mean = 0, square = 0;
     for (const auto &cycle : cycles) mean += cycle.heat_j / double(cycles.size());
     for (const auto &cycle : cycles) square += std::pow(cycle.heat_j / mean - 1, 2) / double(cycles.size());
@@ -117,9 +125,12 @@ TEST(PlantRun, CyclicVariationDependsOnLoad) {
 }
 
 TEST(PlantRun, MisfireListIsObeyedExactly) {
-    const auto cycles = run(scenario({"misfires.event=[{cycle=3, cylinder=4}, {cycle=7, cylinder=1, burned_fraction=0.7}]"})).cycles;
+    const auto cycles =
+        run(scenario({"misfires.event=[{cycle=3, cylinder=4}, {cycle=7, cylinder=1, burned_fraction=0.7}]"}))
+            .cycles;
     for (const auto &cycle : cycles) {
-        const bool lost = cycle.cycle == 3 && cycle.cylinder == 4, partial = cycle.cycle == 7 && cycle.cylinder == 1;
+        const bool lost = cycle.cycle == 3 && cycle.cylinder == 4,
+                   partial = cycle.cycle == 7 && cycle.cylinder == 1;
         EXPECT_EQ(cycle.misfire, lost) << cycle.cycle << " " << cycle.cylinder;
         EXPECT_EQ(cycle.burned_fraction, lost ? 0 : partial ? 0.7 : 1);
         if (lost) {
@@ -131,7 +142,9 @@ TEST(PlantRun, MisfireListIsObeyedExactly) {
 }
 
 TEST(PlantRun, RandomAndContinuousMisfires) {
-    const auto cycles = run(scenario({"run.cycles=2000", "misfires.one_in=50", "misfires.continuous=[2]", "speed.mode=\"prescribed\""})).cycles;
+    const auto cycles = run(scenario({"run.cycles=2000", "misfires.one_in=50", "misfires.continuous=[2]",
+                                      "speed.mode=\"prescribed\""}))
+                            .cycles;
     int lost = 0, others = 0;
     for (const auto &cycle : cycles) {
         if (cycle.cylinder == 2) {
@@ -168,8 +181,8 @@ TEST(PlantRun, TwoEnginesDoNotTouchEachOther) {
     const Scenario s = scenario(kNoisy), other = scenario({"engine=\"vee6_uneven.toml\"", "speed.rpm=2300"});
     const auto alone = run(s, 7).edges;
     Plant one(s, 7), two(other, 3);
-    std::vector<Edge> edges;
-    Edge edge, ignored;
+    std::vector<EncoderEdge> edges;
+    EncoderEdge edge, ignored;
     while (one.next_edge(edge)) {
         edges.push_back(edge);
         two.next_edge(ignored);
@@ -179,15 +192,17 @@ TEST(PlantRun, TwoEnginesDoNotTouchEachOther) {
 
 TEST(PlantRun, SwitchingOneFaultOnChangesNoOtherDraw) {
     const auto plain = run(scenario({"cyclic.cov_percent=5"})).cycles;
-    const auto faulty = run(scenario({"cyclic.cov_percent=5", "encoder.jitter_deg=0.02", "encoder.drop_rate=0.1"})).cycles;
+    const auto faulty =
+        run(scenario({"cyclic.cov_percent=5", "encoder.jitter_deg=0.02", "encoder.drop_rate=0.1"})).cycles;
     ASSERT_EQ(plain.size(), faulty.size());
     for (std::size_t i = 0; i < plain.size(); ++i) EXPECT_EQ(plain[i].imep_pa, faulty[i].imep_pa);
 }
 
 TEST(PlantRun, WithoutFuelItStallsAndRocksBack) {
-    const Scenario s = scenario({"speed.mode=\"free\"", "load={bmep_bar=1, fuel_cut_s=[0.1, 100]}", "run.cycles=200"});
+    const Scenario s =
+        scenario({"speed.mode=\"free\"", "load={bmep_bar=1, fuel_cut_s=[0.1, 100]}", "run.cycles=200"});
     Plant plant(s, 1);
-    Edge edge;
+    EncoderEdge edge;
     int backward = 0;
     double last = 0, angle = 0;
     while (plant.next_edge(edge)) {
@@ -195,7 +210,8 @@ TEST(PlantRun, WithoutFuelItStallsAndRocksBack) {
         last = edge.time_s;
         if (edge.backward) {
             EXPECT_LT(edge.speed_radps, 0);
-            if (backward > 0) { // neighbouring teeth, downward, or the same flank again after another reversal
+            if (backward >
+                0) { // neighbouring teeth, downward, or the same flank again after another reversal
                 EXPECT_LE(std::remainder(edge.angle_deg - angle, 720), 1e-9);
             }
             angle = edge.angle_deg;
@@ -215,8 +231,10 @@ TEST(PlantRun, StartAngleIsWhereTimeBegins) {
 }
 
 TEST(PlantRun, EveryEngineFileRuns) {
-    for (const char *name : {"diesel_22", "vw_aba", "single_generator", "triple_10", "vee6_uneven", "eight_diesel"}) {
-        Scenario s = scenario({"engine=\"" + std::string(name) + ".toml\"", "speed.rpm=2000", "run.cycles=60"});
+    for (const char *name :
+         {"diesel_22", "vw_aba", "single_generator", "triple_10", "vee6_uneven", "eight_diesel"}) {
+        Scenario s =
+            scenario({"engine=\"" + std::string(name) + ".toml\"", "speed.rpm=2000", "run.cycles=60"});
         const double demand = 5e5 + s.engine.fmep_at_pa(s.speed_radps.at(0));
         EXPECT_NEAR(mean_imep(run(s), 40) / demand, 1, 0.01) << name;
     }

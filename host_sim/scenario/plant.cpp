@@ -52,7 +52,10 @@ double crossing_time(double angle_deg, double from_deg, double to_deg, double t0
 
 Plant::Plant(const Scenario &scenario, std::uint64_t seed)
     : scenario_(scenario), model_(scenario.engine, spread_of(scenario), scenario.step_deg),
-      fuel_map_(make_fuel_map(scenario)), plan_(scenario_, seed), control_(make_control(scenario.speed_mode)),
+      fuel_map_(make_fuel_map(scenario)),
+      load_nm_(scenario.load_given ? scenario.load_nm
+                                   : scenario.bmep_pa.scaled(scenario.engine.torque_of_mep_nm(1))),
+      plan_(scenario_, seed), control_(make_control(scenario.speed_mode)),
       road_(scenario.road_rms_nm, scenario.road_low_hz, scenario.road_high_hz,
             RandomStream(seed, stream::kRoad)),
       torsion_(scenario.engine),
@@ -196,10 +199,7 @@ void Plant::refresh_speed_and_load() {
     } else if (scenario_.speed_mode == SpeedMode::dyno) {
         torque += brake_nm_;
     } else {
-        const Profile given = scenario_.load_given
-                                  ? scenario_.load_nm
-                                  : scenario_.bmep_pa.scaled(scenario_.engine.torque_of_mep_nm(1));
-        const Profile::Segment load = given.segment(now);
+        const Profile::Segment load = load_nm_.segment(now);
         torque += load.at(now);
         slope += load.slope;
         refresh_at_s_ = std::min(refresh_at_s_, load.x1);
@@ -228,8 +228,7 @@ void Plant::control() {
         brake_nm_ = engine.torque_of_mep_nm(given) + control_.update(error_j) - ramp_nm;
         refresh_at_s_ = now;
     } else if (scenario_.speed_mode == SpeedMode::governor) {
-        const double load =
-            scenario_.load_given ? scenario_.load_nm.at(now) / engine.torque_of_mep_nm(1) : demand_pa_;
+        const double load = load_nm_.at(now) / engine.torque_of_mep_nm(1);
         const double wanted = load + (ramp_nm - control_.update(error_j)) / engine.torque_of_mep_nm(1);
         demand_pa_ = std::clamp(wanted, 0.0, kGovernorLimitPa);
     }

@@ -76,6 +76,7 @@ class Plant {
     Scenario scenario_;
     EngineModel model_;
     FuelMap fuel_map_;
+    Profile load_nm_; // in governor and free
     CombustionPlan plan_;
     SpeedControl control_;
     RoughRoad road_;

@@ -18,6 +18,7 @@ enum {
     REJECTED_MAX    = 20, /* edges left out, twice, less teeth placed, that end sync */
     ODD_RUN         = 6,  /* even periods that overrule the clocks */
     PHASE_VOTES     = 2,  /* cam edges that must agree */
+    UNLEARNED       = ONE / 2,          /* scatter of a mark seen less than twice */
     TREND_LASTS     = 3 * ONE,          /* speed ripple turns round within a few teeth */
     LOOSE           = (42 * ONE) / 100, /* an edge further off is not this tooth */
     STRAINED        = (10 * ONE) / 100, /* clocks this far off, on average, may have slipped */
@@ -109,7 +110,10 @@ static void sum_turn(sd_crank_t *self) {
 }
 
 static void reset_widths(sd_crank_t *self) {
-    for (uint32_t m = 0; m < self->mark_count; ++m) { self->mark_spacings[m] = (self->mark_run[m] + 1) * ONE; }
+    for (uint32_t m = 0; m < self->mark_count; ++m) {
+        self->mark_spacings[m] = (self->mark_run[m] + 1) * ONE;
+        self->mark_scatter[m] = UNLEARNED;
+    }
     sum_turn(self);
 }
 
@@ -249,6 +253,17 @@ static void angle_confirmed(sd_crank_t *self) {
     self->unsure = 0;
 }
 
+/* A first sight sets the scatter; later ones average. */
+static void learn_mark(sd_crank_t *self, uint32_t mark) {
+    if (self->mark_clean == 0u) { return; }
+    int32_t *scatter = &self->mark_scatter[mark];
+    const bool first = *scatter == UNLEARNED;
+    const int32_t stray = abs32(self->mark_late);
+    *scatter = clamp32(first ? stray : *scatter + (stray - *scatter) / 8, 0, UNLEARNED - 1);
+    self->mark_spacings[mark] = plausible_width(self->mark_spacings[mark] + self->mark_late / (first ? 2 : 8));
+    sum_turn(self);
+}
+
 static void vote(sd_crank_t *self) {
     const uint32_t mark = self->pending_mark;
     const int32_t width = self->mark_spacings[mark];
@@ -259,7 +274,10 @@ static void vote(sd_crank_t *self) {
         /* Clocks that were never far off cannot have slipped: then it takes two marks to convince us. */
         const bool believed = (self->strain > STRAINED) || (slip == self->suspected_slip);
         self->suspected_slip = (int8_t)slip;
-        if (!believed) { return; }
+        if (!believed) {
+            self->unsure = 1;
+            return;
+        }
         self->position = (uint8_t)((int32_t)self->position - slip);
         self->counts.slips++;
         angle_confirmed(self);
@@ -267,8 +285,7 @@ static void vote(sd_crank_t *self) {
         self->counts.marks_missed++;
         self->missed = (uint8_t)(self->missed + 1u + self->unsure);
     } else {
-        self->mark_spacings[mark] = plausible_width(width + self->mark_late / 8);
-        sum_turn(self);
+        learn_mark(self, mark);
         angle_confirmed(self);
     }
 }
@@ -277,11 +294,17 @@ static void vote(sd_crank_t *self) {
 
 typedef struct sd_place {
     int32_t  spacings;  /* from the last placed edge, Q12; 0: the last placed edge's own place */
-    int32_t  late;      /* Q12 spacings */
+    int32_t  late;      /* Q12 spacings, less what the mark's width may be blamed for */
+    int32_t  excused;   /* that part */
     uint32_t advance, coasted, position, mark; /* mark: crossed on the way, or SD_CRANK_MARKS_MAX */
     int32_t  to_mark;   /* spacings to the tooth before that mark */
     bool     found;
 } sd_place_t;
+
+/* The first tooth after a mark comes as its width says, give or take twice the scatter seen so far. */
+static int32_t excuse(const sd_crank_t *self, uint32_t mark, int32_t late) {
+    return clamp32(late, -2 * self->mark_scatter[mark], 2 * self->mark_scatter[mark]);
+}
 
 /* The tooth position that `elapsed` comes nearest to. */
 static sd_place_t nearest_place(const sd_crank_t *self, int64_t elapsed) {
@@ -299,6 +322,8 @@ static sd_place_t nearest_place(const sd_crank_t *self, int64_t elapsed) {
         next.advance += 1u + run;
         next.coasted = step;
         next.late = lateness(clock, elapsed, next.spacings);
+        next.excused = (run > 0u) ? excuse(self, mark, next.late) : 0;
+        next.late -= next.excused;
         if (abs32(next.late) > abs32(best.late)) { best.found = true; return best; }
         best = next;
     }
@@ -324,10 +349,13 @@ static void choose_leader(sd_crank_t *self) {
     }
 }
 
-static void move_clocks(sd_crank_t *self, uint32_t tick, int32_t spacings) {
+/* What a mark's width is blamed for moves only the calm clock's idea of the way, not of the time: the quick ones are
+ * there for ripple, and need the news that a mark's long period brings. */
+static void move_clocks(sd_crank_t *self, uint32_t tick) {
     for (uint32_t i = 0; i < SD_CRANK_CLOCKS; ++i) {
+        const int32_t excused = (i == SD_CRANK_CLOCKS - 1u) ? self->placed_excused : 0;
         self->clock[i] = self->before[i];
-        clock_place(&self->clock[i], &GAINS[i], tick, spacings);
+        clock_place(&self->clock[i], &GAINS[i], tick, self->placed_spacings + excused);
     }
     choose_leader(self);
     self->last_tick = tick;
@@ -337,11 +365,11 @@ static void move_clocks(sd_crank_t *self, uint32_t tick, int32_t spacings) {
 static bool take_over(sd_crank_t *self, uint32_t tick) {
     if (self->placed_spacings == 0) { return false; }
     const sd_crank_clock_t *before = &self->before[self->before_leader];
-    const int32_t late = lateness(before, since_clock(before, tick), self->placed_spacings);
+    const int32_t late = lateness(before, since_clock(before, tick), self->placed_spacings + self->placed_excused);
     if (abs32(late) >= abs32(self->placed_late)) { return false; }
     self->leader = self->before_leader;
     self->placed_late = late;
-    move_clocks(self, tick, self->placed_spacings);
+    move_clocks(self, tick);
     return true;
 }
 
@@ -356,7 +384,8 @@ static void pass_mark(sd_crank_t *self, const sd_place_t *place, uint32_t period
     if (place->mark == SD_CRANK_MARKS_MAX) { return; }
     self->pending_mark = (uint8_t)place->mark;
     self->mark_travel = (int32_t)((uint32_t)self->travel + (uint32_t)place->to_mark);
-    self->mark_late = clean ? place->late : 0;
+    self->mark_late = place->late + place->excused;
+    self->mark_clean = clean ? 1u : 0u;
     if (self->mode != TRYING) { return; }
     /* The mark that gives sync must stand out by itself, not only fit what a try expects. */
     if (!clean || (2u * (uint64_t)period < 3u * (uint64_t)self->raw_period[0])) { try_failed(self); return; }
@@ -374,7 +403,8 @@ static bool coasted_blindly(const sd_crank_t *self, const sd_place_t *place) {
 }
 
 static void place_edge(sd_crank_t *self, uint32_t tick, const sd_place_t *place, bool clean, sd_tooth_t *tooth) {
-    const bool tight = abs32(place->late) <= tight_gate(&self->clock[self->leader]);
+    const int32_t far = place->spacings >> 6; /* errors grow with the way since the last tooth */
+    const bool tight = abs32(place->late) <= clamp32(((int64_t)tight_gate(&self->clock[self->leader]) * far) >> 6, 0, LOOSE);
     tooth->period_ticks = tick - self->last_tick;
     tooth->span_spacings = (uint32_t)place->spacings;
     tooth->advance = (uint8_t)place->advance;
@@ -387,8 +417,9 @@ static void place_edge(sd_crank_t *self, uint32_t tick, const sd_place_t *place,
     if (self->clock[self->leader].error > self->strain) { self->strain = self->clock[self->leader].error; }
     self->before_leader = self->leader;
     self->placed_spacings = place->spacings;
+    self->placed_excused = place->excused;
     self->placed_late = place->late;
-    move_clocks(self, tick, place->spacings);
+    move_clocks(self, tick);
     self->travel = (int32_t)((uint32_t)self->travel + (uint32_t)place->spacings);
     self->position = (uint8_t)place->position;
     self->counts.coasted += place->coasted;

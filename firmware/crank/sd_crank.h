@@ -89,14 +89,15 @@ typedef struct sd_crank {
     sd_crank_config_t config;
     sd_crank_counts_t counts;
     sd_crank_clock_t  clock[SD_CRANK_CLOCKS], before[SD_CRANK_CLOCKS]; ///< Quick to calm; `before` the last placed edge.
-    int32_t  placed_spacings, placed_late;  ///< The last placed edge as seen from `before`, Q12.
+    int32_t  placed_spacings, placed_late, placed_excused; ///< The last placed edge as seen from `before`, Q12.
     int32_t  mark_spacings[SD_CRANK_MARKS_MAX]; ///< Learned width of each mark, Q12.
+    int32_t  mark_scatter[SD_CRANK_MARKS_MAX];  ///< How far the first tooth after it strays from that width, Q12.
     int32_t  turn_spacings;                 ///< Spacings in a revolution, Q12: teeth - marks + widths of the marks.
     uint32_t last_tick, raw_tick, raw_period[2]; ///< Last placed edge; last edge of any kind and its two periods.
     int32_t  strain;                        ///< Largest error of the leading clock since the angle was last confirmed.
     int32_t  travel;                        ///< Spacings travelled, Q12, wraps.
     int32_t  mark_travel;                   ///< Travel at the tooth before the mark being voted on.
-    int32_t  mark_late;                     ///< How late the tooth after that mark was, Q12; 0 when not clean.
+    int32_t  mark_late;                     ///< How late the tooth after that mark was, Q12.
     int32_t  witness[SD_CRANK_WITNESSES];   ///< Travel at the last edges of any kind.
     uint8_t  witness_count, witness_next;
     uint8_t  mark_count, mark_first[SD_CRANK_MARKS_MAX], mark_run[SD_CRANK_MARKS_MAX]; ///< First missing position, run.
@@ -111,6 +112,7 @@ typedef struct sd_crank {
     uint8_t  missed;          ///< Marks missed in a row while synced.
     uint8_t  try_mark;        ///< Which mark the next gap is taken for; moves on when a try fails.
     uint8_t  rejected;        ///< Edges left out in a row.
+    uint8_t  mark_clean;      ///< That mark was passed with both teeth beside it and nothing between.
     uint8_t  unsure;          ///< The angle may have slipped; until the next vote no tooth is valid.
     uint8_t  doubtful;        ///< The last placed edge was coasted to or far off.
     uint8_t  phase_votes;     ///< Cam edges that agreed with the present revolution, saturating.

@@ -22,7 +22,7 @@ def summary(**changed):
             "guess": {"wheel": "60-2", "edge": "falling", "column": 1, "gap_ratio": 3.04, "cam_column": 2},
             "engine": {"name": "test <engine>", "guessed": ["crank.inertia_kgm2"]},
             "files": {"/somewhere/made.csv": "00", "engine.toml": "11"},
-            "assumptions": ["no accuracy is claimed"], **changed}
+            "assumptions": ["engine: crank.inertia_kgm2 is a guess"], **changed}
 
 
 def teeth_rows():
@@ -79,7 +79,7 @@ class Report(unittest.TestCase):
         self.assertNotRegex(page, r"https?://|file:|<script|<link|/somewhere")
         self.assertEqual(len(re.findall("src=", page)), 3)
         for text in ("made.csv", "60-2, falling, gap ratio 3.0", "test &lt;engine&gt;", "1000.0 rpm", "95.0 %",
-                     "41.0 +- 1.0 N m over 2 cycles", "guessed, not measured: crank.inertia_kgm2", "no accuracy is claimed"):
+                     "41.0 +- 1.0 N m over 2 cycles", "engine: crank.inertia_kgm2 is a guess"):
             self.assertIn(text, page)
         self.assertNotIn("cylinder 2", page)
         self.assertIn("faults coasted through  1", done.stdout)

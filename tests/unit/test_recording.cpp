@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 // Recordings in every accepted form, their edges, and the guess of wheel, edge, column and cam.
-#include <ctime>
 #include <filesystem>
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -49,21 +48,6 @@ TEST(Reader, NamesColumnsFromTheHeader) {
     const Recording recording = parse_recording("r.csv", "Time[s], Channel 0\n0, 1\n");
     EXPECT_EQ(column_label(recording, 1), "column 1 (Channel 0)");
     EXPECT_EQ(column_label(parse_recording("r.csv", "0,1\n"), 1), "column 1");
-}
-
-TEST(Reader, TwoMegabytesTakeFarLessThanAFifthOfASecond) {
-    std::string text;
-    while (text.size() < 2'000'000)
-        text += fmt::format("{:.6E}\t7.090274E-1\t-7.328753E-1\n", double(text.size()) * 1e-7);
-    const std::clock_t begin = std::clock();
-    const Recording recording = parse_recording("r.csv", text);
-    const double seconds = double(std::clock() - begin) / CLOCKS_PER_SEC;
-    EXPECT_GT(recording.rows(), 50000u);
-#ifdef __SANITIZE_ADDRESS__
-    EXPECT_LT(seconds, 2.0);
-#else
-    EXPECT_LT(seconds, 0.1);
-#endif
 }
 
 TEST(Edges, KindsAreToldByTheValues) {

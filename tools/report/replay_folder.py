@@ -57,7 +57,7 @@ class Replay:
         except ValueError as error:
             raise BadFolder(f"{folder}: {error}") from error
         for name in ("edges", "revolutions", "sync_losses", "faults_coasted", "first_sync_edge", "rpm_last", "guess",
-                     "engine", "files"):
+                     "engine", "files", "assumptions"):
             if name not in self.summary:
                 raise BadFolder(f"{summary_path}: has no field {name}")
 
@@ -103,5 +103,5 @@ class Replay:
         return table
 
     def assumptions(self):
-        guessed = [f"guessed, not measured: {field}" for field in self.summary["engine"].get("guessed", [])]
-        return guessed + list(self.summary.get("assumptions", []))
+        """What replay took for granted; it names the engine's guessed fields there."""
+        return list(self.summary["assumptions"])

@@ -9,7 +9,7 @@ is written down in closed form over crank angle a (rad, 0 = firing TDC of cylind
 
 so that the torque, its derivative, is the mean load balance plus one pulse a firing, A (sin 2a + sin(4a)/2), which
 pushes after TDC and brakes before it. Time follows by Simpson's rule from tooth to tooth, rounded to the microsecond
-of a logger. Wheel, cam and inertia are those of host_sim/engines/diesel_22.toml.
+of a logger. Wheel, cam and inertia are those of engine.toml beside this file.
 
 Columns: time in s, crank level (a tooth's angle is at its falling edge), cam level (rises once a cycle).
 """

@@ -7,8 +7,9 @@
 
 namespace sixdeg {
 
-/// Piecewise linear in x (mostly time, s), constant before the first and after the last knot. Immutable and cheap to
-/// share: the caller keeps the cursor. At least one knot; x ascending (equal x is a step: the later value holds there).
+/// Piecewise linear in x (mostly time, s), constant before the first and after the last knot. Immutable and
+/// cheap to share: the caller keeps the cursor. At least one knot; x ascending (equal x is a step: the later
+/// value holds there).
 class Profile {
   public:
     struct Segment {

@@ -22,19 +22,25 @@ constexpr int kTwins = kMaxCylinders;
 
 // W neighbouring doubles as one array.
 template <int W> using Lanes = Eigen::Array<double, W, 1>;
-template <int W> Eigen::Map<const Lanes<W>> lanes(const double *first) { return Eigen::Map<const Lanes<W>>(first); }
+template <int W> Eigen::Map<const Lanes<W>> lanes(const double *first) {
+    return Eigen::Map<const Lanes<W>>(first);
+}
 template <int W> Eigen::Map<Lanes<W>> lanes(double *first) { return Eigen::Map<Lanes<W>>(first); }
 
 } // namespace
 
-EngineModel::EngineModel(const PlantEngine &engine, const std::vector<CylinderSpread> &spread, double step_deg)
+EngineModel::EngineModel(const PlantEngine &engine, const std::vector<CylinderSpread> &spread,
+                         double step_deg)
     : tables_(engine, spread, step_deg), n_(engine.shared.cylinders()), physical_(engine.shared.firing_order),
-      pulse_shapes_(engine.pulses), crankcase_pa_(engine.crankcase_pressure_pa), exhaust_pa_(engine.exhaust_pressure_pa),
-      charge_k_(engine.charge_temperature_k), exchange_(engine.exchange_per_rad),
-      heating_value_(engine.heating_value_jpkg), stoichiometric_(engine.stoichiometric_ratio),
-      wall_k_(engine.wall_temperature_k), wall_factor_(engine.wall_factor), stroke_m_(engine.shared.stroke_m),
-      displacement_m3_(engine.slider(engine.shared.compression_ratio).displacement_m3()), dual_mass_(engine.dual_mass),
-      secondary_inertia_(engine.driveline_inertia_kgm2 + (dual_mass_ ? dual_mass_->secondary_inertia_kgm2 : 0)) {
+      pulse_shapes_(engine.pulses), crankcase_pa_(engine.crankcase_pressure_pa),
+      exhaust_pa_(engine.exhaust_pressure_pa), charge_k_(engine.charge_temperature_k),
+      exchange_(engine.exchange_per_rad), heating_value_(engine.heating_value_jpkg),
+      stoichiometric_(engine.stoichiometric_ratio), wall_k_(engine.wall_temperature_k),
+      wall_factor_(engine.wall_factor), stroke_m_(engine.shared.stroke_m),
+      displacement_m3_(engine.slider(engine.shared.compression_ratio).displacement_m3()),
+      dual_mass_(engine.dual_mass),
+      secondary_inertia_(engine.driveline_inertia_kgm2 +
+                         (dual_mass_ ? dual_mass_->secondary_inertia_kgm2 : 0)) {
     double per_speed = 1;
     for (int i = 0; i < 3; ++i) {
         friction_nm_[i] = engine.torque_of_mep_nm(engine.fmep_pa[i]) * per_speed;
@@ -64,7 +70,8 @@ void EngineModel::start(std::int64_t cycle, int step, double time_s, double spee
     for (int i = 0; i < kLanes; ++i) state_.p[i] = state_.p[i] > 0 ? state_.p[i] : kPaPerBar; // idle columns
     for (auto &rates : heat_) std::fill(std::begin(rates), std::end(rates), 0.0);
     const auto later = [&](const Event &event) { return event.step > step_; };
-    next_event_ = std::size_t(std::find_if(tables_.events.begin(), tables_.events.end(), later) - tables_.events.begin());
+    next_event_ = std::size_t(std::find_if(tables_.events.begin(), tables_.events.end(), later) -
+                              tables_.events.begin());
     first_event_ = next_event_;
     set_mean_speed(speed_radps);
     evaluate_here();
@@ -114,8 +121,8 @@ void EngineModel::set_charge(int lane, const Charge &charge) {
     for (std::size_t i = 0; i < pulse_shapes_.size(); ++i) {
         const PulseShape &shape = pulse_shapes_[i];
         WiebePulse &pulse = burning_[l][i];
-        pulse = {shape.start_rad + charge.start_shift_rad, shape.duration_rad * charge.duration_factor, shape.shape_m,
-                 shape.share * heat};
+        pulse = {shape.start_rad + charge.start_shift_rad, shape.duration_rad * charge.duration_factor,
+                 shape.shape_m, shape.share * heat};
         burn_from_[l] = std::min(burn_from_[l], pulse.start_rad);
         burn_to_[l] = std::max(burn_to_[l], pulse.end_rad());
     }
@@ -148,28 +155,35 @@ bool EngineModel::stands_still(const State &at) const {
     return !(prescribed_ ? speed0_ + speed_slope_ * (at.time - speed_time_) > 0 : at.energy > smallest);
 }
 
-// The hot loop, over all cylinders at once: first those that fire, then their motored twins.
+// The hot loop, over columns of cylinders at once: first those that fire, then their motored twins. Eight
+// columns are taken as twice four, which the registers hold.
 template <int W>
-void EngineModel::cylinders(int half, const State &at, const double *heat, double inv_speed, State &slope) const {
-    const Lanes<W> volume = lanes<W>(&tables_.volume[std::size_t(half * W)]);
-    const Lanes<W> volume_slope = lanes<W>(&tables_.volume_slope[std::size_t(half * W)]);
-    const Lanes<W> wall = lanes<W>(&tables_.wall[std::size_t(half * W)]) * (wall_speed_ * inv_speed);
-    for (int first : {0, kTwins}) {
-        const Lanes<W> p = lanes<W>(at.p + first);
-        const Lanes<W> t = p * volume * lanes<W>(inverse_mr_ + first);
-        const Lanes<W> cv = gas::kB0 + t * (gas::kB1 + t * gas::kB2);
-        const Lanes<W> power = p * volume_slope;
-        const Lanes<W> loss = lanes<W>(wall_gain_ + first) * wall * p * (t - wall_k_);
-        const Lanes<W> inside = (lanes<W>(heat + first) - loss - (cv + 1) * power) / (cv * volume);
-        lanes<W>(slope.p + first) =
-            lanes<W>(closed_ + first) * inside + lanes<W>(open_ + first) * (lanes<W>(manifold_ + first) - p);
-        lanes<W>(slope.work + first) = power;
-        lanes<W>(slope.wall + first) = loss;
+void EngineModel::cylinders(int half, const State &at, const double *heat, double inv_speed,
+                            State &slope) const {
+    constexpr int B = W == 8 ? 4 : W;
+    for (int column = 0; column < W; column += B) {
+        const auto point = std::size_t(half * W + column);
+        const Lanes<B> volume = lanes<B>(&tables_.volume[point]),
+                       volume_slope = lanes<B>(&tables_.volume_slope[point]);
+        const Lanes<B> wall = lanes<B>(&tables_.wall[point]) * (wall_speed_ * inv_speed);
+        for (int first : {column, column + kTwins}) {
+            const Lanes<B> p = lanes<B>(at.p + first);
+            const Lanes<B> t = p * volume * lanes<B>(inverse_mr_ + first);
+            const Lanes<B> cv = gas::kB0 + t * (gas::kB1 + t * gas::kB2);
+            const Lanes<B> power = p * volume_slope;
+            const Lanes<B> loss = lanes<B>(wall_gain_ + first) * wall * p * (t - wall_k_);
+            const Lanes<B> inside = (lanes<B>(heat + first) - loss - (cv + 1) * power) / (cv * volume);
+            lanes<B>(slope.p + first) = lanes<B>(closed_ + first) * inside +
+                                        lanes<B>(open_ + first) * (lanes<B>(manifold_ + first) - p);
+            lanes<B>(slope.work + first) = power;
+            lanes<B>(slope.wall + first) = loss;
+        }
     }
 }
 
 template <int W>
-void EngineModel::evaluate(int half, const State &at, const double *heat, State &slope, Totals &totals) const {
+void EngineModel::evaluate(int half, const State &at, const double *heat, State &slope,
+                           Totals &totals) const {
     const double speed = speed_at(half, at), inv_speed = 1 / speed;
     cylinders<W>(half, at, heat, inv_speed, slope);
     double gas = 0;
@@ -181,7 +195,8 @@ void EngineModel::evaluate(int half, const State &at, const double *heat, State 
     double carried = load;
     slope.twist = slope.secondary = 0;
     if (dual_mass_ && !prescribed_) {
-        carried = dual_mass_->stiffness_nmprad * at.twist + dual_mass_->damping_nmsprad * (speed - at.secondary);
+        carried =
+            dual_mass_->stiffness_nmprad * at.twist + dual_mass_->damping_nmsprad * (speed - at.secondary);
         slope.twist = (speed - at.secondary) * inv_speed;
         slope.secondary = (carried - load) / secondary_inertia_ * inv_speed;
     }
@@ -192,7 +207,8 @@ void EngineModel::evaluate(int half, const State &at, const double *heat, State 
 
 // What other slopes depend on; work and wall loss are integrals only and wait for commit().
 template <int W> void EngineModel::add(const State &base, double h, const State &slope, State &sum) const {
-    for (int first : {0, kTwins}) lanes<W>(sum.p + first) = lanes<W>(base.p + first) + h * lanes<W>(slope.p + first);
+    for (int first : {0, kTwins})
+        lanes<W>(sum.p + first) = lanes<W>(base.p + first) + h * lanes<W>(slope.p + first);
     sum.energy = base.energy + h * slope.energy;
     sum.time = base.time + h * slope.time;
     sum.twist = base.twist + h * slope.twist;
@@ -201,14 +217,19 @@ template <int W> void EngineModel::add(const State &base, double h, const State 
 
 template <int W> void EngineModel::commit(const State &k2, const State &k3, const State &k4) {
     const double h = tables_.step_rad / 6;
-    const auto step = [h](double &y, double a, double b, double c, double d) { y += h * (a + 2 * (b + c) + d); };
-    const auto step_lanes = [h](double *y, const double *a, const double *b, const double *c, const double *d) {
+    const auto step = [h](double &y, double a, double b, double c, double d) {
+        y += h * (a + 2 * (b + c) + d);
+    };
+    const auto step_lanes = [h](double *y, const double *a, const double *b, const double *c,
+                                const double *d) {
         lanes<W>(y) += h * (lanes<W>(a) + 2 * (lanes<W>(b) + lanes<W>(c)) + lanes<W>(d));
     };
     for (int first : {0, kTwins}) {
         step_lanes(state_.p + first, slope_.p + first, k2.p + first, k3.p + first, k4.p + first);
-        step_lanes(state_.work + first, slope_.work + first, k2.work + first, k3.work + first, k4.work + first);
-        step_lanes(state_.wall + first, slope_.wall + first, k2.wall + first, k3.wall + first, k4.wall + first);
+        step_lanes(state_.work + first, slope_.work + first, k2.work + first, k3.work + first,
+                   k4.work + first);
+        step_lanes(state_.wall + first, slope_.wall + first, k2.wall + first, k3.wall + first,
+                   k4.wall + first);
     }
     lanes<W>(released_) += h * (lanes<W>(heat_[0]) + 4 * lanes<W>(heat_[1]) + lanes<W>(heat_[2]));
     lanes<W>(peak_) = lanes<W>(peak_).max(lanes<W>(state_.p));
@@ -245,10 +266,14 @@ template <int W> SD_FLATTEN bool EngineModel::step_width() {
 
 bool EngineModel::step() {
     switch (tables_.width) {
-    case 2: return step_width<2>();
-    case 4: return step_width<4>();
-    case 6: return step_width<6>();
-    default: return step_width<8>();
+    case 2:
+        return step_width<2>();
+    case 4:
+        return step_width<4>();
+    case 6:
+        return step_width<6>();
+    default:
+        return step_width<8>();
     }
 }
 
@@ -258,10 +283,18 @@ void EngineModel::evaluate_here() {
         state_.energy = 0.5 * tables_.inertia[std::size_t(2 * step_)] * speed * speed;
     }
     switch (tables_.width) {
-    case 2: evaluate<2>(2 * step_, state_, heat_[0], slope_, totals_); break;
-    case 4: evaluate<4>(2 * step_, state_, heat_[0], slope_, totals_); break;
-    case 6: evaluate<6>(2 * step_, state_, heat_[0], slope_, totals_); break;
-    default: evaluate<8>(2 * step_, state_, heat_[0], slope_, totals_); break;
+    case 2:
+        evaluate<2>(2 * step_, state_, heat_[0], slope_, totals_);
+        break;
+    case 4:
+        evaluate<4>(2 * step_, state_, heat_[0], slope_, totals_);
+        break;
+    case 6:
+        evaluate<6>(2 * step_, state_, heat_[0], slope_, totals_);
+        break;
+    default:
+        evaluate<8>(2 * step_, state_, heat_[0], slope_, totals_);
+        break;
     }
     update_truth();
 }
@@ -298,7 +331,8 @@ void EngineModel::apply(const Event &event) {
         running_[l].combustion_torque_nm = (state_.work[lane] - state_.work[twin] - work_at_tdc_[l]) / kPi;
         break;
     case EventKind::exhaust_open:
-        for (int i : {lane, twin}) closed_[i] = 0, open_[i] = exchange_, manifold_[i] = exhaust_pa_, wall_gain_[i] = 0;
+        for (int i : {lane, twin})
+            closed_[i] = 0, open_[i] = exchange_, manifold_[i] = exhaust_pa_, wall_gain_[i] = 0;
         heat_[0][lane] = 0;
         burns_[l] = false;
         break;

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: MIT
-// The simulated engine: pressures of up to 8 cylinders and the crank, integrated over crank angle in fixed steps.
+// The simulated engine: pressures of up to 8 cylinders and the crank, integrated over crank angle in fixed
+// steps.
 //
 // Per cylinder, with p in Pa, over crank angle a in rad (docs/plant.md, section Cylinder):
 //   valves closed:  dp/da = ((Q' - Qw') - (c_v/R + 1) p V') / (c_v/R V),  T = p V/(m R)
 //   a valve open:   dp/da = exchange_per_rad (p_manifold - p)
-// Each cylinder has a motored twin with the same trapped mass and no fuel; the difference of their torques is the
-// combustion torque. Crank, in the form of kinetic energy E = J(a) w^2 / 2, which holds J' w^2/2 + J w' exactly:
+// Each cylinder has a motored twin with the same trapped mass and no fuel; the difference of their torques is
+// the combustion torque. Crank, in the form of kinetic energy E = J(a) w^2 / 2, which holds J' w^2/2 + J w'
+// exactly:
 //   dE/da = sum (p - p_crankcase) V' - T_friction(w) - T_load(t),   dt/da = 1/w
 // All of it is one state, stepped by the classical fourth-order Runge-Kutta rule; valve events fall on steps.
 #pragma once
@@ -36,28 +38,29 @@ struct Charge {
 
 /// The crank at the end of a step.
 struct StepTruth {
-    double angle_rad = 0;        ///< Since firing TDC of firing_order[0] in cycle 0; never wraps.
+    double angle_rad = 0; ///< Since firing TDC of firing_order[0] in cycle 0; never wraps.
     double time_s = 0;
     double speed_radps = 0;
     double combustion_torque_nm = 0; ///< Gas torque less the gas torque of the motored twins.
     double gas_torque_nm = 0;        ///< All cylinders, crankcase pressure behind the pistons.
-    double load_torque_nm = 0;       ///< Load plus friction (with a dual-mass flywheel: its spring plus friction).
-    double net_torque_nm = 0;        ///< Gas less load: dE/da, the inertia torque J' w^2/2 + J w'.
+    double load_torque_nm = 0; ///< Load plus friction (with a dual-mass flywheel: its spring plus friction).
+    double net_torque_nm = 0;  ///< Gas less load: dE/da, the inertia torque J' w^2/2 + J w'.
 };
 
 /// One cylinder over one cycle, from 360 deg before its firing TDC to 360 deg after.
 struct CycleTruth {
-    std::int64_t cycle = 0;  ///< Cycle 0 holds firing TDC of firing_order[0] at angle 0.
-    int cylinder = 0;        ///< Physical number, 1-based.
+    std::int64_t cycle = 0; ///< Cycle 0 holds firing TDC of firing_order[0] at angle 0.
+    int cylinder = 0;       ///< Physical number, 1-based.
     double tdc_time_s = 0;
     double tdc_speed_radps = 0;
-    double work_j = 0;               ///< Integral of p dV over the cycle.
-    double imep_pa = 0;              ///< work_j over the displacement of one cylinder (net: pumping is in it).
-    double combustion_work_j = 0;    ///< The same integral less that of the motored twin.
-    double combustion_torque_nm = 0; ///< Mean of this cylinder's combustion torque over the 180 deg after its TDC.
-    double wall_loss_j = 0;          ///< Heat to the walls while the valves are closed.
-    double fuel_kg = 0, air_kg = 0;         ///< Injected, trapped.
-    double heat_j = 0;                       ///< Released until the exhaust valve opens.
+    double work_j = 0;            ///< Integral of p dV over the cycle.
+    double imep_pa = 0;           ///< work_j over the displacement of one cylinder (net: pumping is in it).
+    double combustion_work_j = 0; ///< The same integral less that of the motored twin.
+    double combustion_torque_nm =
+        0;                  ///< Mean of this cylinder's combustion torque over the 180 deg after its TDC.
+    double wall_loss_j = 0; ///< Heat to the walls while the valves are closed.
+    double fuel_kg = 0, air_kg = 0; ///< Injected, trapped.
+    double heat_j = 0;              ///< Released until the exhaust valve opens.
     double burned_fraction = 1;
     double peak_pressure_pa = 0;
     bool misfire = false; ///< Less than half of what could burn did.
@@ -76,7 +79,8 @@ struct StepTables {
     StepTables(const PlantEngine &engine, const std::vector<CylinderSpread> &spread, double step_deg);
     int steps; ///< A cycle.
     double step_rad;
-    int width;    ///< Columns: cylinders, rounded up to an even number (an idle column has volume 1 and slope 0).
+    int width; ///< Columns: cylinders, rounded up to an even number (an idle column has volume 1 and slope
+               ///< 0).
     std::vector<double> volume, volume_slope, wall; ///< [2 steps][width]; wall = area sqrt(volume).
     std::vector<double> volume_slope_sum;           ///< [2 steps], over cylinders.
     std::vector<double> inertia;                    ///< [2 steps], driveline included when it is rigid.
@@ -88,7 +92,8 @@ struct StepTables {
 /// One engine. Holds no reference to anything outside and no global: copies and instances are independent.
 class EngineModel {
   public:
-    /// `step_deg` divides 180 a whole number of times and is at most 1. Spread: one entry per entry of firing_order.
+    /// `step_deg` divides 180 a whole number of times and is at most 1. Spread: one entry per entry of
+    /// firing_order.
     EngineModel(const PlantEngine &engine, const std::vector<CylinderSpread> &spread, double step_deg);
 
     /// Sets angle (a step of cycle `cycle`), time and speed, every cylinder at manifold pressure.
@@ -116,6 +121,8 @@ class EngineModel {
     const Event *events_end() const { return tables_.events.data() + next_event_; }
     /// Valid right after the event `exchange` of that lane: the cycle that just ended.
     const CycleTruth &finished(int lane) const { return finished_[std::size_t(lane)]; }
+    /// Of one cylinder, `lane` an index into firing_order, at the angle just reached. Work counts from the
+    /// last event `exchange`, heat from the last intake_close.
     double pressure_pa(int lane) const { return state_.p[lane]; }
     double trapped_kg(int lane) const { return mass_[std::size_t(lane)]; }
     double heat_lost_j(int lane) const { return state_.wall[lane]; }
@@ -127,7 +134,11 @@ class EngineModel {
     const StepTables &tables() const { return tables_; }
     int step_in_cycle() const { return step_; }
     std::int64_t cycle() const { return cycle_; }
+    /// Kinetic energy of the crank (with a dual-mass flywheel: of its primary side), J.
     double energy_j() const { return state_.energy; }
+    /// Dual-mass flywheel: how far the crank is ahead of the secondary mass, rad, and the secondary's speed.
+    double flywheel_twist_rad() const { return state_.twist; }
+    double secondary_speed_radps() const { return state_.secondary; }
 
   private:
     static constexpr int kLanes = 2 * kMaxCylinders; // fired cylinders first, then their motored twins
@@ -141,8 +152,10 @@ class EngineModel {
 
     // W is tables_.width, known to the compiler so that it unrolls and vectorises.
     template <int W> bool step_width();
-    template <int W> void evaluate(int half, const State &at, const double *heat, State &slope, Totals &totals) const;
-    template <int W> void cylinders(int half, const State &at, const double *heat, double inv_speed, State &slope) const;
+    template <int W>
+    void evaluate(int half, const State &at, const double *heat, State &slope, Totals &totals) const;
+    template <int W>
+    void cylinders(int half, const State &at, const double *heat, double inv_speed, State &slope) const;
     template <int W> void add(const State &base, double h, const State &slope, State &sum) const;
     template <int W> void commit(const State &k2, const State &k3, const State &k4);
     void evaluate_here();
@@ -153,7 +166,9 @@ class EngineModel {
     void apply(const Event &event);
     void finish_cycle(int lane);
     void update_truth();
-    double slope_volume(int lane) const { return tables_.volume_slope[std::size_t(2 * step_ * tables_.width + lane)]; }
+    double slope_volume(int lane) const {
+        return tables_.volume_slope[std::size_t(2 * step_ * tables_.width + lane)];
+    }
     double volume(int lane) const { return tables_.volume[std::size_t(2 * step_ * tables_.width + lane)]; }
     double theta(int half, int lane) const;
 
@@ -161,9 +176,10 @@ class EngineModel {
     int n_;
     std::vector<int> physical_;
     std::vector<PulseShape> pulse_shapes_;
-    double crankcase_pa_, exhaust_pa_, charge_k_, exchange_, heating_value_, stoichiometric_, wall_k_, wall_factor_;
+    double crankcase_pa_, exhaust_pa_, charge_k_, exchange_, heating_value_, stoichiometric_, wall_k_,
+        wall_factor_;
     double stroke_m_, displacement_m3_; // of one cylinder
-    double friction_nm_[3]; // of speed in rad/s
+    double friction_nm_[3];             // of speed in rad/s
     std::optional<DualMassFlywheel> dual_mass_;
     double secondary_inertia_;
 

@@ -56,7 +56,8 @@ Solved solve(Trial &trial, const PlantEngine &engine, double speed, double bmep)
     const CycleTruth motored = trial.run(speed, intake, 0);
     const double most = motored.air_kg / engine.stoichiometric_ratio;
     double fuel0 = 0, imep0 = motored.imep_pa;
-    double fuel1 = std::min(most, 0.8 * most * std::min(1.0, (target - imep0) / (10 * kPaPerBar)) + 0.1 * most);
+    double fuel1 =
+        std::min(most, 0.8 * most * std::min(1.0, (target - imep0) / (10 * kPaPerBar)) + 0.1 * most);
     for (int i = 0; i < 30; ++i) {
         const double imep1 = trial.run(speed, intake, fuel1).imep_pa;
         if (std::abs(imep1 - target) <= 1e-9 * std::abs(target) + 1e-6) return {fuel1, motored.imep_pa, true};
@@ -71,12 +72,14 @@ Solved solve(Trial &trial, const PlantEngine &engine, double speed, double bmep)
 
 } // namespace
 
-FuelMap::FuelMap(const PlantEngine &engine, double speed_low_radps, double speed_high_radps, double bmep_top_pa)
-    : speed_low_(speed_low_radps), speed_span_(std::max(speed_high_radps - speed_low_radps, 1e-3)), bmep_top_(bmep_top_pa) {
+FuelMap::FuelMap(const PlantEngine &engine, double speed_low_radps, double speed_high_radps,
+                 double bmep_top_pa)
+    : speed_low_(speed_low_radps), speed_span_(speed_high_radps - speed_low_radps), bmep_top_(bmep_top_pa),
+      speeds_(speed_span_ > 0 ? 3 : 1) {
     Trial trial(engine);
-    for (int s = 0; s < kSpeeds; ++s) {
+    for (int s = 0; s < speeds_; ++s) {
         for (int l = 0; l < kLoads; ++l) {
-            const double speed = speed_low_ + speed_span_ * s / (kSpeeds - 1), bmep = bmep_top_ * l / (kLoads - 1);
+            const double speed = speed_low_ + speed_span_ * s / 2, bmep = bmep_top_ * l / (kLoads - 1);
             const Solved solved = solve(trial, engine, speed, bmep);
             fuel_.push_back(solved.fuel_kg);
             motored_.push_back(solved.motored_imep_pa);
@@ -86,12 +89,15 @@ FuelMap::FuelMap(const PlantEngine &engine, double speed_low_radps, double speed
 }
 
 double FuelMap::interpolate(const std::vector<double> &table, double speed_radps, double bmep_pa) const {
-    const double s = std::clamp((speed_radps - speed_low_) / speed_span_, 0.0, 1.0) * (kSpeeds - 1);
+    const double s =
+        speeds_ > 1 ? std::clamp((speed_radps - speed_low_) / speed_span_, 0.0, 1.0) * (speeds_ - 1) : 0;
     const double l = bmep_top_ > 0 ? std::clamp(bmep_pa / bmep_top_, 0.0, 1.0) * (kLoads - 1) : 0;
-    const int s0 = std::min(int(s), kSpeeds - 2), l0 = std::min(int(l), kLoads - 2);
+    const int s0 = std::min(int(s), std::max(speeds_ - 2, 0)), s1 = std::min(s0 + 1, speeds_ - 1),
+              l0 = std::min(int(l), kLoads - 2);
     const auto at = [&](int i, int j) { return table[std::size_t(i * kLoads + j)]; };
     const double fs = s - s0, fl = l - l0;
-    return (1 - fs) * ((1 - fl) * at(s0, l0) + fl * at(s0, l0 + 1)) + fs * ((1 - fl) * at(s0 + 1, l0) + fl * at(s0 + 1, l0 + 1));
+    return (1 - fs) * ((1 - fl) * at(s0, l0) + fl * at(s0, l0 + 1)) +
+           fs * ((1 - fl) * at(s1, l0) + fl * at(s1, l0 + 1));
 }
 
 double FuelMap::largest_bmep_pa(const PlantEngine &engine, double speed_radps, double limit_pa) {

@@ -25,20 +25,25 @@ void read_air(TomlFile &file, PlantEngine &engine) {
     engine.intake_pressure_pa = Profile(bmep, pressure).scaled(kPaPerBar);
     for (double &b : bmep) b *= kPaPerBar;
     engine.intake_pressure_pa = Profile(bmep, engine.intake_pressure_pa.value());
-    engine.exhaust_pressure_pa = kPaPerBar * file.number_or("plant.air.exhaust_pressure_bar", {0.1, 6, "bar"}, 1.05);
-    engine.crankcase_pressure_pa = kPaPerBar * file.number_or("plant.air.crankcase_pressure_bar", {0.5, 2, "bar"}, 1.013);
+    engine.exhaust_pressure_pa =
+        kPaPerBar * file.number_or("plant.air.exhaust_pressure_bar", {0.1, 6, "bar"}, 1.05);
+    engine.crankcase_pressure_pa =
+        kPaPerBar * file.number_or("plant.air.crankcase_pressure_bar", {0.5, 2, "bar"}, 1.013);
     engine.charge_temperature_k = file.number_or("plant.air.charge_temperature_k", {250, 500, "K"}, 330);
 }
 
 void read_valves(TomlFile &file, PlantEngine &engine) {
-    engine.exhaust_open_rad = kRadPerDeg * file.number_or("plant.valves.exhaust_open_deg", {60, 200, "deg"}, 135);
-    engine.intake_close_rad = kRadPerDeg * file.number_or("plant.valves.intake_close_deg", {500, 640, "deg"}, 580);
+    engine.exhaust_open_rad =
+        kRadPerDeg * file.number_or("plant.valves.exhaust_open_deg", {60, 200, "deg"}, 135);
+    engine.intake_close_rad =
+        kRadPerDeg * file.number_or("plant.valves.intake_close_deg", {500, 640, "deg"}, 580);
     engine.exchange_per_rad = file.number_or("plant.valves.exchange_per_rad", {1, 20, "1/rad"}, 6);
 }
 
 void read_pulses(TomlFile &file, PlantEngine &engine) {
     const std::size_t count = file.array_size("plant.combustion.pulse");
-    if (count < 1 || count > 2) file.fail("plant.combustion.pulse", fmt::format("has {} entries, not 1 or 2", count));
+    if (count < 1 || count > 2)
+        file.fail("plant.combustion.pulse", fmt::format("has {} entries, not 1 or 2", count));
     double total = 0;
     for (std::size_t i = 0; i < count; ++i) {
         const std::string at = fmt::format("plant.combustion.pulse[{}].", i);
@@ -50,11 +55,13 @@ void read_pulses(TomlFile &file, PlantEngine &engine) {
         total += pulse.share;
         engine.pulses.push_back(pulse);
     }
-    if (std::abs(total - 1) > 1e-6) file.fail("plant.combustion.pulse", fmt::format("shares add up to {:g}, not 1", total));
+    if (std::abs(total - 1) > 1e-6)
+        file.fail("plant.combustion.pulse", fmt::format("shares add up to {:g}, not 1", total));
 }
 
 void read_losses(TomlFile &file, PlantEngine &engine) {
-    engine.heating_value_jpkg = 1e6 * file.number_or("plant.combustion.heating_value_mjpkg", {10, 130, "MJ/kg"}, 42.7);
+    engine.heating_value_jpkg =
+        1e6 * file.number_or("plant.combustion.heating_value_mjpkg", {10, 130, "MJ/kg"}, 42.7);
     engine.stoichiometric_ratio = file.number_or("plant.combustion.stoichiometric_ratio", {5, 40, ""}, 14.6);
     engine.wall_temperature_k = file.number_or("plant.wall.temperature_k", {250, 700, "K"}, 430);
     engine.wall_factor = file.number_or("plant.wall.factor", {0, 5, ""}, 1);
@@ -80,12 +87,15 @@ void read_torsion(TomlFile &file, PlantEngine &engine) {
     t.damping_ratio = file.number_or("plant.torsion.damping_ratio", {0, 0.5, ""}, 0.02);
     t.modes = int(file.integer_or("plant.torsion.modes", 1, 3, 1));
     const std::string at = file.text_or("plant.torsion.wheel_at", "front");
-    if (at != "front" && at != "flywheel") file.fail("plant.torsion.wheel_at", "'" + at + "' is not \"front\" or \"flywheel\"");
+    if (at != "front" && at != "flywheel")
+        file.fail("plant.torsion.wheel_at", "'" + at + "' is not \"front\" or \"flywheel\"");
     t.wheel_at_front = at == "front";
     const double parts = t.front_inertia_kgm2 + engine.shared.cylinders() * t.throw_inertia_kgm2;
     if (parts >= engine.shared.inertia_kgm2) {
         file.fail("plant.torsion.throw_inertia_kgm2",
-                  fmt::format("with the front end makes {:g} kg m2 and leaves nothing of crank.inertia_kgm2 to the flywheel", parts));
+                  fmt::format("with the front end makes {:g} kg m2 and leaves nothing of crank.inertia_kgm2 "
+                              "to the flywheel",
+                              parts));
     }
     engine.torsion = t;
 }
@@ -108,7 +118,8 @@ PlantEngine read_plant_engine(const std::string &name, const std::string &text) 
     file.text("name");
     if (file.has("guessed")) file.texts("guessed");
     for (const char *table : kSharedTables) file.ignore(table);
-    if (!file.has("plant")) file.fail("plant", "is missing: this engine file has no data for the simulated engine");
+    if (!file.has("plant"))
+        file.fail("plant", "is missing: this engine file has no data for the simulated engine");
     read_air(file, engine);
     read_valves(file, engine);
     read_pulses(file, engine);
@@ -120,6 +131,8 @@ PlantEngine read_plant_engine(const std::string &name, const std::string &text) 
     return engine;
 }
 
-PlantEngine read_plant_engine(const std::filesystem::path &path) { return read_plant_engine(path.string(), read_file(path)); }
+PlantEngine read_plant_engine(const std::filesystem::path &path) {
+    return read_plant_engine(path.string(), read_file(path));
+}
 
 } // namespace sixdeg

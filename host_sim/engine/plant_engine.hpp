@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The [plant] tables of ENGINE.toml: what the simulated engine has beyond the physics that the firmware knows.
-// Field by field: docs/scenario.md, section "[plant] tables of the engine file".
+// The [plant] tables of ENGINE.toml: what the simulated engine has beyond the physics that the firmware
+// knows. Field by field: docs/scenario.md, section "[plant] tables of the engine file".
 #pragma once
 #include <filesystem>
 #include <optional>
@@ -18,14 +18,16 @@ struct PulseShape {
     double share; ///< Of the cycle's heat; the shares of all pulses add up to 1.
 };
 
-/// Dual-mass flywheel: the crank carries its primary mass (in crank.inertia_kgm2), the load acts on the secondary.
+/// Dual-mass flywheel: the crank carries its primary mass (in crank.inertia_kgm2), the load acts on the
+/// secondary.
 struct DualMassFlywheel {
     double secondary_inertia_kgm2;
     double stiffness_nmprad;
     double damping_nmsprad;
 };
 
-/// Elastic crank: front end, one throw a cylinder and the flywheel on equal shaft sections. See docs/plant.md.
+/// Elastic crank: front end, one throw a cylinder and the flywheel on equal shaft sections. See
+/// docs/plant.md.
 struct CrankTorsion {
     double section_stiffness_nmprad;
     double front_inertia_kgm2, throw_inertia_kgm2; ///< Parts of crank.inertia_kgm2; the rest is the flywheel.
@@ -39,17 +41,17 @@ struct PlantEngine {
 
     Profile intake_pressure_pa; ///< Cylinder pressure when the intake valve closes, over demanded bmep in Pa.
     double exhaust_pressure_pa, crankcase_pressure_pa;
-    double charge_temperature_k;         ///< Of the trapped charge when the intake valve closes.
-    double exhaust_open_rad;             ///< After firing TDC.
-    double intake_close_rad;             ///< After firing TDC, beyond one turn: 540 deg is BDC.
-    double exchange_per_rad;             ///< With a valve open: dp/dalpha = exchange_per_rad (p_manifold - p).
-    double heating_value_jpkg;           ///< Lower heating value of the fuel.
-    double stoichiometric_ratio;         ///< Air to fuel; fuel beyond it does not burn.
-    std::vector<PulseShape> pulses;      ///< One or two.
+    double charge_temperature_k;    ///< Of the trapped charge when the intake valve closes.
+    double exhaust_open_rad;        ///< After firing TDC.
+    double intake_close_rad;        ///< After firing TDC, beyond one turn: 540 deg is BDC.
+    double exchange_per_rad;        ///< With a valve open: dp/dalpha = exchange_per_rad (p_manifold - p).
+    double heating_value_jpkg;      ///< Lower heating value of the fuel.
+    double stoichiometric_ratio;    ///< Air to fuel; fuel beyond it does not burn.
+    std::vector<PulseShape> pulses; ///< One or two.
     double wall_temperature_k;
-    double wall_factor;                  ///< On Eichelberg's coefficient; 0 is adiabatic.
-    double fmep_pa[3];                   ///< Friction mean effective pressure: c0 + c1 n + c2 n^2, n in 1000 rpm.
-    double driveline_inertia_kgm2;       ///< Rigid with the crank (with the secondary mass if there is one).
+    double wall_factor;            ///< On Eichelberg's coefficient; 0 is adiabatic.
+    double fmep_pa[3];             ///< Friction mean effective pressure: c0 + c1 n + c2 n^2, n in 1000 rpm.
+    double driveline_inertia_kgm2; ///< Rigid with the crank (with the secondary mass if there is one).
     std::optional<DualMassFlywheel> dual_mass;
     std::optional<CrankTorsion> torsion;
 
@@ -57,7 +59,9 @@ struct PlantEngine {
         return {shared.bore_m, shared.stroke_m, shared.rod_m, compression_ratio};
     }
     /// Of all cylinders, m3.
-    double displacement_m3() const { return shared.cylinders() * slider(shared.compression_ratio).displacement_m3(); }
+    double displacement_m3() const {
+        return shared.cylinders() * slider(shared.compression_ratio).displacement_m3();
+    }
     double fmep_at_pa(double speed_radps) const;
     /// Brake torque of a mean effective pressure, N m: p V_d / (4 pi).
     double torque_of_mep_nm(double mep_pa) const { return mep_pa * displacement_m3() / (4 * kPi); }

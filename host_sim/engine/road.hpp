@@ -8,9 +8,9 @@
 
 namespace sixdeg {
 
-/// Band noise of given rms: 32 sines, one at a random place in each of 32 equal parts of the band, with random phases,
-/// straight between samples 1 ms apart. Its rms over a long time is `rms_nm` (exact before the straight pieces, which
-/// lose less than 0.1 % below 15 Hz). The same seed gives the same road.
+/// Band noise of given rms: 32 sines, one at a random place in each of 32 equal parts of the band, with
+/// random phases, straight between samples 1 ms apart. Its rms over a long time is `rms_nm` (exact before the
+/// straight pieces, which lose less than 0.1 % below 15 Hz). The same seed gives the same road.
 class RoughRoad {
   public:
     RoughRoad(double rms_nm, double low_hz, double high_hz, RandomStream random);

@@ -25,17 +25,20 @@ std::vector<Event> events_of(const PlantEngine &engine, const StepTables &tables
         add(engine.exhaust_open_rad, EventKind::exhaust_open);
         add(2 * kPi, EventKind::exchange);
     }
-    std::stable_sort(events.begin(), events.end(), [](const Event &a, const Event &b) { return a.step < b.step; });
+    std::stable_sort(events.begin(), events.end(),
+                     [](const Event &a, const Event &b) { return a.step < b.step; });
     return events;
 }
 
 } // namespace
 
 StepTables::StepTables(const PlantEngine &engine, const std::vector<CylinderSpread> &spread, double step_deg)
-    : steps(int(std::lround(720 / step_deg))), step_rad(4 * kPi / steps), width((engine.shared.cylinders() + 1) / 2 * 2) {
+    : steps(int(std::lround(720 / step_deg))), step_rad(4 * kPi / steps),
+      width((engine.shared.cylinders() + 1) / 2 * 2) {
     const int n = engine.shared.cylinders(), points = 2 * steps;
     for (double deg : engine.shared.firing_tdc_deg) tdc_rad.push_back(deg * kRadPerDeg);
-    const double constant = engine.shared.inertia_kgm2 + (engine.dual_mass ? 0 : engine.driveline_inertia_kgm2);
+    const double constant =
+        engine.shared.inertia_kgm2 + (engine.dual_mass ? 0 : engine.driveline_inertia_kgm2);
     inertia.assign(std::size_t(points), constant);
     volume.assign(std::size_t(points * width), 1.0);
     volume_slope.assign(volume.size(), 0.0);
@@ -50,7 +53,8 @@ StepTables::StepTables(const PlantEngine &engine, const std::vector<CylinderSpre
             volume_slope[at] = slider.volume_slope_m3(theta);
             volume_slope_sum[std::size_t(point)] += volume_slope[at];
             wall[at] = slider.wall_area_m2(theta) * std::sqrt(volume[at]);
-            inertia[std::size_t(point)] += slider.reciprocating_inertia_kgm2(theta, engine.shared.reciprocating_mass_kg);
+            inertia[std::size_t(point)] +=
+                slider.reciprocating_inertia_kgm2(theta, engine.shared.reciprocating_mass_kg);
         }
     }
     for (double j : inertia) two_over_inertia.push_back(2 / j);

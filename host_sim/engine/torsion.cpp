@@ -17,13 +17,18 @@ CrankElasticity::CrankElasticity(const PlantEngine &engine) : engine_(engine) {
     if (!engine.dual_mass) inertia[nodes - 1] += engine.driveline_inertia_kgm2;
     Eigen::MatrixXd stiffness = Eigen::MatrixXd::Zero(nodes, nodes);
     for (int i = 0; i + 1 < nodes; ++i) {
-        stiffness.block<2, 2>(i, i) += t.section_stiffness_nmprad * (Eigen::Matrix2d() << 1, -1, -1, 1).finished();
+        stiffness.block<2, 2>(i, i) +=
+            t.section_stiffness_nmprad * (Eigen::Matrix2d() << 1, -1, -1, 1).finished();
     }
     // Eigenvectors come mass-normalised and ascending; the first is the rigid crank.
-    const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> solver(stiffness, inertia.asDiagonal().toDenseMatrix());
+    const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> solver(
+        stiffness, inertia.asDiagonal().toDenseMatrix());
     for (int m = 1; m <= std::min(t.modes, nodes - 1); ++m) {
         const Eigen::VectorXd shape = solver.eigenvectors().col(m);
-        Mode mode{std::sqrt(solver.eigenvalues()[m]), shape[t.wheel_at_front ? 0 : nodes - 1], shape[nodes - 1], {}};
+        Mode mode{std::sqrt(solver.eigenvalues()[m]),
+                  shape[t.wheel_at_front ? 0 : nodes - 1],
+                  shape[nodes - 1],
+                  {}};
         for (int cylinder : engine.shared.firing_order) mode.throw_shape.push_back(shape[cylinder]);
         modes_.push_back(mode);
     }
@@ -44,7 +49,8 @@ double CrankElasticity::force_of(const Mode &mode, const EngineModel &model) con
 void CrankElasticity::propagate(Mode &mode, double force, double duration_s) const {
     const double w = mode.frequency_radps, z = engine_.torsion->damping_ratio;
     const double damped = w * std::sqrt(1 - z * z), rest = force / (w * w);
-    const double decay = std::exp(-z * w * duration_s), c = std::cos(damped * duration_s), s = std::sin(damped * duration_s);
+    const double decay = std::exp(-z * w * duration_s), c = std::cos(damped * duration_s),
+                 s = std::sin(damped * duration_s);
     const double away = mode.angle - rest, sine = (mode.rate + z * w * away) / damped;
     mode.angle = rest + decay * (away * c + sine * s);
     mode.rate = decay * (mode.rate * c - (z * w * sine + damped * away) * s);
@@ -57,7 +63,8 @@ void CrankElasticity::step(const EngineModel &model, double duration_s) {
         for (int step = 0; step < tables.steps; ++step) {
             for (double tdc : tables.tdc_rad) {
                 const double theta = step * tables.step_rad - tdc;
-                half_inertia_slope_.push_back(engine_.shared.reciprocating_mass_kg * slider.travel_slope_m(theta) *
+                half_inertia_slope_.push_back(engine_.shared.reciprocating_mass_kg *
+                                              slider.travel_slope_m(theta) *
                                               slider.travel_curvature_m(theta));
             }
         }

@@ -7,16 +7,17 @@
 
 namespace sixdeg {
 
-/// The first elastic modes of a free chain (front end, throws in physical order, flywheel), driven by each cylinder's
-/// gas torque, the torque of its reciprocating mass (-J_i' w^2/2) and the load at the flywheel. One way: the twist moves
-/// the wheel but not the pistons, whose angle it would change by less than a degree (docs/plant.md, section Torsion).
+/// The first elastic modes of a free chain (front end, throws in physical order, flywheel), driven by each
+/// cylinder's gas torque, the torque of its reciprocating mass (-J_i' w^2/2) and the load at the flywheel.
+/// One way: the twist moves the wheel but not the pistons, whose angle it would change by less than a degree
+/// (docs/plant.md, section Torsion).
 class CrankElasticity {
   public:
     explicit CrankElasticity(const PlantEngine &engine);
 
     bool enabled() const { return !modes_.empty(); }
-    /// Carries the modes over one step that lasted `duration_s` and ended at the model's state. The torques of the
-    /// step's two ends are averaged; each mode is propagated exactly for that constant torque.
+    /// Carries the modes over one step that lasted `duration_s` and ended at the model's state. The torques
+    /// of the step's two ends are averaged; each mode is propagated exactly for that constant torque.
     void step(const EngineModel &model, double duration_s);
     /// Angle and speed of the toothed wheel beyond the rigid crank's, rad and rad/s; 0 without modes.
     double wheel_twist_rad() const { return twist_; }

@@ -6,10 +6,11 @@
 namespace sixdeg {
 
 /// x_b(theta) = 1 - exp(-a y^(m+1)), y = (theta - start)/duration, a = 6.908: 99.9 % burned at y = 1
-/// (Heywood, Internal Combustion Engine Fundamentals, eq. 9.31). The pulse runs on until 1 - x_b is 1e-7, so that no
-/// jump in its rate spoils the energy balance.
+/// (Heywood, Internal Combustion Engine Fundamentals, eq. 9.31). The pulse runs on until 1 - x_b is 1e-7, so
+/// that no jump in its rate spoils the energy balance.
 struct WiebePulse {
-    double start_rad = 0, duration_rad = 1, shape_m = 1, heat_j = 0; ///< start from firing TDC; shape in [0.5, 5].
+    double start_rad = 0, duration_rad = 1, shape_m = 1,
+           heat_j = 0; ///< start from firing TDC; shape in [0.5, 5].
 
     static constexpr double kA = 6.907755278982137; // ln(1000)
     static constexpr double kLast = 16.118;         // a y^(m+1) where 1e-7 is left

@@ -26,7 +26,8 @@ double CombustionPlan::burned_fraction(int lane, std::int64_t cycle) {
     const bool by_chance = misfire_[std::size_t(lane)].chance(scenario_.misfire_rate);
     const int cylinder = scenario_.engine.shared.firing_order[std::size_t(lane)];
     const auto &list = scenario_.misfires;
-    auto event = std::lower_bound(list.begin(), list.end(), cycle, [](const MisfireEvent &e, std::int64_t c) { return e.cycle < c; });
+    auto event = std::lower_bound(list.begin(), list.end(), cycle,
+                                  [](const MisfireEvent &e, std::int64_t c) { return e.cycle < c; });
     for (; event != list.end() && event->cycle == cycle; ++event) {
         if (event->cylinder == cylinder) return event->burned_fraction;
     }

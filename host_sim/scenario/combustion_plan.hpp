@@ -9,13 +9,14 @@
 
 namespace sixdeg {
 
-/// Draws charges for one run. Each cylinder has streams of its own, drawn from equally often whatever is switched on.
+/// Draws charges for one run. Each cylinder has streams of its own, drawn from equally often whatever is
+/// switched on.
 class CombustionPlan {
   public:
     CombustionPlan(const Scenario &scenario, std::uint64_t seed);
 
-    /// The charge of firing-order entry `lane` for the combustion of `cycle`, at nominal fuel `fuel_kg` and demand
-    /// `bmep_pa`. Call once a cycle for each lane, cycles ascending.
+    /// The charge of firing-order entry `lane` for the combustion of `cycle`, at nominal fuel `fuel_kg` and
+    /// demand `bmep_pa`. Call once a cycle for each lane, cycles ascending.
     Charge draw(int lane, std::int64_t cycle, double fuel_kg, double bmep_pa);
 
   private:

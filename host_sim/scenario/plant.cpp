@@ -16,7 +16,8 @@ constexpr double kGovernorLimitPa = 40 * kPaPerBar;
 std::vector<CylinderSpread> spread_of(const Scenario &scenario) {
     std::vector<CylinderSpread> spread;
     for (int cylinder : scenario.engine.shared.firing_order) {
-        spread.push_back({scenario.engine.shared.compression_ratio * scenario.compression_factor[std::size_t(cylinder - 1)]});
+        spread.push_back({scenario.engine.shared.compression_ratio *
+                          scenario.compression_factor[std::size_t(cylinder - 1)]});
     }
     return spread;
 }
@@ -27,7 +28,9 @@ FuelMap make_fuel_map(const Scenario &s) {
     if (s.speed_mode == SpeedMode::governor) top = FuelMap::largest_bmep_pa(s.engine, high, kGovernorLimitPa);
     FuelMap map(s.engine, low, high, top);
     if (!map.reaches_top() && s.speed_mode != SpeedMode::governor) {
-        throw InputError(s.name, "load.bmep_bar", "demands more than the trapped air can burn; lower it or raise plant.air.intake_pressure_bar");
+        throw InputError(
+            s.name, "load.bmep_bar",
+            "demands more than the trapped air can burn; lower it or raise plant.air.intake_pressure_bar");
     }
     return map;
 }
@@ -37,8 +40,10 @@ SpeedControl make_control(SpeedMode mode) {
 }
 
 // Position in [0, 1] of `angle` within a step, and the cubic through both ends' times and slopes there.
-double crossing_time(double angle_deg, double from_deg, double to_deg, double t0, double t1, double speed0, double speed1) {
-    const double x = (angle_deg - from_deg) / (to_deg - from_deg), h = (to_deg - from_deg) * kRadPerDeg, y = 1 - x;
+double crossing_time(double angle_deg, double from_deg, double to_deg, double t0, double t1, double speed0,
+                     double speed1) {
+    const double x = (angle_deg - from_deg) / (to_deg - from_deg), h = (to_deg - from_deg) * kRadPerDeg,
+                 y = 1 - x;
     const double rise0 = h / speed0, rise1 = h / speed1;
     return t0 * y * y * (1 + 2 * x) + t1 * x * x * (1 + 2 * y) + x * y * (rise0 * y - rise1 * x);
 }
@@ -46,12 +51,17 @@ double crossing_time(double angle_deg, double from_deg, double to_deg, double t0
 } // namespace
 
 Plant::Plant(const Scenario &scenario, std::uint64_t seed)
-    : scenario_(scenario), model_(scenario.engine, spread_of(scenario), scenario.step_deg), fuel_map_(make_fuel_map(scenario)),
+    : scenario_(scenario), model_(scenario.engine, spread_of(scenario), scenario.step_deg),
+      fuel_map_(make_fuel_map(scenario)),
+      load_nm_(scenario.load_given ? scenario.load_nm
+                                   : scenario.bmep_pa.scaled(scenario.engine.torque_of_mep_nm(1))),
       plan_(scenario_, seed), control_(make_control(scenario.speed_mode)),
-      road_(scenario.road_rms_nm, scenario.road_low_hz, scenario.road_high_hz, RandomStream(seed, stream::kRoad)),
+      road_(scenario.road_rms_nm, scenario.road_low_hz, scenario.road_high_hz,
+            RandomStream(seed, stream::kRoad)),
       torsion_(scenario.engine),
       wheel_(scenario.engine.shared, scenario.encoder.offset_deg, scenario.encoder.pattern_rms_deg,
-             scenario.encoder.tooth_width * 360 / scenario.engine.shared.wheel.positions, RandomStream(seed, stream::kPattern)),
+             scenario.encoder.tooth_width * 360 / scenario.engine.shared.wheel.positions,
+             RandomStream(seed, stream::kPattern)),
       pickup_(scenario.encoder, scenario.engine.shared.tick_hz, seed) {
     fuel_trim_.fill(1);
     steps_to_tdc_ = int(std::lround((4 * kPi - scenario.engine.intake_close_rad) / model_.tables().step_rad));
@@ -62,6 +72,7 @@ void Plant::pre_roll() {
     const int step = int(std::lround(scenario_.start_deg / scenario_.step_deg)) % model_.tables().steps;
     const double speed = scenario_.speed_radps.at(0);
     demand_pa_ = scenario_.bmep_pa.at(0);
+    mean_speed_ = speed;
     for (int lane = 0; lane < scenario_.engine.shared.cylinders(); ++lane) {
         const int cylinder = scenario_.engine.shared.firing_order[std::size_t(lane)];
         model_.set_intake_pressure(lane, scenario_.engine.intake_pressure_pa.at(demand_pa_) *
@@ -79,7 +90,8 @@ void Plant::pre_roll() {
     running_ = true;
     brake_nm_ = scenario_.engine.torque_of_mep_nm(demand_pa_);
     next_control_rad_ = model_.truth().angle_rad + SpeedControl::kCycleRad;
-    if (scenario_.cycles > 0) end_angle_rad_ = model_.truth().angle_rad + double(scenario_.cycles) * SpeedControl::kCycleRad;
+    if (scenario_.cycles > 0)
+        end_angle_rad_ = model_.truth().angle_rad + double(scenario_.cycles) * SpeedControl::kCycleRad;
     refresh_speed_and_load();
     sensor_ = sensor();
     wheel_.seek(sensor_.angle_deg);
@@ -87,8 +99,8 @@ void Plant::pre_roll() {
     while (next_cam_deg_ + scenario_.encoder.cam_retard_deg.at(0) <= sensor_.angle_deg) next_cam_deg_ += 720;
 }
 
-bool Plant::next_edge(Edge &edge) {
-    while (!pickup_.take(model_.truth().time_s, model_.truth().speed_radps, edge)) {
+bool Plant::next_edge(EncoderEdge &edge) {
+    while (!pickup_.take(sensor_.time_s, sensor_.speed_radps, edge)) {
         if (ended_) {
             if (!pickup_.take_rest(edge)) return false;
             break;
@@ -105,7 +117,9 @@ bool Plant::next_cycle(CycleTruth &cycle) {
     return true;
 }
 
-void Plant::set_fuel_trim(int cylinder, double factor) { fuel_trim_[std::size_t(cylinder - 1)] = std::clamp(factor, 0.0, 2.0); }
+void Plant::set_fuel_trim(int cylinder, double factor) {
+    fuel_trim_[std::size_t(cylinder - 1)] = std::clamp(factor, 0.0, 2.0);
+}
 
 bool Plant::at_end() const {
     // The last edge before duration_s may still wait for the step behind it.
@@ -114,11 +128,12 @@ bool Plant::at_end() const {
 }
 
 void Plant::advance() {
+    if (stop_) return advance_stop();
     if (model_.truth().time_s >= refresh_at_s_) refresh_speed_and_load();
     const StepTruth before = model_.truth();
     const SensorPoint from = sensor_;
     if (!model_.step()) {
-        stalled_ = ended_ = true;
+        stop_.emplace(scenario_.engine, spread_of(scenario_), model_);
         return;
     }
     handle_events();
@@ -128,6 +143,19 @@ void Plant::advance() {
     if (step_sink_) step_sink_->push_back(model_.truth());
     if (model_.truth().angle_rad > next_control_rad_ - 1e-6) control();
     ended_ = at_end();
+}
+
+// The wheel is taken as rigid with the crank here.
+void Plant::advance_stop() {
+    const SensorPoint from = sensor_;
+    ended_ = !stop_->step() || (scenario_.duration_s > 0 && stop_->time_s() >= scenario_.duration_s);
+    sensor_ = {stop_->angle_rad() * kDegPerRad, stop_->time_s(), stop_->speed_radps()};
+    if (sensor_.angle_deg == from.angle_deg) return;
+    if ((sensor_.angle_deg < from.angle_deg) != backward_) {
+        backward_ = !backward_;
+        wheel_.seek(from.angle_deg);
+    }
+    backward_ ? find_backward_edges(model_.truth(), from) : find_edges(model_.truth(), from);
 }
 
 void Plant::handle_events() {
@@ -148,10 +176,11 @@ bool Plant::fuel_is_cut(double time_s) const {
 void Plant::set_charge(const Event &event) {
     const StepTruth &truth = model_.truth();
     const int cylinder = scenario_.engine.shared.firing_order[std::size_t(event.lane)];
-    const double fuel = fuel_is_cut(truth.time_s) ? 0 : fuel_map_.fuel_kg(truth.speed_radps, demand_pa_);
+    const double fuel = fuel_is_cut(truth.time_s) ? 0 : fuel_map_.fuel_kg(mean_speed_, demand_pa_);
     const std::int64_t tdc_step = model_.cycle() * model_.tables().steps + event.step + steps_to_tdc_;
     const std::int64_t cycle = std::int64_t(std::floor(double(tdc_step) / model_.tables().steps));
-    model_.set_charge(event.lane, plan_.draw(event.lane, cycle, fuel * fuel_trim_[std::size_t(cylinder - 1)], demand_pa_));
+    model_.set_charge(
+        event.lane, plan_.draw(event.lane, cycle, fuel * fuel_trim_[std::size_t(cylinder - 1)], demand_pa_));
     // Breathed with the next stroke.
     model_.set_intake_pressure(event.lane, scenario_.engine.intake_pressure_pa.at(demand_pa_) *
                                                scenario_.trapped_factor[std::size_t(cylinder - 1)]);
@@ -170,8 +199,7 @@ void Plant::refresh_speed_and_load() {
     } else if (scenario_.speed_mode == SpeedMode::dyno) {
         torque += brake_nm_;
     } else {
-        const Profile given = scenario_.load_given ? scenario_.load_nm : scenario_.bmep_pa.scaled(scenario_.engine.torque_of_mep_nm(1));
-        const Profile::Segment load = given.segment(now);
+        const Profile::Segment load = load_nm_.segment(now);
         torque += load.at(now);
         slope += load.slope;
         refresh_at_s_ = std::min(refresh_at_s_, load.x1);
@@ -181,13 +209,17 @@ void Plant::refresh_speed_and_load() {
 
 // Once a cycle: mean speed, demand, and whichever of brake and fuel holds the speed.
 void Plant::control() {
-    const double now = model_.truth().time_s, lasted = now - control_time_, mean = SpeedControl::kCycleRad / lasted;
+    const double now = model_.truth().time_s, lasted = now - control_time_,
+                 mean = SpeedControl::kCycleRad / lasted;
     const PlantEngine &engine = scenario_.engine;
-    const double middle = scenario_.speed_radps.at(now - lasted / 2), next = scenario_.speed_radps.at(now + lasted / 2);
-    const double inertia = model_.tables().inertia[0] + engine.driveline_inertia_kgm2 * (engine.dual_mass ? 1 : 0) +
+    const double middle = scenario_.speed_radps.at(now - lasted / 2),
+                 next = scenario_.speed_radps.at(now + lasted / 2);
+    const double inertia = model_.tables().inertia[0] +
+                           engine.driveline_inertia_kgm2 * (engine.dual_mass ? 1 : 0) +
                            (engine.dual_mass ? engine.dual_mass->secondary_inertia_kgm2 : 0);
     const double error_j = inertia / 2 * (mean * mean - middle * middle);
     const double ramp_nm = inertia / 2 * (next * next - middle * middle) / SpeedControl::kCycleRad;
+    mean_speed_ = mean;
     model_.set_mean_speed(mean);
     demand_pa_ = scenario_.bmep_pa.at(now);
     if (scenario_.speed_mode == SpeedMode::dyno) {
@@ -196,7 +228,7 @@ void Plant::control() {
         brake_nm_ = engine.torque_of_mep_nm(given) + control_.update(error_j) - ramp_nm;
         refresh_at_s_ = now;
     } else if (scenario_.speed_mode == SpeedMode::governor) {
-        const double load = scenario_.load_given ? scenario_.load_nm.at(now) / engine.torque_of_mep_nm(1) : demand_pa_;
+        const double load = load_nm_.at(now) / engine.torque_of_mep_nm(1);
         const double wanted = load + (ramp_nm - control_.update(error_j)) / engine.torque_of_mep_nm(1);
         demand_pa_ = std::clamp(wanted, 0.0, kGovernorLimitPa);
     }
@@ -223,17 +255,28 @@ void Plant::find_edges(const StepTruth &before, const SensorPoint &from) {
     }
 }
 
-void Plant::pass(double angle_deg, const StepTruth &before, const SensorPoint &from, EdgeKind kind, int tooth) {
+void Plant::find_backward_edges(const StepTruth &before, const SensorPoint &from) {
+    while (wheel_.backward().angle_deg >= sensor_.angle_deg) {
+        pass(wheel_.backward().angle_deg, before, from, EdgeKind::crank, wheel_.backward().tooth);
+        wheel_.pass_backward();
+    }
+}
+
+void Plant::pass(double angle_deg, const StepTruth &before, const SensorPoint &from, EdgeKind kind,
+                 int tooth) {
     const StepTruth &after = model_.truth();
     const double x = (angle_deg - from.angle_deg) / (sensor_.angle_deg - from.angle_deg);
     const auto mix = [x](double a, double b) { return a + x * (b - a); };
-    Edge edge;
-    edge.time_s = crossing_time(angle_deg, from.angle_deg, sensor_.angle_deg, from.time_s, sensor_.time_s, from.speed_radps,
-                                sensor_.speed_radps);
+    EncoderEdge edge;
+    edge.time_s = stop_ ? mix(from.time_s, sensor_.time_s)
+                        : crossing_time(angle_deg, from.angle_deg, sensor_.angle_deg, from.time_s,
+                                        sensor_.time_s, from.speed_radps, sensor_.speed_radps);
+    edge.backward = backward_;
     edge.kind = kind;
     edge.tooth = tooth;
     edge.angle_deg = angle_deg - 720 * std::floor(angle_deg / 720);
-    edge.speed_radps = mix(before.speed_radps, after.speed_radps);
+    edge.speed_radps = stop_ ? sensor_.speed_radps : mix(before.speed_radps, after.speed_radps);
+    if (stop_) return pickup_.pass(edge); // no torque truth at standstill
     edge.combustion_torque_nm = mix(before.combustion_torque_nm, after.combustion_torque_nm);
     edge.gas_torque_nm = mix(before.gas_torque_nm, after.gas_torque_nm);
     edge.net_torque_nm = mix(before.net_torque_nm, after.net_torque_nm);

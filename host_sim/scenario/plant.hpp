@@ -2,7 +2,7 @@
 // The engine on the bench: a scenario's engine, load, speed control and encoder as one source of timed edges.
 //
 //     Plant plant(scenario, scenario.seed);
-//     Edge edge;
+//     EncoderEdge edge;
 //     CycleTruth cycle;
 //     while (plant.next_edge(edge)) {
 //         firmware(edge.tick, edge.kind);                  // the firmware sees no more than this
@@ -12,11 +12,13 @@
 #pragma once
 #include <array>
 #include <deque>
+#include <optional>
 #include <vector>
 
 #include "engine/engine_model.hpp"
 #include "engine/fuel_map.hpp"
 #include "engine/road.hpp"
+#include "engine/stop_motion.hpp"
 #include "engine/torsion.hpp"
 #include "scenario/combustion_plan.hpp"
 #include "scenario/scenario.hpp"
@@ -25,7 +27,8 @@
 
 namespace sixdeg {
 
-/// One run. The same scenario and seed give the same bits. Instances share nothing; a Plant is neither copied nor moved.
+/// One run. The same scenario and seed give the same bits. Instances share nothing; a Plant is neither copied
+/// nor moved.
 class Plant {
   public:
     /// Turns the engine two cycles at the scenario's first speed, so that time 0 begins in running order.
@@ -34,18 +37,21 @@ class Plant {
     Plant(const Plant &) = delete;
     Plant &operator=(const Plant &) = delete;
 
-    /// Next edge in order of time. False at the end of the run, or when the engine has stalled and no edge is left.
-    bool next_edge(Edge &edge);
-    /// Next cylinder cycle that is complete, in order of completion: 360 deg after its firing TDC. False if none waits.
+    /// Next edge in order of time. False at the end of the run, or when the engine has stalled and come to
+    /// rest: it rocks on its compressed cylinders first, and gives the edges of that, some of them backward.
+    bool next_edge(EncoderEdge &edge);
+    /// Next cylinder cycle that is complete, in order of completion: 360 deg after its firing TDC. False if
+    /// none waits.
     bool next_cycle(CycleTruth &cycle);
 
-    /// The crank at the end of the last step taken; up to a tooth ahead of the last edge handed out.
+    /// The crank at the end of the last step taken; up to a tooth ahead of the last edge handed out. Holds
+    /// its last value once the engine has stalled.
     const StepTruth &truth() const { return model_.truth(); }
     /// Appends every step from now on to `sink` (caller-owned, outlives the plant); nullptr ends it.
     void record_steps(std::vector<StepTruth> *sink) { step_sink_ = sink; }
     /// Factor on the fuel of a physical cylinder from its next intake closing on, for closed loops. [0, 2].
     void set_fuel_trim(int cylinder, double factor);
-    bool stalled() const { return stalled_; }
+    bool stalled() const { return stop_.has_value(); }
     const EngineModel &model() const { return model_; }
     const WheelEdges &wheel() const { return wheel_; }
 
@@ -59,7 +65,9 @@ class Plant {
     void set_charge(const Event &event);
     void control();
     void refresh_speed_and_load();
+    void advance_stop();
     void find_edges(const StepTruth &before, const SensorPoint &from);
+    void find_backward_edges(const StepTruth &before, const SensorPoint &from);
     void pass(double angle_deg, const StepTruth &before, const SensorPoint &from, EdgeKind kind, int tooth);
     SensorPoint sensor() const;
     bool fuel_is_cut(double time_s) const;
@@ -68,6 +76,7 @@ class Plant {
     Scenario scenario_;
     EngineModel model_;
     FuelMap fuel_map_;
+    Profile load_nm_; // in governor and free
     CombustionPlan plan_;
     SpeedControl control_;
     RoughRoad road_;
@@ -77,9 +86,11 @@ class Plant {
     SensorPoint sensor_{};
     std::array<double, kMaxCylinders> fuel_trim_{};
     double next_cam_deg_ = 0, end_angle_rad_ = 1e300, next_control_rad_ = 0, control_time_ = 0;
-    double brake_nm_ = 0, demand_pa_ = 0, refresh_at_s_ = 0;
+    double mean_speed_ = 0, brake_nm_ = 0, demand_pa_ = 0, refresh_at_s_ = 0;
     int steps_to_tdc_ = 0;
-    bool running_ = false, ended_ = false, stalled_ = false;
+    bool running_ = false, ended_ = false;
+    std::optional<StopMotion> stop_;
+    bool backward_ = false;
     std::deque<CycleTruth> cycles_;
     std::vector<StepTruth> *step_sink_ = nullptr;
 };

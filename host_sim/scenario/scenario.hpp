@@ -40,17 +40,18 @@ struct Scenario {
     SpeedMode speed_mode = SpeedMode::dyno;
     Profile speed_radps; ///< Over time; for SpeedMode::free the start value only.
 
-    Profile bmep_pa;      ///< Demand; sets fuel in dyno, free and prescribed, the load torque in governor.
-    Profile load_nm;      ///< Only with load_given: brake torque in free and governor.
+    Profile bmep_pa; ///< Demand; sets fuel in dyno, free and prescribed, the load torque in governor.
+    Profile load_nm; ///< Only with load_given: brake torque in free and governor.
     bool load_given = false;
     std::vector<double> fuel_cut_s; ///< Pairs from, to: no fuel is injected at intake closings in [from, to).
     double road_rms_nm = 0, road_low_hz = 3, road_high_hz = 15;
 
-    std::vector<double> fuel_factor, trapped_factor, compression_factor; ///< By physical cylinder, 1 = nominal.
+    std::vector<double> fuel_factor, trapped_factor,
+        compression_factor; ///< By physical cylinder, 1 = nominal.
 
-    Profile cyclic_cov;                 ///< Standard deviation of the heat over its mean, over bmep in Pa; 0 none.
-    double cyclic_start_sd_rad = 0;     ///< Of the start of combustion.
-    double cyclic_duration_cov = 0;     ///< Of the duration of combustion.
+    Profile cyclic_cov; ///< Standard deviation of the heat over its mean, over bmep in Pa; 0 none.
+    double cyclic_start_sd_rad = 0; ///< Of the start of combustion.
+    double cyclic_duration_cov = 0; ///< Of the duration of combustion.
 
     std::vector<MisfireEvent> misfires; ///< Ascending by cycle.
     std::vector<int> continuous;        ///< Physical cylinders that never burn properly.

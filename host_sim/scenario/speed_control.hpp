@@ -4,15 +4,16 @@
 
 namespace sixdeg {
 
-/// Proportional and integral control of the crank's kinetic energy, once every 720 deg. Energy, not speed: a constant
-/// torque changes it by the same amount in every cycle, so one pair of gains fits every speed, load and engine.
+/// Proportional and integral control of the crank's kinetic energy, once every 720 deg. Energy, not speed: a
+/// constant torque changes it by the same amount in every cycle, so one pair of gains fits every speed, load
+/// and engine.
 class SpeedControl {
   public:
     /// Gains per cycle: 1 would remove the whole error in one cycle.
     SpeedControl(double proportional, double integral) : proportional_(proportional), integral_(integral) {}
 
-    /// Torque to add to the brake (or to take from the engine), N m, held for the coming cycle. `energy_error_j` is the
-    /// mean kinetic energy over the cycle just ended less the wanted one.
+    /// Torque to add to the brake (or to take from the engine), N m, held for the coming cycle.
+    /// `energy_error_j` is the mean kinetic energy over the cycle just ended less the wanted one.
     double update(double energy_error_j) {
         const double torque = energy_error_j / kCycleRad;
         sum_nm_ += integral_ * torque;

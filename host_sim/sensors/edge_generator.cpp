@@ -27,8 +27,8 @@ double EdgeGenerator::Piece::time_of(double turn_deg) const {
 EdgeGenerator::EdgeGenerator(const EngineFile &engine, const EncoderFaults &faults, const Profile &speed_rpm,
                              double start_deg, double duration_s, std::uint64_t seed)
     : speed_dps_(speed_rpm.scaled(6)), duration_s_(duration_s), faults_(faults),
-      wheel_(engine, faults.offset_deg, faults.pattern_rms_deg, faults.tooth_width * 360 / engine.wheel.positions,
-             RandomStream(seed, stream::kPattern)),
+      wheel_(engine, faults.offset_deg, faults.pattern_rms_deg,
+             faults.tooth_width * 360 / engine.wheel.positions, RandomStream(seed, stream::kPattern)),
       pickup_(faults, engine.tick_hz, seed), has_cam_(engine.has_cam), next_cam_deg_(engine.cam_edge_deg) {
     wheel_.seek(start_deg);
     if (next_cam_deg_ + faults.cam_retard_deg.at(0) <= start_deg) next_cam_deg_ += 720;
@@ -50,7 +50,8 @@ void EdgeGenerator::begin_piece(double t, double angle_deg) {
     ended_ = t >= duration_s_;
 }
 
-// The phaser moves while the crank turns: repeat until angle and time agree. Turning backward the cam is silent.
+// The phaser moves while the crank turns: repeat until angle and time agree. Turning backward the cam is
+// silent.
 double EdgeGenerator::cam_time() const {
     if (!has_cam_ || backward_) return kNever;
     double dt = 0;
@@ -64,7 +65,7 @@ double EdgeGenerator::cam_time() const {
 }
 
 void EdgeGenerator::pass(double dt, EdgeKind kind, const WheelEdge *tooth) {
-    Edge edge;
+    EncoderEdge edge;
     edge.time_s = piece_.t0 + dt;
     edge.kind = kind;
     edge.backward = backward_;
@@ -97,11 +98,14 @@ bool EdgeGenerator::pass_next() {
     return true;
 }
 
-bool EdgeGenerator::next_edge(Edge &edge) {
+bool EdgeGenerator::next_edge(EncoderEdge &edge) {
     while (!pickup_.take(now_s_, now_radps_, edge)) {
-        if (ended_ || !pass_next()) return pickup_.take_rest(edge);
+        if (ended_ || !pass_next()) {
+            if (!pickup_.take_rest(edge)) return false;
+            break;
+        }
     }
-    return true;
+    return edge.time_s < duration_s_;
 }
 
 } // namespace sixdeg

@@ -6,16 +6,16 @@
 
 namespace sixdeg {
 
-/// Crank angle over time as the speed profile says, piecewise quadratic, so every crossing time is a closed form
-/// (docs/plant.md, section Encoder). Speed may be negative (the crank turns back) or zero.
+/// Crank angle over time as the speed profile says, piecewise quadratic, so every crossing time is a closed
+/// form (docs/plant.md, section Encoder). Speed may be negative (the crank turns back) or zero.
 class EdgeGenerator {
   public:
     /// `speed_rpm` over time in s; the crank stands at `start_deg` (as ENGINE.toml counts) at time 0.
-    EdgeGenerator(const EngineFile &engine, const EncoderFaults &faults, const Profile &speed_rpm, double start_deg,
-                  double duration_s, std::uint64_t seed);
+    EdgeGenerator(const EngineFile &engine, const EncoderFaults &faults, const Profile &speed_rpm,
+                  double start_deg, double duration_s, std::uint64_t seed);
 
     /// Next edge in order of time; false at the end of the run. Torques in `edge` are 0.
-    bool next_edge(Edge &edge);
+    bool next_edge(EncoderEdge &edge);
 
     const WheelEdges &wheel() const { return wheel_; }
 

@@ -19,8 +19,8 @@ std::vector<double> draw_pattern(int teeth, double rms_deg, RandomStream &random
 
 } // namespace
 
-WheelEdges::WheelEdges(const EngineFile &engine, double offset_deg, double pattern_rms_deg, double tooth_width_deg,
-                       RandomStream random)
+WheelEdges::WheelEdges(const EngineFile &engine, double offset_deg, double pattern_rms_deg,
+                       double tooth_width_deg, RandomStream random)
     : tooth_width_deg_(tooth_width_deg) {
     const Wheel &wheel = engine.wheel;
     const auto pattern = draw_pattern(wheel.teeth(), pattern_rms_deg, random);
@@ -30,7 +30,8 @@ WheelEdges::WheelEdges(const EngineFile &engine, double offset_deg, double patte
         const double error = pattern[teeth_.size()];
         teeth_.push_back({nominal - 360 * std::floor(nominal / 360) + error, error, position});
     }
-    std::sort(teeth_.begin(), teeth_.end(), [](const Tooth &a, const Tooth &b) { return a.angle_deg < b.angle_deg; });
+    std::sort(teeth_.begin(), teeth_.end(),
+              [](const Tooth &a, const Tooth &b) { return a.angle_deg < b.angle_deg; });
     seek(0);
 }
 

@@ -11,17 +11,19 @@ namespace sixdeg {
 
 /// One edge of the wheel as the crank passes it.
 struct WheelEdge {
-    double angle_deg; ///< Unwrapped crank angle at which the wheel gives it, pattern error and offset included.
-    int tooth;        ///< Wheel position, 0 to positions - 1.
+    double
+        angle_deg; ///< Unwrapped crank angle at which the wheel gives it, pattern error and offset included.
+    int tooth;     ///< Wheel position, 0 to positions - 1.
 };
 
-/// The wheel's active edges on the unwrapped crank angle. Turning forward, tooth k is seen at its edge; turning
-/// backward the sensor sees the tooth's other flank as the active edge, tooth_width_deg lower.
+/// The wheel's active edges on the unwrapped crank angle. Turning forward, tooth k is seen at its edge;
+/// turning backward the sensor sees the tooth's other flank as the active edge, tooth_width_deg lower.
 class WheelEdges {
   public:
-    /// Fixed tooth pattern error: normal, `pattern_rms_deg` over the teeth (scaled to that rms exactly, mean zero), drawn
-    /// from `random`. `offset_deg` > 0 moves every edge to a larger crank angle.
-    WheelEdges(const EngineFile &engine, double offset_deg, double pattern_rms_deg, double tooth_width_deg, RandomStream random);
+    /// Fixed tooth pattern error: normal, `pattern_rms_deg` over the teeth (scaled to that rms exactly, mean
+    /// zero), drawn from `random`. `offset_deg` > 0 moves every edge to a larger crank angle.
+    WheelEdges(const EngineFile &engine, double offset_deg, double pattern_rms_deg, double tooth_width_deg,
+               RandomStream random);
 
     /// Places the cursor: forward() is the first edge above `angle_deg` then, backward() the last one below.
     void seek(double angle_deg);

@@ -67,6 +67,15 @@ static int32_t lateness(const sd_forecast_t *ahead, int64_t elapsed) {
     return clamp32(((elapsed - ahead->time) * ONE) / ahead->period, -16 * ONE, 16 * ONE);
 }
 
+/* A quicker clock must beat a calmer one clearly: under jitter it does so by chance, and then follows the noise. */
+static uint8_t best_clock(const sd_crank_t *self, uint32_t except) {
+    uint32_t best = CALM;
+    for (uint32_t i = CALM; i-- > 0u;) {
+        if ((i != except) && (4 * self->clock[i].error < 3 * self->clock[best].error)) { best = i; }
+    }
+    return (uint8_t)best;
+}
+
 static void clock_start(sd_crank_clock_t *c, uint32_t tick, uint32_t period_ticks) {
     *c = (sd_crank_clock_t){ .tick = tick, .period = (int32_t)(period_ticks << 6), .error = ONE / 16 };
 }
@@ -91,7 +100,7 @@ static void clock_place(sd_crank_clock_t *c, uint32_t kind, uint32_t tick, const
     c->period = clamp32(period, 64, STALL_TICKS_MAX << 6);
     c->change = clamp32(change, -c->period / 8, c->period / 8);
     /* A memory that a cylinder's first firing made wrong must give way at once. */
-    const int32_t share = ((kind == MEMORY) && (error > c->error)) ? 4 : 16;
+    const int32_t share = ((kind == MEMORY) && (error > c->error)) ? 8 : 16;
     c->error = clamp32(c->error + (error - c->error) / share, 0, ONE / 2);
 }
 
@@ -280,9 +289,9 @@ static void learn_mark(sd_crank_t *self, uint32_t mark) {
     if (self->mark_clean == 0u) { return; }
     int32_t *scatter = &self->mark_scatter[mark];
     const bool first = *scatter == UNLEARNED;
-    const int32_t stray = abs32(self->mark_late);
-    *scatter = clamp32(first ? stray : *scatter + (stray - *scatter) / 8, 0, UNLEARNED - 1);
-    self->mark_spacings[mark] = plausible_width(self->mark_spacings[mark] + self->mark_late / (first ? 2 : 8));
+    const int32_t stray = self->mark_late;
+    *scatter = clamp32(first ? abs32(stray) : *scatter + (abs32(stray) - *scatter) / 8, 0, UNLEARNED - 1);
+    self->mark_spacings[mark] = plausible_width(self->mark_spacings[mark] + stray / (first ? 2 : 8));
     sum_turn(self);
 }
 
@@ -356,7 +365,7 @@ static sd_place_t nearest_place(const sd_crank_t *self, int64_t elapsed) {
         lengthen(self, &next.way, next.position, (run > 0u) ? self->mark_spacings[mark] : ONE);
         ahead = forecast(clock, self->leader, &next.way);
         next.late = lateness(&ahead, elapsed);
-        next.excused = (run > 0u) ? excuse(self, mark, next.late) : 0;
+        next.excused = ((run > 0u) && (self->leader != MEMORY)) ? excuse(self, mark, next.late) : 0;
         next.late -= next.excused;
         if (abs32(next.late) > abs32(best.late)) { best.found = true; return best; }
         best = next;
@@ -375,14 +384,6 @@ static void remember(sd_crank_t *self, int32_t travel) {
     if (self->witness_count < SD_CRANK_WITNESSES) { self->witness_count++; }
 }
 
-/* A quicker clock must beat a calmer one clearly: under jitter it does so by chance, and then follows the noise. */
-static void choose_leader(sd_crank_t *self) {
-    self->leader = SD_CRANK_CLOCKS - 1u;
-    for (uint32_t i = SD_CRANK_CLOCKS - 1u; i-- > 0u;) {
-        if (4 * self->clock[i].error < 3 * self->clock[self->leader].error) { self->leader = (uint8_t)i; }
-    }
-}
-
 /* What a mark's width is blamed for moves only the calm clock's idea of the way, not of the time: the quick ones are
  * there for ripple, and need the news that a mark's long period brings. */
 static void move_clocks(sd_crank_t *self, uint32_t tick) {
@@ -392,7 +393,7 @@ static void move_clocks(sd_crank_t *self, uint32_t tick) {
         self->clock[i] = self->before[i];
         clock_place(&self->clock[i], i, tick, &way);
     }
-    choose_leader(self);
+    self->leader = best_clock(self, SD_CRANK_CLOCKS);
     self->last_tick = tick;
 }
 
@@ -421,15 +422,18 @@ static void leave_out(sd_crank_t *self, sd_tooth_t *tooth) {
     tooth->why |= SD_WHY_FAULT;
 }
 
-static void pass_mark(sd_crank_t *self, const sd_place_t *place, uint32_t period, bool clean) {
+static void pass_mark(sd_crank_t *self, uint32_t tick, const sd_place_t *place, bool clean) {
     if (place->mark == SD_CRANK_MARKS_MAX) { return; }
     self->pending_mark = (uint8_t)place->mark;
     self->mark_travel = (int32_t)((uint32_t)self->travel + (uint32_t)place->to_mark);
-    self->mark_late = place->late + place->excused;
+    /* The memory knows how long the mark takes, not how wide it is. */
+    const uint32_t judge = best_clock(self, MEMORY);
+    const sd_forecast_t ahead = forecast(&self->clock[judge], judge, &place->way);
+    self->mark_late = lateness(&ahead, since_clock(&self->clock[judge], tick));
     self->mark_clean = clean ? 1u : 0u;
     if (self->mode != TRYING) { return; }
     /* The mark that gives sync must stand out by itself, not only fit what a try expects. */
-    if (!clean || (2u * (uint64_t)period < 3u * (uint64_t)self->raw_period[0])) { try_failed(self); return; }
+    if (!clean || (2u * (uint64_t)(tick - self->last_tick) < 3u * (uint64_t)self->raw_period[0])) { try_failed(self); return; }
     if (++self->confirmed >= self->mark_count) {
         self->mode = SYNCED;
         self->counts.sync_gains++;
@@ -450,7 +454,7 @@ static void place_edge(sd_crank_t *self, uint32_t tick, const sd_place_t *place,
     tooth->span_spacings = (uint32_t)place->way.spacings;
     tooth->advance = (uint8_t)place->advance;
     if (place->position < self->position) { self->revolution ^= 1u; }
-    pass_mark(self, place, tooth->period_ticks, clean);
+    pass_mark(self, tick, place, clean);
     if (self->mode < TRYING) { return; }
     for (uint32_t i = 0; i < SD_CRANK_CLOCKS; ++i) { self->before[i] = self->clock[i]; }
     if ((place->coasted > 0u) && coasted_blindly(self, place)) { self->unsure = 1; }

@@ -71,7 +71,7 @@ static int32_t lateness(const sd_forecast_t *ahead, int64_t elapsed) {
 static uint8_t best_clock(const sd_crank_t *self, uint32_t except) {
     uint32_t best = CALM;
     for (uint32_t i = CALM; i-- > 0u;) {
-        if ((i != except) && (4 * self->clock[i].error < 3 * self->clock[best].error)) { best = i; }
+        if ((i != except) && (4 * self->clock[i].error + ONE / 100 < 3 * self->clock[best].error)) { best = i; }
     }
     return (uint8_t)best;
 }
@@ -82,7 +82,7 @@ static void clock_start(sd_crank_clock_t *c, uint32_t tick, uint32_t period_tick
 
 /* An edge that surprises the clock may be no tooth at all, so it moves the clock only as far as the clock's own
  * record of errors makes likely; the record grows with every surprise, so real changes get through in a few teeth. */
-static void clock_place(sd_crank_clock_t *c, uint32_t kind, uint32_t tick, const sd_crank_way_t *way) {
+static int32_t clock_place(sd_crank_clock_t *c, uint32_t kind, uint32_t tick, const sd_crank_way_t *way) {
     const sd_gains_t *gain = &GAINS[kind];
     const sd_forecast_t ahead = forecast(c, kind, way);
     const int64_t elapsed = since_clock(c, tick);
@@ -99,9 +99,8 @@ static void clock_place(sd_crank_clock_t *c, uint32_t kind, uint32_t tick, const
     c->frac = (int32_t)(fitted & 63);
     c->period = clamp32(period, 64, STALL_TICKS_MAX << 6);
     c->change = clamp32(change, -c->period / 8, c->period / 8);
-    /* A memory that a cylinder's first firing made wrong must give way at once. */
-    const int32_t share = ((kind == MEMORY) && (error > c->error)) ? 8 : 16;
-    c->error = clamp32(c->error + (error - c->error) / share, 0, ONE / 2);
+    c->error = clamp32(c->error + (error - c->error) / 16, 0, ONE / 2);
+    return error;
 }
 
 /* ---- the wheel ------------------------------------------------------------------------------------------------- */
@@ -387,12 +386,16 @@ static void remember(sd_crank_t *self, int32_t travel) {
 /* What a mark's width is blamed for moves only the calm clock's idea of the way, not of the time: the quick ones are
  * there for ripple, and need the news that a mark's long period brings. */
 static void move_clocks(sd_crank_t *self, uint32_t tick) {
+    sd_crank_clock_t *memory = &self->clock[MEMORY];
+    int32_t error[SD_CRANK_CLOCKS];
     for (uint32_t i = 0; i < SD_CRANK_CLOCKS; ++i) {
         sd_crank_way_t way = self->placed_way;
         if (i == CALM) { way.spacings += self->placed_excused; }
         self->clock[i] = self->before[i];
-        clock_place(&self->clock[i], i, tick, &way);
+        error[i] = clock_place(&self->clock[i], i, tick, &way);
     }
+    /* What surprises the memory but not the quick clock is no fault: a cylinder fires, and the memory is history. */
+    if (error[MEMORY] > 3 * error[QUICK] + ONE / 20) { memory->error += (error[MEMORY] - memory->error) / 4; }
     self->leader = best_clock(self, SD_CRANK_CLOCKS);
     self->last_tick = tick;
 }

@@ -400,13 +400,15 @@ static void move_clocks(sd_crank_t *self, uint32_t tick) {
     self->last_tick = tick;
 }
 
-/* An early spurious edge may have taken the place of the tooth that comes now and fits better. */
-static bool take_over(sd_crank_t *self, uint32_t tick) {
+/* An early spurious edge may have taken the place of the tooth that comes now, fits better there, and better there than
+ * at `place`, the next. */
+static bool take_over(sd_crank_t *self, uint32_t tick, const sd_place_t *place) {
     if (self->placed_way.spacings == 0) { return false; }
     const sd_crank_clock_t *before = &self->before[self->before_leader];
     const sd_forecast_t ahead = forecast(before, self->before_leader, &self->placed_way);
     const int32_t late = lateness(&ahead, since_clock(before, tick)) - self->placed_excused;
-    if (abs32(late) >= abs32(self->placed_late)) { return false; }
+    const bool next = place->found && (place->advance > 0u) && (abs32(place->late) <= abs32(late));
+    if (next || (abs32(late) >= abs32(self->placed_late))) { return false; }
     self->leader = self->before_leader;
     self->placed_late = late;
     move_clocks(self, tick);
@@ -504,12 +506,12 @@ static void reseat(sd_crank_t *self, uint32_t tick, uint32_t period) {
 }
 
 static void track(sd_crank_t *self, uint32_t tick, uint32_t raw_period, sd_tooth_t *tooth) {
-    if (take_over(self, tick)) {
+    const sd_crank_clock_t *lead = &self->clock[self->leader];
+    const sd_place_t place = nearest_place(self, since_clock(lead, tick));
+    if (take_over(self, tick, &place)) {
         leave_out(self, tooth);
         return;
     }
-    const sd_crank_clock_t *lead = &self->clock[self->leader];
-    const sd_place_t place = nearest_place(self, since_clock(lead, tick));
     if (!place.found) {
         forget_angle(self, SEARCHING);
         return;

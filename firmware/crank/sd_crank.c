@@ -24,10 +24,14 @@ enum {
     STRAINED        = (10 * ONE) / 100, /* clocks this far off, on average, may have slipped */
 };
 
-/* Steady gains of a fading-memory quadratic fit (Q12): share of an error given to time, period, change. What an edge
- * weighs shrinks by 0.2, 0.5 and 0.85 a tooth. */
+enum { QUICK, MIDDLE, MEMORY, CALM }; /* the clocks */
+
+/* Steady gains of a fading-memory fit (Q12): share of an error given to time, period, change. What an edge weighs
+ * shrinks by 0.2, 0.5, MG and 0.85 a tooth. The fit is quadratic, but straight where the memory knows the bends. */
 typedef struct sd_gains { int32_t time, period, change; } sd_gains_t;
-static const sd_gains_t GAINS[SD_CRANK_CLOCKS] = { { 4063, 4719, 2097 }, { 3584, 2304, 512 }, { 1581, 256, 14 } };
+static const sd_gains_t GAINS[SD_CRANK_CLOCKS] = {
+    { 4063, 4719, 2097 }, { 3584, 2304, 512 }, { 3072, 1024, 0 }, { 1581, 256, 14 }
+};
 
 /* ---- clocks ---------------------------------------------------------------------------------------------------- */
 
@@ -40,23 +44,36 @@ static int64_t since_clock(const sd_crank_clock_t *c, uint32_t tick) {
     return ((int64_t)(int32_t)(tick - c->tick) << 6) - c->frac;
 }
 
-static int64_t predicted(const sd_crank_clock_t *c, int32_t spacings) {
-    /* u (u + 1) / 2 while a trend can be trusted, then straight on. */
-    const int64_t bent = (spacings > TREND_LASTS) ? TREND_LASTS : spacings;
-    const int64_t bend = ((bent * (bent + ONE)) >> 13) + (((spacings - bent) * bent) >> 12);
-    return (((int64_t)c->period * spacings) >> 12) + (((int64_t)c->change * bend) >> 12);
+/* What a clock says of a way: how long it takes and the period at its end, 1/64 tick. */
+typedef struct sd_forecast { int64_t time; int32_t period; } sd_forecast_t;
+
+static sd_forecast_t forecast(const sd_crank_clock_t *c, uint32_t kind, const sd_crank_way_t *way) {
+    int64_t time, period;
+    if (kind == MEMORY) {
+        time = ((int64_t)c->period * way->recalled) / way->period_from;
+        period = ((int64_t)c->period * way->period_to) / way->period_from;
+    } else {
+        /* u (u + 1) / 2 while a trend can be trusted, then straight on. */
+        const int64_t bent = (way->spacings > TREND_LASTS) ? TREND_LASTS : way->spacings;
+        const int64_t bend = ((bent * (bent + ONE)) >> 13) + (((way->spacings - bent) * bent) >> 12);
+        time = (((int64_t)c->period * way->spacings) >> 12) + (((int64_t)c->change * bend) >> 12);
+        period = c->period + (((int64_t)c->change * bent) >> 12);
+    }
+    return (sd_forecast_t){ time, clamp32(period, c->period / 4, 4 * (c->period / 2)) };
 }
 
-static int32_t period_after(const sd_crank_clock_t *c, int32_t spacings) {
-    const int32_t bent = (spacings > TREND_LASTS) ? TREND_LASTS : spacings;
-    const int64_t period = c->period + (((int64_t)c->change * bent) >> 12);
-    return clamp32(period, c->period / 4, 4 * (c->period / 2));
+/* How late `elapsed` is against a forecast, Q12 spacings. */
+static int32_t lateness(const sd_forecast_t *ahead, int64_t elapsed) {
+    return clamp32(((elapsed - ahead->time) * ONE) / ahead->period, -16 * ONE, 16 * ONE);
 }
 
-/* How late `elapsed` is for a tooth `spacings` on, Q12 spacings. */
-static int32_t lateness(const sd_crank_clock_t *c, int64_t elapsed, int32_t spacings) {
-    const int64_t late = elapsed - predicted(c, spacings);
-    return clamp32((late * ONE) / period_after(c, spacings), -16 * ONE, 16 * ONE);
+/* A quicker clock must beat a calmer one clearly: under jitter it does so by chance, and then follows the noise. */
+static uint8_t best_clock(const sd_crank_t *self, uint32_t except) {
+    uint32_t best = CALM;
+    for (uint32_t i = CALM; i-- > 0u;) {
+        if ((i != except) && (4 * self->clock[i].error + ONE / 100 < 3 * self->clock[best].error)) { best = i; }
+    }
+    return (uint8_t)best;
 }
 
 static void clock_start(sd_crank_clock_t *c, uint32_t tick, uint32_t period_ticks) {
@@ -65,22 +82,25 @@ static void clock_start(sd_crank_clock_t *c, uint32_t tick, uint32_t period_tick
 
 /* An edge that surprises the clock may be no tooth at all, so it moves the clock only as far as the clock's own
  * record of errors makes likely; the record grows with every surprise, so real changes get through in a few teeth. */
-static void clock_place(sd_crank_clock_t *c, const sd_gains_t *gain, uint32_t tick, int32_t spacings) {
+static int32_t clock_place(sd_crank_clock_t *c, uint32_t kind, uint32_t tick, const sd_crank_way_t *way) {
+    const sd_gains_t *gain = &GAINS[kind];
+    const sd_forecast_t ahead = forecast(c, kind, way);
     const int64_t elapsed = since_clock(c, tick);
-    const int64_t expected = predicted(c, spacings);
-    const int32_t error = abs32(lateness(c, elapsed, spacings));
-    const int32_t likely = ((4 * c->error + ONE / 20) * (spacings >> 6)) >> 6; /* errors grow with the way coasted */
-    int64_t late = elapsed - expected;
+    const int32_t error = abs32(lateness(&ahead, elapsed));
+    const int32_t likely = ((4 * c->error + ONE / 20) * (way->spacings >> 6)) >> 6; /* errors grow with the way coasted */
+    int64_t late = elapsed - ahead.time;
     if (error > likely) { late = (late * likely) / error; }
-    const int64_t fitted = expected + ((late * gain->time + ONE / 2) >> 12) + c->frac;
-    const int64_t late_each = (late * ONE) / spacings;
-    const int32_t period = period_after(c, spacings) + (int32_t)((late_each * gain->period + ONE / 2) >> 12);
-    const int64_t change = c->change + (((late_each * ONE) / spacings * gain->change + ONE / 2) >> 12);
+    const int64_t fitted = ahead.time + ((late * gain->time + ONE / 2) >> 12) + c->frac;
+    const int64_t late_each = (late * ONE) / way->spacings;
+    const int32_t period = ahead.period + (int32_t)((late_each * gain->period + ONE / 2) >> 12);
+    const int64_t change = (kind == MEMORY) ? (((int64_t)ahead.period - c->period) * ONE) / way->spacings
+                                            : c->change + (((late_each * ONE) / way->spacings * gain->change + ONE / 2) >> 12);
     c->tick += (uint32_t)(fitted >> 6);
     c->frac = (int32_t)(fitted & 63);
     c->period = clamp32(period, 64, STALL_TICKS_MAX << 6);
     c->change = clamp32(change, -c->period / 8, c->period / 8);
     c->error = clamp32(c->error + (error - c->error) / 16, 0, ONE / 2);
+    return error;
 }
 
 /* ---- the wheel ------------------------------------------------------------------------------------------------- */
@@ -190,6 +210,15 @@ static bool gap_seen(const sd_crank_t *self, uint32_t period) {
            (20u * gap <= 46u * sides);
 }
 
+/* The memory no longer stands where it was taken: the angle moved. */
+static void forget_turn(sd_crank_t *self) { memset(self->memory, 0, sizeof self->memory); }
+
+static void start_clocks(sd_crank_t *self, uint32_t tick, uint32_t period) {
+    for (uint32_t i = 0; i < SD_CRANK_CLOCKS; ++i) { clock_start(&self->clock[i], tick, period); }
+    const uint32_t recalled = self->memory[self->position];
+    self->memory_period = (int32_t)((recalled > 0u) ? recalled : period << 6);
+}
+
 /* Takes the gap just seen for mark try_mark: this edge is the second tooth after it. */
 static void begin_try(sd_crank_t *self, uint32_t tick, uint32_t period) {
     const uint32_t mark = self->try_mark;
@@ -200,16 +229,17 @@ static void begin_try(sd_crank_t *self, uint32_t tick, uint32_t period) {
     self->doubtful = 0;
     self->unsure = 0;
     self->odd_periods = 0;
-    self->placed_spacings = 0;
+    self->placed_way.spacings = 0;
     self->leader = 0;
     self->pending_mark = SD_CRANK_MARKS_MAX;
     self->position = (uint8_t)(first_tooth_after(self, mark) + 1u);
     self->witness_count = 0;
+    forget_turn(self);
     const uint64_t sides = (uint64_t)self->raw_period[1] + period;
     reset_widths(self);
     self->mark_spacings[mark] = plausible_width((int64_t)((2u * ONE * (uint64_t)self->raw_period[0]) / sides));
     sum_turn(self);
-    for (uint32_t i = 0; i < SD_CRANK_CLOCKS; ++i) { clock_start(&self->clock[i], tick, period); }
+    start_clocks(self, tick, period);
     self->last_tick = tick;
 }
 
@@ -266,9 +296,9 @@ static void learn_mark(sd_crank_t *self, uint32_t mark) {
     if (self->mark_clean == 0u) { return; }
     int32_t *scatter = &self->mark_scatter[mark];
     const bool first = *scatter == UNLEARNED;
-    const int32_t stray = abs32(self->mark_late);
-    *scatter = clamp32(first ? stray : *scatter + (stray - *scatter) / 8, 0, UNLEARNED - 1);
-    self->mark_spacings[mark] = plausible_width(self->mark_spacings[mark] + self->mark_late / (first ? 2 : 8));
+    const int32_t stray = self->mark_late;
+    *scatter = clamp32(first ? abs32(stray) : *scatter + (abs32(stray) - *scatter) / 8, 0, UNLEARNED - 1);
+    self->mark_spacings[mark] = plausible_width(self->mark_spacings[mark] + stray / (first ? 2 : 8));
     sum_turn(self);
 }
 
@@ -288,6 +318,7 @@ static void vote(sd_crank_t *self) {
         }
         self->position = (uint8_t)((int32_t)self->position - slip);
         self->counts.slips++;
+        forget_turn(self);
         angle_confirmed(self);
     } else if ((here.inside > 0) || (here.astray > ASTRAY_MAX) || (here.edges < VOTERS_MIN)) {
         self->counts.marks_missed++;
@@ -301,7 +332,7 @@ static void vote(sd_crank_t *self) {
 /* ---- placing edges --------------------------------------------------------------------------------------------- */
 
 typedef struct sd_place {
-    int32_t  spacings;  /* from the last placed edge, Q12; 0: the last placed edge's own place */
+    sd_crank_way_t way; /* from the last placed edge; 0 spacings: the last placed edge's own place */
     int32_t  late;      /* Q12 spacings, less what the mark's width may be blamed for */
     int32_t  excused;   /* that part */
     uint32_t advance, coasted, position, mark; /* mark: crossed on the way, or SD_CRANK_MARKS_MAX */
@@ -314,23 +345,34 @@ static int32_t excuse(const sd_crank_t *self, uint32_t mark, int32_t late) {
     return clamp32(late, -2 * self->mark_scatter[mark], 2 * self->mark_scatter[mark]);
 }
 
+/* Goes on to the next tooth. Where nothing is remembered, the memory goes on as it went before. */
+static void lengthen(const sd_crank_t *self, sd_crank_way_t *way, uint32_t position, int32_t spacings) {
+    const uint32_t recalled = self->memory[position];
+    if (recalled > 0u) { way->period_to = clamp32(((int64_t)recalled * ONE) / spacings, 64, STALL_TICKS_MAX << 6); }
+    way->recalled += ((int64_t)way->period_to * spacings) >> 12;
+    way->spacings += spacings;
+}
+
 /* The tooth position that `elapsed` comes nearest to. */
 static sd_place_t nearest_place(const sd_crank_t *self, int64_t elapsed) {
     const sd_crank_clock_t *clock = &self->clock[self->leader];
     sd_place_t best = { .position = self->position, .mark = SD_CRANK_MARKS_MAX };
-    best.late = lateness(clock, elapsed, 0);
+    best.way.period_from = best.way.period_to = self->memory_period;
+    sd_forecast_t ahead = forecast(clock, self->leader, &best.way);
+    best.late = lateness(&ahead, elapsed);
     sd_place_t next = best;
     for (uint32_t step = 0; step <= SD_CRANK_COAST_MAX; ++step) {
         if (best.late < ONE / 4) { best.found = true; return best; }
         const uint32_t mark = mark_after(self, next.position);
         const uint32_t run = (mark < SD_CRANK_MARKS_MAX) ? self->mark_run[mark] : 0u;
-        if (run > 0u) { next.mark = mark; next.to_mark = next.spacings; }
-        next.spacings += (run > 0u) ? self->mark_spacings[mark] : ONE;
+        if (run > 0u) { next.mark = mark; next.to_mark = next.way.spacings; }
         next.position = (next.position + 1u + run) % self->config.positions;
         next.advance += 1u + run;
         next.coasted = step;
-        next.late = lateness(clock, elapsed, next.spacings);
-        next.excused = (run > 0u) ? excuse(self, mark, next.late) : 0;
+        lengthen(self, &next.way, next.position, (run > 0u) ? self->mark_spacings[mark] : ONE);
+        ahead = forecast(clock, self->leader, &next.way);
+        next.late = lateness(&ahead, elapsed);
+        next.excused = ((run > 0u) && (self->leader != MEMORY)) ? excuse(self, mark, next.late) : 0;
         next.late -= next.excused;
         if (abs32(next.late) > abs32(best.late)) { best.found = true; return best; }
         best = next;
@@ -349,36 +391,41 @@ static void remember(sd_crank_t *self, int32_t travel) {
     if (self->witness_count < SD_CRANK_WITNESSES) { self->witness_count++; }
 }
 
-/* A quicker clock must beat a calmer one clearly: under jitter it does so by chance, and then follows the noise. */
-static void choose_leader(sd_crank_t *self) {
-    self->leader = SD_CRANK_CLOCKS - 1u;
-    for (uint32_t i = SD_CRANK_CLOCKS - 1u; i-- > 0u;) {
-        if (4 * self->clock[i].error < 3 * self->clock[self->leader].error) { self->leader = (uint8_t)i; }
-    }
-}
-
 /* What a mark's width is blamed for moves only the calm clock's idea of the way, not of the time: the quick ones are
  * there for ripple, and need the news that a mark's long period brings. */
 static void move_clocks(sd_crank_t *self, uint32_t tick) {
+    sd_crank_clock_t *memory = &self->clock[MEMORY];
+    int32_t error[SD_CRANK_CLOCKS];
     for (uint32_t i = 0; i < SD_CRANK_CLOCKS; ++i) {
-        const int32_t excused = (i == SD_CRANK_CLOCKS - 1u) ? self->placed_excused : 0;
+        sd_crank_way_t way = self->placed_way;
+        if (i == CALM) { way.spacings += self->placed_excused; }
         self->clock[i] = self->before[i];
-        clock_place(&self->clock[i], &GAINS[i], tick, self->placed_spacings + excused);
+        error[i] = clock_place(&self->clock[i], i, tick, &way);
     }
-    choose_leader(self);
+    /* What surprises the memory but not the quick clock is no fault: a cylinder fires, and the memory is history. */
+    if (error[MEMORY] > 3 * error[QUICK] + ONE / 20) { memory->error += (error[MEMORY] - memory->error) / 4; }
+    self->leader = best_clock(self, SD_CRANK_CLOCKS);
     self->last_tick = tick;
 }
 
-/* An early spurious edge may have taken the place of the tooth that comes now and fits better. */
-static bool take_over(sd_crank_t *self, uint32_t tick) {
-    if (self->placed_spacings == 0) { return false; }
+/* An early spurious edge may have taken the place of the tooth that comes now, fits better there, and better there than
+ * at `place`, the next. */
+static bool take_over(sd_crank_t *self, uint32_t tick, const sd_place_t *place) {
+    if (self->placed_way.spacings == 0) { return false; }
     const sd_crank_clock_t *before = &self->before[self->before_leader];
-    const int32_t late = lateness(before, since_clock(before, tick), self->placed_spacings + self->placed_excused);
-    if (abs32(late) >= abs32(self->placed_late)) { return false; }
+    const sd_forecast_t ahead = forecast(before, self->before_leader, &self->placed_way);
+    const int32_t late = lateness(&ahead, since_clock(before, tick)) - self->placed_excused;
+    const bool next = place->found && (place->advance > 0u) && (abs32(place->late) <= abs32(late));
+    if (next || (abs32(late) >= abs32(self->placed_late))) { return false; }
     self->leader = self->before_leader;
     self->placed_late = late;
     move_clocks(self, tick);
     return true;
+}
+
+static void remember_way(sd_crank_t *self, uint32_t position, uint32_t time) {
+    const int32_t news = (int32_t)time - (int32_t)self->memory[position];
+    self->memory[position] = (self->memory[position] == 0u) ? time : (uint32_t)((int32_t)self->memory[position] + news / 4);
 }
 
 static void leave_out(sd_crank_t *self, sd_tooth_t *tooth) {
@@ -388,49 +435,54 @@ static void leave_out(sd_crank_t *self, sd_tooth_t *tooth) {
     tooth->why |= SD_WHY_FAULT;
 }
 
-static void pass_mark(sd_crank_t *self, const sd_place_t *place, uint32_t period, bool clean) {
+static void pass_mark(sd_crank_t *self, uint32_t tick, const sd_place_t *place, bool clean) {
     if (place->mark == SD_CRANK_MARKS_MAX) { return; }
     self->pending_mark = (uint8_t)place->mark;
     self->mark_travel = (int32_t)((uint32_t)self->travel + (uint32_t)place->to_mark);
-    self->mark_late = place->late + place->excused;
+    /* The memory knows how long the mark takes, not how wide it is. */
+    const uint32_t judge = best_clock(self, MEMORY);
+    const sd_forecast_t ahead = forecast(&self->clock[judge], judge, &place->way);
+    self->mark_late = lateness(&ahead, since_clock(&self->clock[judge], tick));
     self->mark_clean = clean ? 1u : 0u;
     if (self->mode != TRYING) { return; }
     /* The mark that gives sync must stand out by itself, not only fit what a try expects. */
-    if (!clean || (2u * (uint64_t)period < 3u * (uint64_t)self->raw_period[0])) { try_failed(self); return; }
+    if (!clean || (2u * (uint64_t)(tick - self->last_tick) < 3u * (uint64_t)self->raw_period[0])) { try_failed(self); return; }
     if (++self->confirmed >= self->mark_count) {
         self->mode = SYNCED;
         self->counts.sync_gains++;
     }
 }
 
-/* Coasted so far or so badly that the next tooth may be another one. Only the calm clock's error does not grow. */
+/* Coasted so far or so badly that the next tooth may be another one. Only the errors of memory and calm clock do not grow. */
 static bool coasted_blindly(const sd_crank_t *self, const sd_place_t *place) {
-    const int32_t far = (self->leader == SD_CRANK_CLOCKS - 1u) ? ONE : place->spacings;
+    const int32_t far = (self->leader >= MEMORY) ? ONE : place->way.spacings;
     const int32_t blur = (self->clock[self->leader].error * (far >> 6)) >> 6;
     return (blur > (15 * ONE) / 100) || (abs32(place->late) > (35 * ONE) / 100);
 }
 
 static void place_edge(sd_crank_t *self, uint32_t tick, const sd_place_t *place, bool clean, sd_tooth_t *tooth) {
-    const int32_t far = place->spacings >> 6; /* errors grow with the way since the last tooth */
+    const int32_t far = place->way.spacings >> 6; /* errors grow with the way since the last tooth */
     const bool tight = abs32(place->late) <= clamp32(((int64_t)tight_gate(&self->clock[self->leader]) * far) >> 6, 0, LOOSE);
     tooth->period_ticks = tick - self->last_tick;
-    tooth->span_spacings = (uint32_t)place->spacings;
+    tooth->span_spacings = (uint32_t)place->way.spacings;
     tooth->advance = (uint8_t)place->advance;
     if (place->position < self->position) { self->revolution ^= 1u; }
-    pass_mark(self, place, tooth->period_ticks, clean);
+    pass_mark(self, tick, place, clean);
     if (self->mode < TRYING) { return; }
     for (uint32_t i = 0; i < SD_CRANK_CLOCKS; ++i) { self->before[i] = self->clock[i]; }
     if ((place->coasted > 0u) && coasted_blindly(self, place)) { self->unsure = 1; }
     if ((self->mode == TRYING) && (self->unsure != 0u)) { try_failed(self); return; }
     if (self->clock[self->leader].error > self->strain) { self->strain = self->clock[self->leader].error; }
     self->before_leader = self->leader;
-    self->placed_spacings = place->spacings;
+    self->placed_way = place->way;
+    self->memory_period = place->way.period_to;
     self->placed_excused = place->excused;
     self->placed_late = place->late;
     move_clocks(self, tick);
-    self->travel = (int32_t)((uint32_t)self->travel + (uint32_t)place->spacings);
+    self->travel = (int32_t)((uint32_t)self->travel + (uint32_t)place->way.spacings);
     self->position = (uint8_t)place->position;
     self->counts.coasted += place->coasted;
+    if (clean && tight) { remember_way(self, place->position, tooth->period_ticks << 6); }
     self->doubtful = ((place->coasted > 0u) || !tight) ? 1u : 0u;
     if (self->rejected > 0u) { self->rejected--; }
     if ((self->pending_mark < SD_CRANK_MARKS_MAX) && (self->mode == SYNCED) &&
@@ -452,27 +504,27 @@ static bool rate_lost(sd_crank_t *self, uint32_t period) {
 }
 
 static void reseat(sd_crank_t *self, uint32_t tick, uint32_t period) {
-    for (uint32_t i = 0; i < SD_CRANK_CLOCKS; ++i) { clock_start(&self->clock[i], tick, period); }
+    start_clocks(self, tick, period);
     self->clock[0].change = ((int32_t)period - (int32_t)self->raw_period[0]) * 64;
     self->leader = 0;
     self->strain = ONE; /* the next vote may move the angle */
     self->unsure = 1;
     self->odd_periods = 0;
-    self->placed_spacings = 0;
+    self->placed_way.spacings = 0;
 }
 
 static void track(sd_crank_t *self, uint32_t tick, uint32_t raw_period, sd_tooth_t *tooth) {
-    if (take_over(self, tick)) {
+    const sd_crank_clock_t *lead = &self->clock[self->leader];
+    const sd_place_t place = nearest_place(self, since_clock(lead, tick));
+    if (take_over(self, tick, &place)) {
         leave_out(self, tooth);
         return;
     }
-    const sd_crank_clock_t *lead = &self->clock[self->leader];
-    const sd_place_t place = nearest_place(self, since_clock(lead, tick));
     if (!place.found) {
         forget_angle(self, SEARCHING);
         return;
     }
-    remember(self, (int32_t)((uint32_t)self->travel + (uint32_t)place.spacings + (uint32_t)place.late));
+    remember(self, (int32_t)((uint32_t)self->travel + (uint32_t)place.way.spacings + (uint32_t)place.late));
     const bool fits = (place.advance > 0u) && (abs32(place.late) <= LOOSE);
     if (fits) {
         const bool clean = (place.coasted == 0u) && (raw_period == tick - self->last_tick);

@@ -25,7 +25,7 @@
 #define SD_CRANK_RUN_MAX       3u  ///< Missing positions in one run.
 #define SD_CRANK_COAST_MAX     8u  ///< Positions the decoder coasts without an edge before it gives up sync.
 #define SD_CRANK_WITNESSES     16u ///< Edges remembered for the vote on the mark.
-#define SD_CRANK_CLOCKS        3u
+#define SD_CRANK_CLOCKS        4u
 
 /// Tooth spacings are Q12: 4096 is the distance between two neighbouring teeth.
 #define SD_SPACING_ONE 4096
@@ -84,12 +84,22 @@ typedef struct sd_crank_clock {
     int32_t  error;    ///< Running mean of |prediction error|, Q12 spacings.
 } sd_crank_clock_t;
 
+/// A way of one or more tooth spacings, measured by the teeth and by the memory of past revolutions.
+typedef struct sd_crank_way {
+    int64_t recalled;                ///< Time it took, 1/64 tick.
+    int32_t spacings;                ///< Q12.
+    int32_t period_from, period_to;  ///< Remembered period before it and at its end, 1/64 tick.
+} sd_crank_way_t;
+
 /// Decoder state: plain data, caller-owned, copyable, comparable. Fields are for logs; write none of them.
 typedef struct sd_crank {
     sd_crank_config_t config;
     sd_crank_counts_t counts;
     sd_crank_clock_t  clock[SD_CRANK_CLOCKS], before[SD_CRANK_CLOCKS]; ///< Quick to calm; `before` the last placed edge.
-    int32_t  placed_spacings, placed_late, placed_excused; ///< The last placed edge as seen from `before`, Q12.
+    sd_crank_way_t placed_way;              ///< From `before` to the last placed edge.
+    int32_t  placed_late, placed_excused;   ///< The last placed edge as seen from `before`, Q12.
+    uint32_t memory[SD_CRANK_POSITIONS_MAX];///< Time from the tooth before to each tooth, 1/64 tick; 0: not known yet.
+    int32_t  memory_period;                 ///< Remembered period at the last placed edge, 1/64 tick.
     int32_t  mark_spacings[SD_CRANK_MARKS_MAX]; ///< Learned width of each mark, Q12.
     int32_t  mark_scatter[SD_CRANK_MARKS_MAX];  ///< How far the first tooth after it strays from that width, Q12.
     int32_t  turn_spacings;                 ///< Spacings in a revolution, Q12: teeth - marks + widths of the marks.

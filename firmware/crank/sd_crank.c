@@ -21,7 +21,7 @@ enum {
     UNLEARNED       = ONE / 2,          /* scatter of a mark seen less than twice */
     TREND_LASTS     = 3 * ONE,          /* speed ripple turns round within a few teeth */
     LOOSE           = (42 * ONE) / 100, /* an edge further off is not this tooth */
-    STRAINED        = (10 * ONE) / 100, /* clocks this far off, on average, may have slipped */
+    STRAINED        = (16 * ONE) / 100, /* clocks this far off, on average, may have slipped */
 };
 
 enum { QUICK, MIDDLE, MEMORY, CALM }; /* the clocks */
@@ -273,10 +273,19 @@ static sd_fit_t fit(const sd_crank_t *self, int32_t width, int32_t slip) {
     return sum;
 }
 
-/* The slip that leaves fewer edges astray than none does. One edge is enough: where it stands astray, the tooth that it
- * should have been is missing too, so without a slip it would take two faults. */
+static bool stands(const sd_crank_t *self, int32_t beyond_mark) {
+    for (uint32_t i = 0; i < self->witness_count; ++i) {
+        const int32_t here = (int32_t)((uint32_t)self->witness[i] - (uint32_t)self->mark_travel);
+        if (abs32(here - beyond_mark) <= STRAY) { return true; }
+    }
+    return false;
+}
+
+/* The slip that leaves fewer edges astray than none does. A single edge astray speaks for a slip only where a tooth
+ * beside the mark is missing as well: without a slip that takes two faults. */
 static int32_t find_slip(const sd_crank_t *self, int32_t width, const sd_fit_t *here) {
     int32_t found = 0, least = here->astray;
+    if ((here->astray <= 1) && stands(self, 0) && stands(self, width)) { return 0; }
     for (int32_t slip = -SLIP_MAX; slip <= SLIP_MAX; ++slip) {
         const int32_t astray = fit(self, width, slip).astray;
         if (astray < least) { least = astray; found = slip; }

@@ -27,7 +27,8 @@ enum {
 enum { QUICK, MIDDLE, MEMORY, CALM }; /* sd_crank_t.clock */
 
 /* Steady gains of a fading-memory fit (Q12): share of an error given to time, period, change. What an edge weighs
- * shrinks by 0.2, 0.5, 0.5 and 0.85 a tooth. The fits are quadratic; the memory knows the bends, so its fit is straight. */
+ * shrinks by 0.2, 0.5, 0.5 and 0.85 a tooth. The fits are quadratic; that of the memory, which knows the bends, is
+ * straight. */
 typedef struct sd_gains { int32_t time, period, change; } sd_gains_t;
 static const sd_gains_t GAINS[SD_CRANK_CLOCKS] = {
     { 4063, 4719, 2097 }, { 3584, 2304, 512 }, { 3072, 1024, 0 }, { 1581, 256, 14 }
@@ -41,7 +42,7 @@ static int32_t clamp32(int64_t x, int32_t low, int32_t high) {
 }
 
 static int64_t since_clock(const sd_crank_clock_t *c, uint32_t tick) {
-    return ((int64_t)(int32_t)(tick - c->tick) << 6) - c->frac;
+    return ((int64_t)(int32_t)(tick - c->tick) * 64) - c->frac;
 }
 
 /* What a clock says of a way: how long it takes and the period at its end, 1/64 tick. */
@@ -333,7 +334,8 @@ typedef struct sd_place {
     bool     found;
 } sd_place_t;
 
-/* The first tooth after a mark comes as its width says, give or take twice the scatter seen so far. */
+/* The first tooth after a mark comes as its width says, give or take twice the scatter seen so far. The memory needs
+ * no such excuse: it knows the time, not the width. */
 static int32_t excuse(const sd_crank_t *self, uint32_t mark, int32_t late) {
     return clamp32(late, -2 * self->mark_scatter[mark], 2 * self->mark_scatter[mark]);
 }
@@ -442,7 +444,8 @@ static void pass_mark(sd_crank_t *self, uint32_t tick, const sd_place_t *place, 
     self->mark_clean = clean ? 1u : 0u;
     if (self->mode != TRYING) { return; }
     /* The mark that gives sync must stand out by itself, not only fit what a try expects. */
-    if (!clean || (2u * (uint64_t)(tick - self->last_tick) < 3u * (uint64_t)self->raw_period[0])) { try_failed(self); return; }
+    const uint64_t period = tick - self->last_tick;
+    if (!clean || (2u * period < 3u * (uint64_t)self->raw_period[0])) { try_failed(self); return; }
     if (++self->confirmed >= self->mark_count) {
         self->mode = SYNCED;
         self->counts.sync_gains++;

@@ -24,10 +24,11 @@ enum {
     STRAINED        = (16 * ONE) / 100, /* clocks this far off, on average, may have slipped */
 };
 
-enum { QUICK, MIDDLE, MEMORY, CALM }; /* the clocks */
+enum { QUICK, MIDDLE, MEMORY, CALM }; /* sd_crank_t.clock */
 
 /* Steady gains of a fading-memory fit (Q12): share of an error given to time, period, change. What an edge weighs
- * shrinks by 0.2, 0.5, MG and 0.85 a tooth. The fit is quadratic, but straight where the memory knows the bends. */
+ * shrinks by 0.2, 0.5, 0.5 and 0.85 a tooth. The fits are quadratic; that of the memory, which knows the bends, is
+ * straight. */
 typedef struct sd_gains { int32_t time, period, change; } sd_gains_t;
 static const sd_gains_t GAINS[SD_CRANK_CLOCKS] = {
     { 4063, 4719, 2097 }, { 3584, 2304, 512 }, { 3072, 1024, 0 }, { 1581, 256, 14 }
@@ -41,7 +42,7 @@ static int32_t clamp32(int64_t x, int32_t low, int32_t high) {
 }
 
 static int64_t since_clock(const sd_crank_clock_t *c, uint32_t tick) {
-    return ((int64_t)(int32_t)(tick - c->tick) << 6) - c->frac;
+    return ((int64_t)(int32_t)(tick - c->tick) * 64) - c->frac;
 }
 
 /* What a clock says of a way: how long it takes and the period at its end, 1/64 tick. */
@@ -67,7 +68,8 @@ static int32_t lateness(const sd_forecast_t *ahead, int64_t elapsed) {
     return clamp32(((elapsed - ahead->time) * ONE) / ahead->period, -16 * ONE, 16 * ONE);
 }
 
-/* A quicker clock must beat a calmer one clearly: under jitter it does so by chance, and then follows the noise. */
+/* A quicker clock must beat a calmer one clearly: under jitter it does so by chance, and then follows the noise. The
+ * memory must be beaten by more than a hair, because it alone knows what lies behind a missing tooth. */
 static uint8_t best_clock(const sd_crank_t *self, uint32_t except) {
     uint32_t best = CALM;
     for (uint32_t i = CALM; i-- > 0u;) {
@@ -210,7 +212,7 @@ static bool gap_seen(const sd_crank_t *self, uint32_t period) {
            (20u * gap <= 46u * sides);
 }
 
-/* The memory no longer stands where it was taken: the angle moved. */
+/* The angle moved, so what is remembered belongs to other teeth. */
 static void forget_turn(sd_crank_t *self) { memset(self->memory, 0, sizeof self->memory); }
 
 static void start_clocks(sd_crank_t *self, uint32_t tick, uint32_t period) {
@@ -349,7 +351,8 @@ typedef struct sd_place {
     bool     found;
 } sd_place_t;
 
-/* The first tooth after a mark comes as its width says, give or take twice the scatter seen so far. */
+/* The first tooth after a mark comes as its width says, give or take twice the scatter seen so far. The memory needs
+ * no such excuse: it knows the time, not the width. */
 static int32_t excuse(const sd_crank_t *self, uint32_t mark, int32_t late) {
     return clamp32(late, -2 * self->mark_scatter[mark], 2 * self->mark_scatter[mark]);
 }
@@ -394,6 +397,12 @@ static int32_t tight_gate(const sd_crank_clock_t *clock) {
     return clamp32(4 * (int64_t)clock->error + (6 * ONE) / 100, (12 * ONE) / 100, LOOSE);
 }
 
+/* A quarter of the news each revolution: jitter averages out, a change of speed gets in. */
+static void remember_time(sd_crank_t *self, uint32_t position, uint32_t period_ticks) {
+    const int32_t known = (int32_t)self->memory[position], news = (int32_t)(period_ticks << 6);
+    self->memory[position] = (uint32_t)((known == 0) ? news : known + (news - known) / 4);
+}
+
 static void remember(sd_crank_t *self, int32_t travel) {
     self->witness[self->witness_next] = travel;
     self->witness_next = (uint8_t)((self->witness_next + 1u) % SD_CRANK_WITNESSES);
@@ -402,7 +411,7 @@ static void remember(sd_crank_t *self, int32_t travel) {
 
 /* What a mark's width is blamed for moves only the calm clock's idea of the way, not of the time: the quick ones are
  * there for ripple, and need the news that a mark's long period brings. */
-static void move_clocks(sd_crank_t *self, uint32_t tick) {
+static void move_clocks(sd_crank_t *self, uint32_t tick, bool clean) {
     sd_crank_clock_t *memory = &self->clock[MEMORY];
     int32_t error[SD_CRANK_CLOCKS];
     for (uint32_t i = 0; i < SD_CRANK_CLOCKS; ++i) {
@@ -411,8 +420,10 @@ static void move_clocks(sd_crank_t *self, uint32_t tick) {
         self->clock[i] = self->before[i];
         error[i] = clock_place(&self->clock[i], i, tick, &way);
     }
-    /* What surprises the memory but not the quick clock is no fault: a cylinder fires, and the memory is history. */
-    if (error[MEMORY] > 3 * error[QUICK] + ONE / 20) { memory->error += (error[MEMORY] - memory->error) / 4; }
+    /* What surprises the memory more than the quick clock is no fault: a cylinder fires, and the memory is history. */
+    if (clean && (error[MEMORY] > error[QUICK] + ONE / 20)) {
+        memory->error = clamp32(memory->error + (error[MEMORY] - memory->error) / 2, 0, ONE / 2);
+    }
     self->leader = best_clock(self, SD_CRANK_CLOCKS);
     self->last_tick = tick;
 }
@@ -428,13 +439,8 @@ static bool take_over(sd_crank_t *self, uint32_t tick, const sd_place_t *place) 
     if (next || (abs32(late) >= abs32(self->placed_late))) { return false; }
     self->leader = self->before_leader;
     self->placed_late = late;
-    move_clocks(self, tick);
+    move_clocks(self, tick, false);
     return true;
-}
-
-static void remember_way(sd_crank_t *self, uint32_t position, uint32_t time) {
-    const int32_t news = (int32_t)time - (int32_t)self->memory[position];
-    self->memory[position] = (self->memory[position] == 0u) ? time : (uint32_t)((int32_t)self->memory[position] + news / 4);
 }
 
 static void leave_out(sd_crank_t *self, sd_tooth_t *tooth) {
@@ -455,14 +461,15 @@ static void pass_mark(sd_crank_t *self, uint32_t tick, const sd_place_t *place, 
     self->mark_clean = clean ? 1u : 0u;
     if (self->mode != TRYING) { return; }
     /* The mark that gives sync must stand out by itself, not only fit what a try expects. */
-    if (!clean || (2u * (uint64_t)(tick - self->last_tick) < 3u * (uint64_t)self->raw_period[0])) { try_failed(self); return; }
+    const uint64_t period = tick - self->last_tick;
+    if (!clean || (2u * period < 3u * (uint64_t)self->raw_period[0])) { try_failed(self); return; }
     if (++self->confirmed >= self->mark_count) {
         self->mode = SYNCED;
         self->counts.sync_gains++;
     }
 }
 
-/* Coasted so far or so badly that the next tooth may be another one. Only the errors of memory and calm clock do not grow. */
+/* Coasted so far or so badly that the next tooth may be another one. Errors grow on the way, but for memory and calm. */
 static bool coasted_blindly(const sd_crank_t *self, const sd_place_t *place) {
     const int32_t far = (self->leader >= MEMORY) ? ONE : place->way.spacings;
     const int32_t blur = (self->clock[self->leader].error * (far >> 6)) >> 6;
@@ -487,11 +494,11 @@ static void place_edge(sd_crank_t *self, uint32_t tick, const sd_place_t *place,
     self->memory_period = place->way.period_to;
     self->placed_excused = place->excused;
     self->placed_late = place->late;
-    move_clocks(self, tick);
+    move_clocks(self, tick, clean);
     self->travel = (int32_t)((uint32_t)self->travel + (uint32_t)place->way.spacings);
     self->position = (uint8_t)place->position;
     self->counts.coasted += place->coasted;
-    if (clean && tight) { remember_way(self, place->position, tooth->period_ticks << 6); }
+    if (clean && tight) { remember_time(self, place->position, tooth->period_ticks); }
     self->doubtful = ((place->coasted > 0u) || !tight) ? 1u : 0u;
     if (self->rejected > 0u) { self->rejected--; }
     if ((self->pending_mark < SD_CRANK_MARKS_MAX) && (self->mode == SYNCED) &&

@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /// sd_crank.h - crank decoder: captured edges of a toothed wheel in; tooth, angle, speed, cycle phase, health out.
 ///
-/// The decoder tracks phase instead of hunting gaps. Two clocks predict when the next tooth comes: a quick one that
-/// follows compression ripple while cranking, a calm one that averages edge jitter; the one whose predictions have
-/// been better leads. An edge is placed on the tooth position it comes nearest to, so a missing tooth is coasted
-/// through and a doubled or spurious edge is left out, whatever happens elsewhere. The mark (missing teeth) is only
-/// looked for where it should be: after each pass the edges around it vote on whether the angle holds or has
-/// slipped by a few teeth, which is then put right. Theory and measured figures: docs/crank.md.
+/// The decoder tracks phase instead of hunting gaps. Four clocks predict when the next tooth comes: a quick and a
+/// middle one follow changes of speed, a calm one averages edge jitter, and one remembers how long each tooth took in
+/// past revolutions, so that compression ripple while cranking does not surprise it, nor what lies behind a missing
+/// tooth or the mark; the one whose predictions have been better leads. An edge is placed on the tooth position it
+/// comes nearest to, so a missing tooth is coasted through and a doubled or spurious edge is left out, whatever
+/// happens elsewhere. The mark (missing teeth) is only looked for where it should be: after each pass the edges
+/// around it vote on whether the angle holds or has slipped by a few teeth, which is then put right. Theory and
+/// measured figures: docs/crank.md.
 ///
 /// Real-time contract: integer arithmetic only, no heap, no globals, loops bounded by the constants below; one
 /// writer per state. Call order: sd_crank_init once; then sd_crank_edge for each crank edge, sd_crank_cam_edge for
@@ -75,7 +77,8 @@ typedef struct sd_crank_counts {
     uint32_t cam_rejected;  ///< Cam edges far from where they belong, or without crank sync.
 } sd_crank_counts_t;
 
-/// Predicts tooth times: time after u spacings = period u + change u (u + 1) / 2. Times in 1/64 tick.
+/// Predicts tooth times: time after u spacings = period u + change u (u + 1) / 2; the clock with the memory scales the
+/// remembered times by period over remembered period instead. Times in 1/64 tick.
 typedef struct sd_crank_clock {
     uint32_t tick;     ///< Fitted time of the last placed edge, whole ticks.
     int32_t  frac;     ///< Its fraction, 1/64 tick, [0, 64).
@@ -95,7 +98,8 @@ typedef struct sd_crank_way {
 typedef struct sd_crank {
     sd_crank_config_t config;
     sd_crank_counts_t counts;
-    sd_crank_clock_t  clock[SD_CRANK_CLOCKS], before[SD_CRANK_CLOCKS]; ///< Quick to calm; `before` the last placed edge.
+    sd_crank_clock_t  clock[SD_CRANK_CLOCKS];  ///< Quick, middle, memory, calm.
+    sd_crank_clock_t  before[SD_CRANK_CLOCKS]; ///< The same before the last placed edge.
     sd_crank_way_t placed_way;              ///< From `before` to the last placed edge.
     int32_t  placed_late, placed_excused;   ///< The last placed edge as seen from `before`, Q12.
     uint32_t memory[SD_CRANK_POSITIONS_MAX];///< Time from the tooth before to each tooth, 1/64 tick; 0: not known yet.

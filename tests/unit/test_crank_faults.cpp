@@ -20,7 +20,7 @@ constexpr int kValidAgainWithin = 8; // edges after a fault
 
 std::size_t teeth_per_row() {
 #ifdef __SANITIZE_ADDRESS__
-    return 20000;
+    return 40000;
 #else
     return std::getenv("SD_FULL") ? 3000000 : 300000;
 #endif

@@ -82,8 +82,7 @@ Inputs read_inputs(const Options &options) {
     if (options.engine.empty()) inputs.engine = nameless_engine(inputs.guess.wheel);
     inputs.engine.wheel = inputs.guess.wheel;
 
-    TomlFile tune = open_tune(options.tune, options.set);
-    if (!options.number.empty()) tune.set(std::string("torque.fixed_point=") + (options.number == "q31" ? "1" : "0"));
+    TomlFile tune = open_tune(options.tune, options.set, options.number);
     inputs.tune = read_tune(tune);
     if (!options.tune.empty()) inputs.files[options.tune] = sha256(tune.content());
     inputs.assumptions = list_assumptions(inputs, !options.engine.empty());
@@ -106,14 +105,8 @@ nlohmann::ordered_json summarise(const Inputs &inputs, const ReplayResult &resul
                           {"edges_left_out", result.counts.spurious}, {"slips_corrected", result.counts.slips},
                           {"marks_missed", result.counts.marks_missed}, {"stalls", result.counts.stalls},
                           {"cam_edges_rejected", result.counts.cam_rejected}, {"mark_spacings", result.mark_spacings}};
-    nlohmann::ordered_json parameters;
-    const float *value = reinterpret_cast<const float *>(&inputs.tune);
-    for (const sd_signal_info_t &info : sd_parameter_infos) {
-        // Through text, so that 0.05f reads 0.05.
-        parameters[info.name] = std::stod(fmt::format("{:.7g}", *value++));
-    }
     summary["engine"] = {{"name", inputs.engine.name}, {"guessed", inputs.engine.guessed}};
-    summary["parameters"] = parameters;
+    summary["parameters"] = parameters_json(inputs.tune);
     summary["files"] = inputs.files;
     summary["assumptions"] = inputs.assumptions;
     return summary;

@@ -29,7 +29,7 @@ FuelMap make_fuel_map(const Scenario &s) {
     FuelMap map(s.engine, low, high, top);
     if (!map.reaches_top() && s.speed_mode != SpeedMode::governor) {
         throw InputError(
-            s.name, "load.bmep_bar",
+            s.file, "load.bmep_bar",
             "demands more than the trapped air can burn; lower it or raise plant.air.intake_pressure_bar");
     }
     return map;

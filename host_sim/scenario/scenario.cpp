@@ -156,6 +156,7 @@ void read_encoder(TomlFile &file, Scenario &s) {
 Scenario read_scenario(TomlFile &file, const std::filesystem::path &folder) {
     Scenario s;
     s.name = file.text_or("name", "");
+    s.file = file.name();
     s.engine_path = folder / file.text("engine");
     s.engine = read_plant_engine(s.engine_path);
     read_run(file, s);

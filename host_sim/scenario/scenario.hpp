@@ -28,6 +28,7 @@ struct MisfireEvent {
 
 struct Scenario {
     std::string name;
+    std::string file; ///< Where it was read from, for messages.
     std::filesystem::path engine_path; ///< Relative paths count from the scenario's folder.
     PlantEngine engine;
     std::uint64_t seed = 1;

@@ -80,8 +80,8 @@ TEST(Scenario, MissingEngineFileIsNamed) {
 }
 
 TEST(Scenario, LoadBeyondTheTrappedAirIsRefused) {
-    const Scenario s = scenario({"load.bmep_bar=30", "name=\"too much\""});
-    EXPECT_EQ(message([&] { Plant(s, 1); }), "too much: load.bmep_bar: demands more than the trapped air can "
+    const Scenario s = scenario({"load.bmep_bar=30"});
+    EXPECT_EQ(message([&] { Plant(s, 1); }), "s.toml: load.bmep_bar: demands more than the trapped air can "
                                              "burn; lower it or raise plant.air.intake_pressure_bar");
 }
 

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: MIT
+#include "run/bench_run.hpp"
+
+#include <cmath>
+#include <memory>
+
+#include "engine/units.hpp"
+#include "scenario/plant.hpp"
+
+namespace sixdeg {
+namespace {
+
+/// One run while it lasts.
+class Run {
+  public:
+    Run(const Scenario &scenario, const sd_calibration_t &calibration, RunTables *tables)
+        : scenario_(scenario), plant_(scenario, scenario.seed), ecu_(calibration), tables_(tables),
+          score_(int(calibration.parameters.torque_harmonics), plant_.model().tables().steps, kScoredCycles) {
+        plant_.record_steps(&steps_);
+    }
+
+    RunResult finish() {
+        EncoderEdge edge;
+        while (plant_.next_edge(edge)) take(edge);
+        take_cycles();
+        // After a stall the firmware must find out by the clock alone.
+        if (plant_.stalled() && scenario_.duration_s > 0) ecu_.tell_time_until(scenario_.duration_s);
+        result_.stalled = plant_.stalled();
+        result_.counts = ecu_.crank().counts;
+        if (scenario_.speed_mode != SpeedMode::prescribed) result_.torque = score_.result();
+        return result_;
+    }
+
+  private:
+    void take(const EncoderEdge &edge) {
+        ecu_.tell_time_until(edge.time_s);
+        result_.simulated_s = edge.time_s;
+        if (edge.kind == EdgeKind::cam) {
+            ecu_.exchange(SD_EVENT_CAM_EDGE, edge.tick);
+            return;
+        }
+        const bool cycle_ended = ecu_.exchange(SD_EVENT_CRANK_EDGE, edge.tick);
+        judge(edge);
+        if (tables_) tables_->tooth(edge, ecu_);
+        if (tables_ && cycle_ended) tables_->firmware_cycle_ended(ended_cycle(scenario_.engine.shared, unwrapped_deg(edge)), ecu_);
+        take_cycles();
+    }
+
+    // The plant is less than a revolution ahead of the edges it has handed out.
+    double unwrapped_deg(const EncoderEdge &edge) const {
+        const double ahead_deg = plant_.truth().angle_rad * kDegPerRad;
+        return edge.angle_deg + 720 * std::round((ahead_deg - edge.angle_deg) / 720);
+    }
+
+    void judge(const EncoderEdge &edge) {
+        const sd_signals_t &s = ecu_.signals();
+        const bool sure = is_placed(s) && ecu_.health(SD_OWNER_CRANK) == SD_VALID;
+        ++result_.edges;
+        result_.false_edges += edge.spurious;
+        if (sure && int(s.crank_tooth) != edge.tooth) ++result_.wrong_teeth;
+        const double off_deg = std::remainder(double(s.crank_angle_deg) - edge.angle_deg, 720.0);
+        if (sure && int(s.crank_tooth) == edge.tooth && s.crank_phase_known > 0 && std::abs(off_deg) > 180) ++result_.wrong_revolutions;
+        for (const StepTruth &step : steps_) score_.step(step);
+        steps_.clear();
+        if (s.crank_edge_class == SD_EDGE_SPURIOUS) return; // left out, so the estimate did not move
+        const bool settled = is_placed(s) && ecu_.health(SD_OWNER_TORQUE) == SD_VALID && !edge.backward;
+        score_.edge(unwrapped_deg(edge), edge.net_torque_nm, double(s.torque_mass_nm), settled);
+    }
+
+    void take_cycles() {
+        CycleTruth cycle;
+        while (plant_.next_cycle(cycle)) {
+            ++result_.true_cycles;
+            result_.misfires += cycle.misfire;
+            if (tables_) tables_->true_cycle(cycle);
+        }
+    }
+
+    const Scenario &scenario_;
+    Plant plant_;
+    EcuBench ecu_;
+    RunTables *tables_;
+    TorqueScore score_;
+    std::vector<StepTruth> steps_;
+    RunResult result_;
+};
+
+} // namespace
+
+RunResult run_on_bench(const Scenario &scenario, const sd_calibration_t &calibration, RunTables *tables) {
+    return std::make_unique<Run>(scenario, calibration, tables)->finish();
+}
+
+} // namespace sixdeg

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: MIT
+#include "run/run_tables.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <iterator>
+
+#include "engine/units.hpp"
+
+namespace sixdeg {
+
+std::int64_t firmware_cycle(const EngineFile &engine, std::int64_t cycle, std::size_t lane) {
+    const double pitch_deg = 360.0 / engine.wheel.positions;
+    const double since_deg = 720 * double(cycle) + engine.firing_tdc_deg[lane] - engine.position_0_deg;
+    const double first_tooth = std::ceil(since_deg / pitch_deg - 1e-9);
+    return std::int64_t(std::floor(first_tooth / (2 * engine.wheel.positions)));
+}
+
+std::int64_t ended_cycle(const EngineFile &engine, double crank_deg) {
+    return std::int64_t(std::floor((crank_deg - engine.position_0_deg + 180) / 720)) - 1;
+}
+
+void RunTables::tooth(const EncoderEdge &truth, const EcuBench &ecu) {
+    const sd_signals_t &s = ecu.signals();
+    const bool placed = is_placed(s);
+    const std::uint8_t torque_health = ecu.health(SD_OWNER_TORQUE);
+    const auto out = std::back_inserter(teeth_);
+    fmt::format_to(out, "{:.9f},{:.4f},{:.3f},", truth.time_s, truth.angle_deg, truth.speed_radps / kRadpsPerRpm);
+    if (placed) fmt::format_to(out, "{:.3f}", s.crank_speed_rpm);
+    fmt::format_to(out, ",{:.3f},", truth.net_torque_nm);
+    if (placed && torque_health != SD_INVALID) fmt::format_to(out, "{:.3f}", s.torque_mass_nm);
+    fmt::format_to(out, ",{},", class_name(s.crank_edge_class));
+    if (placed) fmt::format_to(out, "{:.0f}", s.crank_tooth);
+    teeth_ += ',';
+    if (!truth.spurious) fmt::format_to(out, "{}", truth.tooth);
+    fmt::format_to(out, ",{},{}\n", health_name(ecu.health(SD_OWNER_CRANK)), health_name(torque_health));
+}
+
+void RunTables::firmware_cycle_ended(std::int64_t number, const EcuBench &ecu) {
+    firmware_[number] = {ecu.signals(), ecu.health(SD_OWNER_CYLINDER)};
+}
+
+std::string RunTables::cycles_csv() const {
+    std::string text = "cycle,cylinder,torque_true_nm,torque_nm,imep_true_bar,misfire_true,rpm,health\n";
+    const auto out = std::back_inserter(text);
+    for (const CycleTruth &truth : truths_) {
+        const auto &order = engine_.firing_order;
+        const auto lane = std::size_t(std::find(order.begin(), order.end(), truth.cylinder) - order.begin());
+        const auto said = firmware_.find(firmware_cycle(engine_, truth.cycle, lane));
+        const bool heard = said != firmware_.end();
+        fmt::format_to(out, "{},{},{:.3f},", truth.cycle, truth.cylinder, truth.combustion_torque_nm);
+        if (heard) fmt::format_to(out, "{:.3f}", said->second.signals.cycle_cylinder_torque_nm[truth.cylinder - 1]);
+        fmt::format_to(out, ",{:.4f},{},", truth.imep_pa / kPaPerBar, int(truth.misfire));
+        if (heard) fmt::format_to(out, "{:.3f}", said->second.signals.cycle_speed_rpm);
+        fmt::format_to(out, ",{}\n", health_name(heard ? said->second.health : std::uint8_t(SD_INVALID)));
+    }
+    return text;
+}
+
+} // namespace sixdeg

@@ -1,0 +1,205 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""sixdeg run as a user meets it: figures against the plant's truth, files, alignment of truth and firmware, errors."""
+import csv
+import hashlib
+import json
+import os
+import pathlib
+import subprocess
+import tempfile
+import unittest
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+SIXDEG = os.environ["SIXDEG"]
+DIESEL = ROOT / "host_sim" / "engines" / "diesel_22.toml"
+TDC_DEG = {1: 0, 3: 180, 4: 360, 2: 540}  # firing, of that engine
+POSITION_0_DEG = 270
+FUEL = "fuel_percent = [10, 0, 0, -20]"
+
+
+def table(path):
+    with path.open() as file:
+        return list(csv.DictReader(file))
+
+
+class Folder(unittest.TestCase):
+    def setUp(self):
+        self.temporary = tempfile.TemporaryDirectory()
+        self.folder = pathlib.Path(self.temporary.name)
+        self.addCleanup(self.temporary.cleanup)
+
+    def scenario(self, run="cycles = 40", speed="rpm = 1000", bmep=5, cylinders="", more="", engine=DIESEL):
+        path = self.folder / "scenario.toml"
+        path.write_text(f'engine = "{engine}"\n[run]\n{run}\n[speed]\n{speed}\n[load]\nbmep_bar = {bmep}\n'
+                        f"[cylinders]\n{cylinders}\n{more}\n")
+        return path
+
+    def sixdeg(self, *arguments):
+        return subprocess.run([SIXDEG, "run", *map(str, arguments)], capture_output=True, text=True, timeout=120)
+
+    def summary(self, scenario, *options):
+        done = self.sixdeg(scenario, "--json", self.folder / "s.json", *options)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return json.loads((self.folder / "s.json").read_text())
+
+    def tables(self, scenario, *options):
+        done = self.sixdeg(scenario, "--out", self.folder / "out", *options)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return table(self.folder / "out" / "teeth.csv"), table(self.folder / "out" / "cycles.csv")
+
+
+class Torque(Folder):
+    def test_shift_against_true_torque_with_an_ideal_timer(self):
+        """33 ns: the shift left is the observer's own."""
+        ideal = self.folder / "ideal.toml"
+        ideal.write_text(DIESEL.read_text().replace("tick_hz = 1e6", "tick_hz = 3e7"))
+        for rpm in (1000, 1500, 3000, 4500):
+            for number in ("f32", "q31"):
+                with self.subTest(rpm=rpm, number=number):
+                    scenario = self.scenario("cycles = 45", f"rpm = {rpm}", cylinders=FUEL, engine=ideal)
+                    s = self.summary(scenario, "--number", number)
+                    self.assertEqual((s["number"], s["sync_losses"], s["wrong_teeth"], s["wrong_revolutions"]), (number, 0, 0, 0))
+                    self.assertEqual(s["torque"]["cycles_measured"], 20)
+                    self.assertLessEqual(abs(s["torque"]["shift_deg"]), 0.5)
+                    self.assertLessEqual(s["torque"]["rms_projection_percent"], 1.5)
+
+    def test_more_harmonics_leave_less_out(self):
+        few, many = (self.summary(self.scenario(), "--set", f"torque.harmonics={n}")["torque"] for n in (5, 8))
+        self.assertLess(many["truncation_percent"], 0.6 * few["truncation_percent"])
+        self.assertLess(many["rms_true_percent"], 0.7 * few["rms_true_percent"])
+        # Truncation and the observer's own error are all there is.
+        both = (few["truncation_percent"] ** 2 + few["rms_projection_percent"] ** 2) ** 0.5
+        self.assertAlmostEqual(few["rms_true_percent"], both, delta=0.15 * both)
+
+    def test_prescribed_speed_has_no_torque_to_compare_with(self):
+        self.assertIsNone(self.summary(self.scenario(speed='mode = "prescribed"\nrpm = 1000'))["torque"])
+
+
+class Teeth(Folder):
+    def test_truth_and_firmware_stand_side_by_side(self):
+        teeth, _ = self.tables(self.scenario())
+        self.assertEqual(len(teeth), 40 * 116)
+        self.assertEqual(list(teeth[0]), ["t_s", "angle_deg", "rpm_true", "rpm", "torque_true_nm", "torque_nm", "class", "tooth",
+                                          "tooth_true", "health", "torque_health"])
+        valid = [r for r in teeth if r["health"] == "valid"]
+        self.assertGreater(len(valid), 38 * 116)
+        for r in valid:
+            self.assertEqual(r["tooth"], r["tooth_true"])
+            self.assertAlmostEqual((float(r["angle_deg"]) - POSITION_0_DEG) % 360, 6 * int(r["tooth"]), delta=0.01)
+            self.assertAlmostEqual(float(r["rpm"]), float(r["rpm_true"]), delta=15)
+
+    def test_lost_and_false_edges_are_counted(self):
+        s = self.summary(self.scenario(more="[encoder]\nextra_rate = 0.002\ndrop_rate = 0.002"))
+        self.assertGreater(s["false_edges"], 2)
+        self.assertEqual(s["sync_losses"], 0)
+
+    def test_tooth_truth_is_not_the_firmwares(self):
+        """Where an edge is lost, truth skips a tooth whatever the firmware says."""
+        teeth, _ = self.tables(self.scenario(more="[encoder]\ndrop_rate = 0.01"))
+        numbers = [int(r["tooth_true"]) for r in teeth]
+        steps = {(b - a) % 60 for a, b in zip(numbers, numbers[1:])}
+        self.assertIn(2, steps)
+        self.assertTrue(any(r["class"] == "coasted" for r in teeth))
+
+
+class Cycles(Folder):
+    def test_rpm_is_that_of_the_cycle_which_holds_the_firing(self):
+        """The speed rises by 24 rpm a cycle, as told; a cycle off shows."""
+        ramp_rpmps, rpm0 = 400.0, 1000.0
+        speed = f'mode = "prescribed"\nrpm = [{rpm0}, {rpm0 + 10 * ramp_rpmps}]\ntime_s = [0, 10]'
+        _, cycles = self.tables(self.scenario("cycles = 30", speed))
+
+        def time_s(deg):  # deg = 6 (rpm0 t + ramp t^2 / 2)
+            return (-rpm0 + (rpm0 ** 2 + ramp_rpmps * deg / 3) ** 0.5) / ramp_rpmps
+
+        checked = 0
+        for row in cycles:
+            if row["health"] == "invalid":
+                continue
+            firing = 720 * int(row["cycle"]) + TDC_DEG[int(row["cylinder"])]
+            begin = POSITION_0_DEG + 720 * ((firing - POSITION_0_DEG) // 720)
+            self.assertAlmostEqual(float(row["rpm"]), 120 / (time_s(begin + 720) - time_s(begin)), delta=3)
+            checked += 1
+        self.assertGreater(checked, 80)
+
+    def test_torque_is_the_mean_over_the_firing_interval_of_that_cylinder_and_cycle(self):
+        """Against teeth.csv: its true angles, its torque_nm. A misfire keeps the estimate moving from cycle to cycle."""
+        more = "[[misfires.event]]\ncycle = 20\ncylinder = 4\n"
+        teeth, cycles = self.tables(self.scenario(cylinders=FUEL, more=more))
+        sums, cycle, before = {}, 0, 0.0
+        for r in teeth:
+            angle = float(r["angle_deg"])
+            cycle += angle < before - 360
+            before = angle
+            if r["torque_nm"]:
+                firing = (cycle, int((angle + 0.01) // 180))
+                sums.setdefault(firing, []).append(float(r["torque_nm"]))
+        moved = 0
+        for row in cycles:
+            tdc, cycle = TDC_DEG[int(row["cylinder"])], int(row["cycle"])
+            # Cylinder 3's interval holds the end of the firmware's cycle; the mark lies in those at 180 and 540 deg.
+            if row["health"] != "valid" or not 18 <= cycle <= 30 or tdc not in (0, 360):
+                continue
+            mean = [sum(v) / len(v) for v in (sums[cycle + off, tdc // 180] for off in (-1, 0, 1))]
+            self.assertAlmostEqual(float(row["torque_nm"]), mean[1], delta=0.01)
+            moved += abs(mean[1] - mean[0]) > 0.5 and abs(mean[2] - mean[1]) > 0.5
+        self.assertGreater(moved, 3, "the test must be able to see one cycle off")
+
+    def test_the_misfire_stands_in_its_own_row_and_the_weak_cylinder_in_its_own_column(self):
+        for weak in (1, 2, 3, 4):
+            with self.subTest(weak=weak):
+                fuel = ", ".join("-30" if c == weak else "0" for c in (1, 2, 3, 4))
+                more = f"[[misfires.event]]\ncycle = 36\ncylinder = {weak}\n"
+                _, cycles = self.tables(self.scenario(cylinders=f"fuel_percent = [{fuel}]", more=more))
+                self.assertEqual([(r["cycle"], r["cylinder"]) for r in cycles if r["misfire_true"] == "1"], [("36", str(weak))])
+                settled = [r for r in cycles if r["cycle"] == "30"]
+                self.assertEqual({r["health"] for r in settled}, {"valid"})
+                for column in ("torque_true_nm", "imep_true_bar", "torque_nm"):
+                    self.assertEqual(min(settled, key=lambda r: float(r[column]))["cylinder"], str(weak), column)
+
+
+class Output(Folder):
+    def test_same_input_same_bytes_but_for_the_realtime_factor(self):
+        noisy = self.scenario("cycles = 20", more="[encoder]\njitter_deg = 0.02\n[cyclic]\ncov_percent = 5")
+        contents = {}
+        for name, seed in (("a", 7), ("b", 7), ("c", 8)):
+            out = self.folder / name
+            self.assertEqual(self.sixdeg(noisy, "--out", out, "--seed", seed).returncode, 0)
+            summary = json.loads((out / "summary.json").read_text())
+            self.assertGreater(summary.pop("realtime_factor"), 0)
+            contents[name] = [summary] + [(out / n).read_bytes() for n in ("teeth.csv", "cycles.csv")]
+        self.assertEqual(contents["a"], contents["b"])
+        self.assertNotEqual(contents["a"][1], contents["c"][1])
+
+    def test_summary_says_what_went_in(self):
+        scenario = self.scenario("cycles = 12")
+        tune = self.folder / "tune.toml"
+        tune.write_text("[torque]\nharmonics = 3\n")
+        s = self.summary(scenario, "--tune", tune, "--set", "torque.gain_energy=2.5", "--set", "run.cycles=14", "--seed", 5)
+        for path in (scenario, DIESEL, tune):
+            self.assertEqual(s["files"][str(path)], hashlib.sha256(path.read_bytes()).hexdigest())
+        self.assertEqual((s["parameters"]["torque.harmonics"], s["parameters"]["torque.gain_energy"]), (3, 2.5))
+        self.assertEqual((s["seed"], s["set"], s["edges"]), (5, ["torque.gain_energy=2.5", "run.cycles=14"], 14 * 116))
+        self.assertFalse((self.folder / "out").exists())
+
+    def test_errors_are_one_line_and_write_nothing(self):
+        cases = ((["--set", "torque.harmonics=99"], ["torque.harmonics", "[1, 12]"]),
+                 (["--set", "torque.nothing=1"], ["torque.nothing", "not a known field"]),
+                 (["--set", "load.bmep_bar=60"], ["scenario.toml", "load.bmep_bar", "[0, 40] bar"]),
+                 (["--set", "load.bmep_bar=39"], ["scenario.toml", "load.bmep_bar", "trapped air"]),
+                 (["--set", "engine=\"no.toml\""], ["no.toml", "cannot be read"]),
+                 (["--tune", "no_tune.toml"], ["no_tune.toml", "cannot be read"]))
+        scenario = self.scenario()
+        for options, says in cases:
+            with self.subTest(options=options):
+                done = self.sixdeg(scenario, "--out", self.folder / "out", *options)
+                self.assertEqual(done.returncode, 2, done.stderr)
+                self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
+                for word in says:
+                    self.assertIn(word, done.stderr)
+                self.assertFalse((self.folder / "out").exists())
+
+
+if __name__ == "__main__":
+    unittest.main()

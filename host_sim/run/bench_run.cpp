@@ -14,7 +14,8 @@ namespace {
 class Run {
   public:
     Run(const Scenario &scenario, const sd_calibration_t &calibration, RunTables *tables)
-        : scenario_(scenario), calibration_(calibration), plant_(scenario, scenario.seed), ecu_(calibration), tables_(tables),
+        : scenario_(scenario), calibration_(calibration), plant_(scenario, scenario.seed), ecu_(calibration),
+          tables_(tables),
           score_(int(calibration.parameters.torque_harmonics), plant_.model().tables().steps, kScoredCycles) {
         plant_.record_steps(&steps_);
     }
@@ -47,7 +48,8 @@ class Run {
         const bool cycle_ended = ecu_.exchange(SD_EVENT_CRANK_EDGE, edge.tick);
         judge(edge);
         if (tables_) tables_->tooth(edge, ecu_);
-        if (tables_ && cycle_ended) tables_->firmware_cycle_ended(ended_cycle(scenario_.engine.shared, unwrapped_deg(edge)), ecu_);
+        if (tables_ && cycle_ended)
+            tables_->firmware_cycle_ended(ended_cycle(scenario_.engine.shared, unwrapped_deg(edge)), ecu_);
         take_cycles();
     }
 
@@ -64,7 +66,8 @@ class Run {
         result_.false_edges += edge.spurious;
         if (sure && int(s.crank_tooth) != edge.tooth) ++result_.wrong_teeth;
         const double off_deg = std::remainder(double(s.crank_angle_deg) - edge.angle_deg, 720.0);
-        if (sure && int(s.crank_tooth) == edge.tooth && s.crank_phase_known > 0 && std::abs(off_deg) > 180) ++result_.wrong_revolutions;
+        if (sure && int(s.crank_tooth) == edge.tooth && s.crank_phase_known > 0 && std::abs(off_deg) > 180)
+            ++result_.wrong_revolutions;
         for (const StepTruth &step : steps_) score_.step(step);
         steps_.clear();
         if (s.crank_edge_class == SD_EDGE_SPURIOUS) return; // left out, so the estimate did not move

@@ -36,15 +36,16 @@ struct Inputs {
 /// --set takes fields of both files: those below an owner of firmware parameters are the tune's.
 bool is_parameter(const std::string &assignment) {
     const std::string table = assignment.substr(0, assignment.find_first_of(".="));
-    return std::any_of(std::begin(sd_parameter_infos), std::end(sd_parameter_infos), [&](const sd_signal_info_t &info) {
-        return std::string(info.name).rfind(table + ".", 0) == 0;
-    });
+    return std::any_of(
+        std::begin(sd_parameter_infos), std::end(sd_parameter_infos),
+        [&](const sd_signal_info_t &info) { return std::string(info.name).rfind(table + ".", 0) == 0; });
 }
 
 Inputs read_inputs(const Options &options) {
     Inputs inputs;
     std::vector<std::string> of_scenario = options.set;
-    const auto first = std::stable_partition(of_scenario.begin(), of_scenario.end(), [](const auto &a) { return !is_parameter(a); });
+    const auto first = std::stable_partition(of_scenario.begin(), of_scenario.end(),
+                                             [](const auto &a) { return !is_parameter(a); });
     const std::vector<std::string> of_tune(first, of_scenario.end());
     of_scenario.erase(first, of_scenario.end());
 
@@ -65,12 +66,16 @@ Inputs read_inputs(const Options &options) {
 
 Json torque_json(const std::optional<TorqueFigures> &torque) {
     if (!torque) return Json();
-    return {{"cycles_measured", torque->cycles}, {"true_peak_to_peak_nm", torque->true_pp_nm},
-            {"rms_true_percent", torque->rms_true_percent}, {"rms_projection_percent", torque->rms_projection_percent},
-            {"truncation_percent", torque->truncation_percent}, {"shift_deg", torque->shift_deg}};
+    return {{"cycles_measured", torque->cycles},
+            {"true_peak_to_peak_nm", torque->true_pp_nm},
+            {"rms_true_percent", torque->rms_true_percent},
+            {"rms_projection_percent", torque->rms_projection_percent},
+            {"truncation_percent", torque->truncation_percent},
+            {"shift_deg", torque->shift_deg}};
 }
 
-Json summarise(const Options &options, const Inputs &inputs, const RunResult &result, double realtime_factor) {
+Json summarise(const Options &options, const Inputs &inputs, const RunResult &result,
+               double realtime_factor) {
     const EngineFile &engine = inputs.scenario.engine.shared;
     Json summary;
     summary["scenario"] = inputs.scenario.name;
@@ -98,8 +103,11 @@ Json summarise(const Options &options, const Inputs &inputs, const RunResult &re
 }
 
 void print_figures(const Inputs &inputs, const RunResult &result, double realtime_factor) {
-    const auto row = [](const char *name, const std::string &value) { fmt::print("{:<34}{}\n", name, value); };
-    fmt::print("{}\n", inputs.scenario.name.empty() ? inputs.scenario.engine.shared.name : inputs.scenario.name);
+    const auto row = [](const char *name, const std::string &value) {
+        fmt::print("{:<34}{}\n", name, value);
+    };
+    fmt::print("{}\n",
+               inputs.scenario.name.empty() ? inputs.scenario.engine.shared.name : inputs.scenario.name);
     row("simulated", fmt::format("{:.3f} s, {:.0f} times real time", result.simulated_s, realtime_factor));
     row("crank edges", fmt::format("{} ({} false)", result.edges, result.false_edges));
     row("sync losses", std::to_string(result.counts.sync_losses));
@@ -113,7 +121,8 @@ void print_figures(const Inputs &inputs, const RunResult &result, double realtim
     const TorqueFigures &t = *result.torque;
     row("torque against truth over", fmt::format("{} cycles", t.cycles));
     row("  true peak to peak", fmt::format("{:.1f} Nm", t.true_pp_nm));
-    row("  rms, all harmonics", fmt::format("{:.2f} % (truncation alone {:.2f} %)", t.rms_true_percent, t.truncation_percent));
+    row("  rms, all harmonics",
+        fmt::format("{:.2f} % (truncation alone {:.2f} %)", t.rms_true_percent, t.truncation_percent));
     row("  rms, the estimate's harmonics", fmt::format("{:.2f} %", t.rms_projection_percent));
     row("  shift", fmt::format("{:+.3f} deg", t.shift_deg));
 }
@@ -145,9 +154,12 @@ void add_run(CLI::App &app) {
     CLI::App *command = app.add_subcommand("run", "a scenario's engine and the firmware in one process");
     command->add_option("SCENARIO", options->scenario, "scenario file (docs/scenario.md)")->required();
     command->add_option("--tune", options->tune, "tune file");
-    command->add_option("--set", options->set, "key=value, a tune parameter or a scenario field, over the files")->allow_extra_args(false);
+    command
+        ->add_option("--set", options->set, "key=value, a tune parameter or a scenario field, over the files")
+        ->allow_extra_args(false);
     command->add_option("--number", options->number, "f32 or q31")->check(CLI::IsMember({"f32", "q31"}));
-    command->add_option("--seed", options->seed, "instead of the scenario's")->check(CLI::Range(std::uint64_t(0), std::uint64_t(1) << 52));
+    command->add_option("--seed", options->seed, "instead of the scenario's")
+        ->check(CLI::Range(std::uint64_t(0), std::uint64_t(1) << 52));
     command->add_option("--out", options->out, "folder for summary.json, teeth.csv and cycles.csv");
     command->add_option("--json", options->json, "the summary alone");
     command->callback([options] { run(*options); });

@@ -13,8 +13,10 @@ constexpr double kTimeEventS = 0.01;
 } // namespace
 
 EcuBench::EcuBench(const sd_calibration_t &calibration)
-    : ecu_side_(sd_inproc_ecu_side(&port_)), host_side_(sd_inproc_host_side(&port_)), tick_hz_(double(calibration.tick_hz)) {
-    if (sd_ecu_init(&ecu_, &calibration) != SD_OK) throw std::logic_error("a checked calibration was refused");
+    : ecu_side_(sd_inproc_ecu_side(&port_)), host_side_(sd_inproc_host_side(&port_)),
+      tick_hz_(double(calibration.tick_hz)) {
+    if (sd_ecu_init(&ecu_, &calibration) != SD_OK)
+        throw std::logic_error("a checked calibration was refused");
 }
 
 bool EcuBench::exchange(std::uint16_t kind, std::uint32_t tick) {
@@ -34,7 +36,9 @@ void EcuBench::tell_time_until(double t_s) {
     for (; *next_time_s_ < t_s; *next_time_s_ += kTimeEventS) exchange(SD_EVENT_TIME, tick_at(*next_time_s_));
 }
 
-std::uint32_t EcuBench::tick_at(double t_s) const { return std::uint32_t(std::uint64_t(std::llround(t_s * tick_hz_))); }
+std::uint32_t EcuBench::tick_at(double t_s) const {
+    return std::uint32_t(std::uint64_t(std::llround(t_s * tick_hz_)));
+}
 
 bool EcuBench::take(const sd_event_t &event) {
     float value;

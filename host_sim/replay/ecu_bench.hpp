@@ -11,7 +11,8 @@ extern "C" {
 
 namespace sixdeg {
 
-/// Takes events as a target's interrupts would give them. The port points into the object: neither copied nor moved.
+/// Takes events as a target's interrupts would give them. The port points into the object: neither copied nor
+/// moved.
 class EcuBench {
   public:
     /// `calibration` comes from calibrate(), which has checked it.

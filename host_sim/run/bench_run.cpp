@@ -14,7 +14,8 @@ namespace {
 class Run {
   public:
     Run(const Scenario &scenario, const sd_calibration_t &calibration, RunTables *tables)
-        : scenario_(scenario), plant_(scenario, scenario.seed), ecu_(calibration), tables_(tables),
+        : scenario_(scenario), calibration_(calibration), plant_(scenario, scenario.seed), ecu_(calibration),
+          tables_(tables),
           score_(int(calibration.parameters.torque_harmonics), plant_.model().tables().steps, kScoredCycles) {
         plant_.record_steps(&steps_);
     }
@@ -23,8 +24,7 @@ class Run {
         EncoderEdge edge;
         while (plant_.next_edge(edge)) take(edge);
         take_cycles();
-        // After a stall the firmware must find out by the clock alone.
-        if (plant_.stalled() && scenario_.duration_s > 0) ecu_.tell_time_until(scenario_.duration_s);
+        if (plant_.stalled()) ecu_.tell_time_until(rest_ends_s());
         result_.stalled = plant_.stalled();
         result_.counts = ecu_.crank().counts;
         if (scenario_.speed_mode != SpeedMode::prescribed) result_.torque = score_.result();
@@ -32,6 +32,12 @@ class Run {
     }
 
   private:
+    /// No edge tells of standing still, so the clock must; a run of cycles has no end of its own then.
+    double rest_ends_s() const {
+        if (scenario_.duration_s > 0) return scenario_.duration_s;
+        return result_.simulated_s + 2 * double(calibration_.parameters.crank_stall_s);
+    }
+
     void take(const EncoderEdge &edge) {
         ecu_.tell_time_until(edge.time_s);
         result_.simulated_s = edge.time_s;
@@ -42,7 +48,8 @@ class Run {
         const bool cycle_ended = ecu_.exchange(SD_EVENT_CRANK_EDGE, edge.tick);
         judge(edge);
         if (tables_) tables_->tooth(edge, ecu_);
-        if (tables_ && cycle_ended) tables_->firmware_cycle_ended(ended_cycle(scenario_.engine.shared, unwrapped_deg(edge)), ecu_);
+        if (tables_ && cycle_ended)
+            tables_->firmware_cycle_ended(ended_cycle(scenario_.engine.shared, unwrapped_deg(edge)), ecu_);
         take_cycles();
     }
 
@@ -59,7 +66,8 @@ class Run {
         result_.false_edges += edge.spurious;
         if (sure && int(s.crank_tooth) != edge.tooth) ++result_.wrong_teeth;
         const double off_deg = std::remainder(double(s.crank_angle_deg) - edge.angle_deg, 720.0);
-        if (sure && int(s.crank_tooth) == edge.tooth && s.crank_phase_known > 0 && std::abs(off_deg) > 180) ++result_.wrong_revolutions;
+        if (sure && int(s.crank_tooth) == edge.tooth && s.crank_phase_known > 0 && std::abs(off_deg) > 180)
+            ++result_.wrong_revolutions;
         for (const StepTruth &step : steps_) score_.step(step);
         steps_.clear();
         if (s.crank_edge_class == SD_EDGE_SPURIOUS) return; // left out, so the estimate did not move
@@ -77,6 +85,7 @@ class Run {
     }
 
     const Scenario &scenario_;
+    const sd_calibration_t &calibration_;
     Plant plant_;
     EcuBench ecu_;
     RunTables *tables_;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Plant and firmware in one process. The firmware gets edges and time through the in-process port and nothing else;
-// truth goes past it to whoever scores.
+// Plant and firmware in one process. The firmware gets edges and time through the in-process port and nothing
+// else; truth goes past it to whoever scores.
 #pragma once
 #include <cstdint>
 #include <optional>
@@ -14,20 +14,20 @@ namespace sixdeg {
 constexpr std::size_t kScoredCycles = 20; ///< The last settled ones go into TorqueFigures.
 
 struct RunResult {
-    double simulated_s = 0;       ///< To the last edge.
-    std::size_t edges = 0;        ///< Of the crank, as the firmware got them.
-    std::size_t false_edges = 0;  ///< Of those, standing for no tooth.
-    std::size_t wrong_teeth = 0;  ///< Placed and said to be valid, but not the tooth that passed.
+    double simulated_s = 0;            ///< To the last edge.
+    std::size_t edges = 0;             ///< Of the crank, as the firmware got them.
+    std::size_t false_edges = 0;       ///< Of those, standing for no tooth.
+    std::size_t wrong_teeth = 0;       ///< Placed and said to be valid, but not the tooth that passed.
     std::size_t wrong_revolutions = 0; ///< The right tooth, phase said to be known, and 360 deg off.
-    std::size_t true_cycles = 0;  ///< Of single cylinders, complete.
-    std::size_t misfires = 0;     ///< Of those.
+    std::size_t true_cycles = 0;       ///< Of single cylinders, complete.
+    std::size_t misfires = 0;          ///< Of those.
     bool stalled = false;
-    sd_crank_counts_t counts{};   ///< The decoder's own.
+    sd_crank_counts_t counts{};          ///< The decoder's own.
     std::optional<TorqueFigures> torque; ///< None when the speed is prescribed: torques act on nothing then.
 };
 
-/// Runs the scenario to its end. `calibration` comes from calibrate() and need not be of the scenario's engine.
-/// `tables` (nullptr: nothing is kept per tooth) takes the rows. Throws InputError.
+/// Runs the scenario to its end. `calibration` comes from calibrate() and need not be of the scenario's
+/// engine. `tables` (nullptr: nothing is kept per tooth) takes the rows. Throws InputError.
 RunResult run_on_bench(const Scenario &scenario, const sd_calibration_t &calibration, RunTables *tables);
 
 } // namespace sixdeg

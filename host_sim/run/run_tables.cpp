@@ -26,7 +26,8 @@ void RunTables::tooth(const EncoderEdge &truth, const EcuBench &ecu) {
     const bool placed = is_placed(s);
     const std::uint8_t torque_health = ecu.health(SD_OWNER_TORQUE);
     const auto out = std::back_inserter(teeth_);
-    fmt::format_to(out, "{:.9f},{:.4f},{:.3f},", truth.time_s, truth.angle_deg, truth.speed_radps / kRadpsPerRpm);
+    fmt::format_to(out, "{:.9f},{:.4f},{:.3f},", truth.time_s, truth.angle_deg,
+                   truth.speed_radps / kRadpsPerRpm);
     if (placed) fmt::format_to(out, "{:.3f}", s.crank_speed_rpm);
     fmt::format_to(out, ",{:.3f},", truth.net_torque_nm);
     if (placed && torque_health != SD_INVALID) fmt::format_to(out, "{:.3f}", s.torque_mass_nm);
@@ -50,7 +51,8 @@ std::string RunTables::cycles_csv() const {
         const auto said = firmware_.find(firmware_cycle(engine_, truth.cycle, lane));
         const bool heard = said != firmware_.end();
         fmt::format_to(out, "{},{},{:.3f},", truth.cycle, truth.cylinder, truth.combustion_torque_nm);
-        if (heard) fmt::format_to(out, "{:.3f}", said->second.signals.cycle_cylinder_torque_nm[truth.cylinder - 1]);
+        if (heard)
+            fmt::format_to(out, "{:.3f}", said->second.signals.cycle_cylinder_torque_nm[truth.cylinder - 1]);
         fmt::format_to(out, ",{:.4f},{},", truth.imep_pa / kPaPerBar, int(truth.misfire));
         if (heard) fmt::format_to(out, "{:.3f}", said->second.signals.cycle_speed_rpm);
         fmt::format_to(out, ",{}\n", health_name(heard ? said->second.health : std::uint8_t(SD_INVALID)));

@@ -13,12 +13,12 @@
 
 namespace sixdeg {
 
-/// Which of its own cycles the firmware counts a combustion to. Its cycle k begins at position 0 of the wheel, crank
-/// angle position_0_deg + 720 k, and holds the firings whose first tooth at or after TDC lies in it.
-/// `lane` is an index into firing_order, `cycle` the plant's.
+/// Which of its own cycles the firmware counts a combustion to. Its cycle k begins at position 0 of the
+/// wheel, crank angle position_0_deg + 720 k, and holds the firings whose first tooth at or after TDC lies in
+/// it. `lane` is an index into firing_order, `cycle` the plant's.
 std::int64_t firmware_cycle(const EngineFile &engine, std::int64_t cycle, std::size_t lane);
-/// Number of the firmware's cycle that an edge at the true angle `crank_deg` (never wraps) has ended. Right for
-/// wheels up to half a turn off.
+/// Number of the firmware's cycle that an edge at the true angle `crank_deg` (never wraps) has ended. Right
+/// for wheels up to half a turn off.
 std::int64_t ended_cycle(const EngineFile &engine, double crank_deg);
 
 class RunTables {
@@ -40,7 +40,8 @@ class RunTables {
         std::uint8_t health;
     };
     EngineFile engine_;
-    std::string teeth_ = "t_s,angle_deg,rpm_true,rpm,torque_true_nm,torque_nm,class,tooth,tooth_true,health,torque_health\n";
+    std::string teeth_ =
+        "t_s,angle_deg,rpm_true,rpm,torque_true_nm,torque_nm,class,tooth,tooth_true,health,torque_health\n";
     std::vector<CycleTruth> truths_;
     std::map<std::int64_t, FirmwareCycle> firmware_;
 };

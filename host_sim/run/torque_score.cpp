@@ -25,20 +25,23 @@ Eigen::VectorXd basis(int harmonics, double angle_rad) {
 Eigen::VectorXd project(int harmonics, const std::vector<double> &wave) {
     Eigen::VectorXd sum = Eigen::VectorXd::Zero(2 * harmonics + 1);
     const double count = double(wave.size());
-    for (std::size_t i = 0; i < wave.size(); ++i) sum += wave[i] * basis(harmonics, 4 * kPi * double(i) / count);
+    for (std::size_t i = 0; i < wave.size(); ++i)
+        sum += wave[i] * basis(harmonics, 4 * kPi * double(i) / count);
     sum *= 2 / count;
     sum(0) /= 2;
     return sum;
 }
 
-/// Angle by which the harmonics of `late` follow those of `early`, where their correlation is largest. Means are left
-/// out.
+/// Angle by which the harmonics of `late` follow those of `early`, where their correlation is largest. Means
+/// are left out.
 double shift_rad(int harmonics, const Eigen::VectorXd &early, const Eigen::VectorXd &late) {
     const auto correlation = [&](double shift, double &slope, double &bend) {
         double value = slope = bend = 0;
         for (int h = 1; h <= harmonics; ++h) {
-            const double a = early(2 * h - 1), b = early(2 * h), u = late(2 * h - 1), v = late(2 * h), rate = h / 2.0;
-            const double c = std::cos(rate * shift), s = std::sin(rate * shift), in = a * u + b * v, across = a * v - b * u;
+            const double a = early(2 * h - 1), b = early(2 * h), u = late(2 * h - 1), v = late(2 * h),
+                         rate = h / 2.0;
+            const double c = std::cos(rate * shift), s = std::sin(rate * shift), in = a * u + b * v,
+                         across = a * v - b * u;
             value += in * c + across * s;
             slope += rate * (across * c - in * s);
             bend -= rate * rate * (in * c + across * s);
@@ -73,7 +76,8 @@ void TorqueScore::edge(double crank_deg, double true_nm, double estimate_nm, boo
         settled_ = true;
     }
     settled_ &= settled;
-    if (settled_) current_.teeth.push_back({(crank_deg - 720 * double(cycle)) * kRadPerDeg, true_nm, estimate_nm});
+    if (settled_)
+        current_.teeth.push_back({(crank_deg - 720 * double(cycle)) * kRadPerDeg, true_nm, estimate_nm});
 }
 
 void TorqueScore::close() {
@@ -116,8 +120,11 @@ std::optional<TorqueFigures> TorqueScore::result() const {
     const double pp = *high - *low;
     // Least squares, since the teeth leave gaps where the mark is.
     const Eigen::VectorXd estimate = normal.ldlt().solve(right);
-    return TorqueFigures{int(kept_.size()), pp, 100 * std::sqrt(from_true / teeth) / pp,
-                         100 * std::sqrt(from_projection / teeth) / pp, 100 * std::sqrt(left_out / steps_) / pp,
+    return TorqueFigures{int(kept_.size()),
+                         pp,
+                         100 * std::sqrt(from_true / teeth) / pp,
+                         100 * std::sqrt(from_projection / teeth) / pp,
+                         100 * std::sqrt(left_out / steps_) / pp,
                          shift_rad(harmonics_, truth, estimate) * kDegPerRad};
 }
 

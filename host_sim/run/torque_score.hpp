@@ -20,23 +20,25 @@ namespace sixdeg {
 
 /// Percent are of the peak to peak of the true torque, averaged over the cycles measured.
 struct TorqueFigures {
-    int cycles;               ///< Settled ones that went into it.
-    double true_pp_nm;        ///< Peak to peak.
-    double rms_true_percent;  ///< Estimate less truth, at the teeth.
+    int cycles;                    ///< Settled ones that went into it.
+    double true_pp_nm;             ///< Peak to peak.
+    double rms_true_percent;       ///< Estimate less truth, at the teeth.
     double rms_projection_percent; ///< Estimate less the truth's first n_h harmonics, at the teeth.
-    double truncation_percent;     ///< What those harmonics leave out of the truth: the floor of any estimate with n_h.
-    double shift_deg;         ///< Crank angle by which the estimate comes after the truth.
+    double truncation_percent;     ///< What those harmonics leave out of the truth: the floor of any estimate
+                                   ///< with n_h.
+    double shift_deg;              ///< Crank angle by which the estimate comes after the truth.
 };
 
 class TorqueScore {
   public:
     /// `steps` of the plant a cycle; keeps the last `keep` settled cycles.
-    TorqueScore(int harmonics, int steps, std::size_t keep) : harmonics_(harmonics), steps_(steps), keep_(keep) {}
+    TorqueScore(int harmonics, int steps, std::size_t keep)
+        : harmonics_(harmonics), steps_(steps), keep_(keep) {}
 
     /// The net torque of every step, in order, ahead of the edges it holds.
     void step(const StepTruth &truth);
-    /// One crank edge at the true angle `crank_deg`, which never wraps. A cycle counts when every edge in it is
-    /// `settled`: placed, and the estimate valid.
+    /// One crank edge at the true angle `crank_deg`, which never wraps. A cycle counts when every edge in it
+    /// is `settled`: placed, and the estimate valid.
     void edge(double crank_deg, double true_nm, double estimate_nm, bool settled);
     /// Nothing when no cycle was settled.
     std::optional<TorqueFigures> result() const;

@@ -94,6 +94,14 @@ class Teeth(Folder):
         self.assertGreater(s["false_edges"], 2)
         self.assertEqual(s["sync_losses"], 0)
 
+    def test_a_stall_is_found_by_the_clock(self):
+        for run in ("cycles = 100", "duration_s = 4"):
+            with self.subTest(run=run):
+                s = self.summary(self.scenario(run, 'mode = "free"\nrpm = 800', "2\nfuel_cut_s = [0.5, 9]"))
+                self.assertTrue(s["stalled"])
+                self.assertEqual(s["sync_losses"], 1)
+                self.assertLess(s["simulated_s"], 3)
+
     def test_tooth_truth_is_not_the_firmwares(self):
         """Where an edge is lost, truth skips a tooth whatever the firmware says."""
         teeth, _ = self.tables(self.scenario(more="[encoder]\ndrop_rate = 0.01"))

@@ -303,7 +303,6 @@ static void track(sd_crank_t *self, uint32_t tick, uint32_t raw_period, sd_tooth
 
 static void describe(const sd_crank_t *self, sd_tooth_t *tooth) {
     tooth->position = self->position;
-    tooth->change_ticks_q6 = self->clock[self->leader].change;
     tooth->phase_known = (self->phase_votes >= PHASE_VOTES) ? 1u : 0u;
     tooth->cycle_position = (uint16_t)(self->position + self->revolution * self->config.positions);
     if (self->mode != SYNCED) {

@@ -55,7 +55,6 @@ typedef struct sd_tooth {
     uint32_t tick;           ///< Capture time of the edge.
     uint32_t period_ticks;   ///< Since the last placed edge; 0 when there is none.
     uint32_t span_spacings;  ///< Tooth spacings in that period, Q12; a mark counts as learned, not as drawn.
-    int32_t  change_ticks_q6;///< Growth of the tooth period per spacing, 1/64 tick (the leading clock's).
     uint16_t cycle_position; ///< position + positions * revolution, 0 to 2 * positions - 1.
     uint8_t  position;       ///< Tooth position, 0 = first tooth after the mark.
     uint8_t  advance;        ///< Positions since the last placed edge, missing ones included; 1 to 255.

@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
 """sixdeg replay and calibrate as a user meets them: figures on the real recordings, files, errors."""
-import csv
 import hashlib
 import json
 import os
 import pathlib
 import subprocess
-import tempfile
 import unittest
+
+from sixdeg_test import Folder, table
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 SIXDEG = os.environ["SIXDEG"]
@@ -28,18 +28,6 @@ def square_wheel(path, revolutions=20, rpm=1500.0, missing=2, positions=60):
         if k % positions < positions - missing:
             rows += [f"{0.01 + k * pitch:.9f},0", f"{0.01 + (k + 0.5) * pitch:.9f},1"]
     path.write_text("\n".join(rows) + "\n")
-
-
-def table(path):
-    with path.open() as file:
-        return list(csv.DictReader(file))
-
-
-class Folder(unittest.TestCase):
-    def setUp(self):
-        self.temporary = tempfile.TemporaryDirectory()
-        self.folder = pathlib.Path(self.temporary.name)
-        self.addCleanup(self.temporary.cleanup)
 
 
 class RealRecordings(Folder):

@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
 """sixdeg run as a user meets it: figures against the plant's truth, files, alignment of truth and firmware, errors."""
-import csv
 import hashlib
 import json
 import os
 import pathlib
 import subprocess
-import tempfile
 import unittest
+
+from sixdeg_test import Folder, table
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 SIXDEG = os.environ["SIXDEG"]
@@ -18,17 +18,7 @@ POSITION_0_DEG = 270
 FUEL = "fuel_percent = [10, 0, 0, -20]"
 
 
-def table(path):
-    with path.open() as file:
-        return list(csv.DictReader(file))
-
-
-class Folder(unittest.TestCase):
-    def setUp(self):
-        self.temporary = tempfile.TemporaryDirectory()
-        self.folder = pathlib.Path(self.temporary.name)
-        self.addCleanup(self.temporary.cleanup)
-
+class RunFolder(Folder):
     def scenario(self, run="cycles = 40", speed="rpm = 1000", bmep=5, cylinders="", more="", engine=DIESEL):
         path = self.folder / "scenario.toml"
         path.write_text(f'engine = "{engine}"\n[run]\n{run}\n[speed]\n{speed}\n[load]\nbmep_bar = {bmep}\n'
@@ -49,7 +39,7 @@ class Folder(unittest.TestCase):
         return table(self.folder / "out" / "teeth.csv"), table(self.folder / "out" / "cycles.csv")
 
 
-class Torque(Folder):
+class Torque(RunFolder):
     def test_shift_against_true_torque_with_an_ideal_timer(self):
         """33 ns: the shift left is the observer's own."""
         ideal = self.folder / "ideal.toml"
@@ -76,7 +66,7 @@ class Torque(Folder):
         self.assertIsNone(self.summary(self.scenario(speed='mode = "prescribed"\nrpm = 1000'))["torque"])
 
 
-class Teeth(Folder):
+class Teeth(RunFolder):
     def test_truth_and_firmware_stand_side_by_side(self):
         teeth, _ = self.tables(self.scenario())
         self.assertEqual(len(teeth), 40 * 116)
@@ -111,7 +101,7 @@ class Teeth(Folder):
         self.assertTrue(any(r["class"] == "coasted" for r in teeth))
 
 
-class Cycles(Folder):
+class Cycles(RunFolder):
     def test_rpm_is_that_of_the_cycle_which_holds_the_firing(self):
         """The speed rises by 24 rpm a cycle, as told; a cycle off shows."""
         ramp_rpmps, rpm0 = 400.0, 1000.0
@@ -167,7 +157,7 @@ class Cycles(Folder):
                     self.assertEqual(min(settled, key=lambda r: float(r[column]))["cylinder"], str(weak), column)
 
 
-class Output(Folder):
+class Output(RunFolder):
     def test_same_input_same_bytes_but_for_the_realtime_factor(self):
         noisy = self.scenario("cycles = 20", more="[encoder]\njitter_deg = 0.02\n[cyclic]\ncov_percent = 5")
         contents = {}

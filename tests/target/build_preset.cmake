@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: MIT
-# Configures and builds one preset from nothing, and looks whether the libraries are there.
+# Configures and builds one preset, where anything changed, and looks whether the libraries are there.
 set(folder ${SOURCE}/build/${PRESET})
-file(REMOVE_RECURSE ${folder})
 foreach(step "--preset;${PRESET}" "--build;--preset;${PRESET}")
   execute_process(COMMAND ${CMAKE_COMMAND} ${step} WORKING_DIRECTORY ${SOURCE} RESULT_VARIABLE failed
                   OUTPUT_VARIABLE output ERROR_VARIABLE output)

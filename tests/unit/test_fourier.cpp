@@ -171,7 +171,7 @@ TYPED_TEST(Fourier, TenMicrosecondTimerAt1000RpmStillSettlesInFourCycles) {
 
 /// phi' = T - 2 p e, T' = -p^2 e, e = phi - E, in continuous angle between teeth: what document 004 calls pole
 /// placement. p = 6 / rad settles within a firing interval, the quickest that a 10 us timer allows.
-TEST(PolePlacement, LagsByNineteenDegreesWhereTheFourierObserverDoesNot) {
+TEST(PolePlacement, LagsByEighteenDegreesWhereTheFourierObserverDoesNot) {
     const TorqueSignal signal;
     const double p = 6;
     const auto times = signal.tooth_times(kN, kCycle * 10);

@@ -57,6 +57,7 @@ std::vector<std::string> list_assumptions(const Inputs &inputs, bool engine_give
         list.push_back(fmt::format("no engine file: a four-cylinder with constant inertia {:g} kg m2 is assumed, so torque is in proportion only", engine.inertia_kgm2));
     } else {
         for (const std::string &field : engine.guessed) list.push_back("engine: " + field + " is a guess");
+        list.push_back(fmt::format("torque is in proportion to the inertia, {:g} kg m2 in the engine file", engine.inertia_kgm2));
     }
     if (!engine.has_cam || !inputs.guess.cam) list.push_back("no cam edge: which revolution of the cycle comes first is arbitrary, cylinders are invalid");
     return list;

@@ -26,7 +26,6 @@ struct F32 {
     static constexpr auto read = sd_fourier_read_f32;
     static constexpr auto shift = sd_fourier_shift_revolution_f32;
     static constexpr auto torque_at = sd_fourier_torque_at_f32;
-    static constexpr auto restart = sd_fourier_restart_f32;
 };
 struct Q31 {
     using State = sd_fourier_q31_t;
@@ -35,7 +34,6 @@ struct Q31 {
     static constexpr auto read = sd_fourier_read_q31;
     static constexpr auto shift = sd_fourier_shift_revolution_q31;
     static constexpr auto torque_at = sd_fourier_torque_at_q31;
-    static constexpr auto restart = sd_fourier_restart_q31;
 };
 
 struct Gains {
@@ -77,7 +75,6 @@ struct Run {
     int cycles_to_tenth_of_peak = 0;  ///< Until it stays below a tenth of the signal's peak to peak.
     double rms_of_peak = 0;           ///< Settled error against the projection on n_h harmonics / peak to peak.
     double lag = 0;                   ///< deg, of the settled estimate behind the true torque.
-    double worst_q31_gap_nm = 0;
 };
 
 /// Runs the observer over `cycles`; `timer_hz` quantises the tooth times.
@@ -333,8 +330,8 @@ TYPED_TEST(Fourier, ReportsConvergenceAndRejectsAnOutlierWithoutMovingTheEstimat
         EXPECT_EQ(k < 464 + 16 ? SD_DEGRADED : SD_VALID, e.status.health) << k;
     }
     const float before = TypeParam::torque_at(&s, 33);
-    const unsigned long period = (unsigned long)(std::llround((times[1100] - times[1099]) * kTickHz));
-    TypeParam::step(&s, 1, 1, unsigned(period * 2), 1);
+    const unsigned period = unsigned(std::llround((times[1100] - times[1099]) * kTickHz));
+    TypeParam::step(&s, 1, 1, period * 2, 1);
     TypeParam::read(&s, &e);
     EXPECT_EQ(SD_DEGRADED, e.status.health);
     EXPECT_EQ(SD_WHY_REJECTED, e.status.why);

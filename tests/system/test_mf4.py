@@ -80,6 +80,9 @@ class Mf4(Folder):
 
     def test_errors_are_one_line(self):
         self.assertIn("cannot be read", self.export("--truth", self.folder / "none", status=2))
+        teeth = self.folder / "run" / "teeth.csv"
+        teeth.write_text("".join(teeth.read_text().splitlines(True)[:-1]))
+        self.assertIn("is of another run", self.export("--truth", self.folder / "run", status=2))
         self.log.write_bytes(self.log.read_bytes()[:-1])
         self.assertEqual(self.export(status=2), f"mf4: {self.log}: is truncated or damaged: its checksum is wrong\n")
 

@@ -82,7 +82,8 @@ TEST_F(EventLogFile, EveryTouchedByteAndEveryCutIsRefused) {
         EXPECT_NE("", refusal(whole.substr(0, i))) << i;
     }
     EXPECT_NE("", refusal(whole + "x"));
-    EXPECT_EQ(file.string() + ": is truncated or damaged: its checksum is wrong", refusal(whole.substr(0, whole.size() - 16)));
+    EXPECT_EQ(file.string() + ": is truncated or damaged: its checksum is wrong",
+              refusal(whole.substr(0, whole.size() - 16)));
     EXPECT_EQ("", refusal(whole));
 }
 

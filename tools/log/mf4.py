@@ -70,28 +70,25 @@ def inputs(log):
                           comment="Edges so far.")]
 
 
-def columns(path):
+def columns(path, names):
+    """Columns of numbers; an empty cell is nan."""
     try:
         with path.open() as file:
             rows = list(csv.DictReader(file))
+        return {name: np.array([float(row[name] or "nan") for row in rows]) for name in names}
     except OSError as error:
         raise LogError(f"{path}: cannot be read ({error.strerror})") from None
-    return {name: np.array([float(row[name] or "nan") if is_number(row[name]) else np.nan for row in rows])
-            for name in (rows[0] if rows else {})}
+    except (KeyError, ValueError) as error:
+        raise LogError(f"{path}: is not what sixdeg run writes ({error})") from None
 
 
-def is_number(text):
-    try:
-        float(text or "nan")
-        return True
-    except ValueError:
-        return False
-
-
-def truth(folder, rows):
+def truth(folder, rows, edges):
     """Truth at the teeth, and of each cylinder's cycle at the end of the plant's cycle: crank angle 720 (cycle + 1)."""
     units = {row["name"].split("[")[0]: row["unit"] for row in rows}
-    teeth, cycles = columns(folder / "teeth.csv"), columns(folder / "cycles.csv")
+    teeth = columns(folder / "teeth.csv", ["t_s", *TOOTH_TRUTH.values()])
+    cycles = columns(folder / "cycles.csv", ["cycle", "cylinder", *(column for column, _ in CYLINDER_TRUTH.values())])
+    if len(teeth["t_s"]) != edges:
+        raise LogError(f"{folder}: is of another run: it has {len(teeth['t_s'])} crank edges, the log has {edges}")
     group = []
     for name, column in TOOTH_TRUTH.items():
         known = np.isfinite(teeth[column])
@@ -114,7 +111,7 @@ def export(log_path, truth_folder, out_path):
     rows = channels(log.signature)
     groups = estimates(log, rows) + list(inputs(log))
     if truth_folder:
-        groups += truth(truth_folder, rows)
+        groups += truth(truth_folder, rows, np.count_nonzero(~log.out & (log.kind == CRANK_EDGE)))
     with MDF(version="4.10") as mdf:
         mdf.header.comment = f"sixdeg {log.about.get('sixdeg', '')}: {log.about.get('name', '')}"
         for group in groups:

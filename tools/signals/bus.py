@@ -7,6 +7,7 @@ FD frames as it takes.
 from dataclasses import dataclass, field
 
 NOTE = "Generated from hal/signals.toml by tools/signals/generate.py: change the table, not this file."
+INPUTS = 0xA8  # identifier of the first
 FD_LENGTHS = (8, 12, 16, 20, 24, 32, 48, 64)
 TEETH_A_FRAME = 14
 BYTES = {"u8": 1, "u16": 2, "u32": 4, "i32": 4, "f32": 4, "f64": 8}
@@ -92,7 +93,7 @@ def truth_messages():
     cycle = [Field("torque_nm", "f64", "Nm", text="Mean combustion torque over the 180 deg after TDC."),
              Field("imep_pa", "f64", "Pa"), Field("cycle", "i32"), Field("cylinder", "u8", "", (1, 8)),
              Field("misfire", "u8", "", (0, 1))]
-    end = [Field("edges", "u32", text="Crank edges of the run."), Field("cycles", "u32", text="Cylinder cycles of the run.")]
+    end = [Field("edges", "u32", text="Messages truth_edge sent."), Field("cycles", "u32", text="Messages truth_cycle sent.")]
     return [Message("truth_edge", 0xF0, "plant", "Truth of a crank edge, which no ecu reads.", edge),
             Message("truth_cycle", 0xF1, "plant", "Truth of one cylinder's cycle.", cycle),
             Message("truth_end", 0xF2, "plant", "The run is over.", end, fd=False)]
@@ -123,7 +124,7 @@ def can_messages(table):
                    [Field("id", "u32", text="0: an ecu runs; 2^32 - 1: who is here?; else: wants to start."),
                     Field("signature", "u32", text="SD_SIGNALS_SIGNATURE of the sender.")], fd=False)]
     for i, entry in enumerate(table.get("input", [])):
-        out.append(Message("input_" + entry["name"].replace(".", "_"), 0xA8 + i, "plant", entry["text"],
+        out.append(Message("input_" + entry["name"].replace(".", "_"), INPUTS + i, "plant", entry["text"],
                            [Field("tick", "u32", "tick"), Field("value", "f32", entry["unit"], tuple(entry["range"]), entry["text"])],
                            fd=False, cycle_ms=10))
     assert len(out) <= 6 + 8
@@ -179,7 +180,7 @@ def lcm(table):
     outputs += [number("done", "1: answers the clock event at tick; 0: there was no room to wait for it."), number("tick"),
                 number("session", "Drawn when the ecu starts."), number("ignored"), number("unsent")]
     outputs += [Field(f"{m.rate}[{m.rate}s]", f"{m.rate}_t") for m in row_messages(table, 10**6)]
-    truth = [number("edges"), number("cycles"), number("end", "1: the run is over."),
+    truth = [number("edges"), number("cycles"), number("end", "1: the run is over."), number("sent_edges", "So far."), number("sent_cycles", "So far."),
              Field("edge[edges]", "truth_edge_t"), Field("cycle[cycles]", "truth_cycle_t")]
     parameter = [number("command", "sd_parameter_command_t"), number("index"), number("value", type="f32"),
                  number("result", "sd_parameter_result_t, in the answer.")]
@@ -219,6 +220,8 @@ def row_code(table, bus, include, type_of, room):
         out += [f"    sd_row_put(row, {channel}, m->{name});" for channel, _, name in m.channels] + ["}", ""]
     if include:  # CAN: by frame identifier
         rows = row_messages(table, room)
+        out += [f"#define {bus.upper()}_INPUTS_FIRST {INPUTS:#x}u",
+                f"#define {bus.upper()}_INPUTS_END   {INPUTS + len(table.get('input', [])):#x}u /* the identifier after the last input's */", ""]
         out += ["/* How many bytes frame `part` of a row of `rate` takes, its identifier in *id; 0 when there is no such part. */",
                 f"static inline uint32_t {bus}_row_pack(const sd_row_t *row, uint32_t part, uint32_t *id, uint8_t bytes[64]) {{",
                 "    uint32_t at = 0;"]

@@ -23,7 +23,7 @@ def run(*command):
 
 def fresh(folder):
     """Path below hal/generated -> text."""
-    run(sys.executable, "-m", "cantools", "generate_c_source", "--use-round", "--use-float", "--database-name", "sd_bus",
+    run(sys.executable, "-m", "cantools", "generate_c_source", "--use-round", "--database-name", "sd_bus",
         "-o", folder / "can", GENERATED / "sixdeg.dbc")
     (folder / "lcm").mkdir()
     run("lcm-gen", "-c", "--c-no-pubsub", f"--c-cpath={folder}/lcm", f"--c-hpath={folder}/lcm", GENERATED / "sixdeg.lcm")

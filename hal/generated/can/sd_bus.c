@@ -318,14 +318,14 @@ int sd_bus_teeth_init(struct sd_bus_teeth_t *msg_p)
     return 0;
 }
 
-uint16_t sd_bus_teeth_sequence_encode(float value)
+uint16_t sd_bus_teeth_sequence_encode(double value)
 {
-    return (uint16_t)(cantools_unsigned_from_double(roundf(value)));
+    return (uint16_t)(cantools_unsigned_from_double(round(value)));
 }
 
-float sd_bus_teeth_sequence_decode(uint16_t value)
+double sd_bus_teeth_sequence_decode(uint16_t value)
 {
-    return ((float)value);
+    return ((double)value);
 }
 
 bool sd_bus_teeth_sequence_is_in_range(uint16_t value)
@@ -335,19 +335,19 @@ bool sd_bus_teeth_sequence_is_in_range(uint16_t value)
     return (true);
 }
 
-bool sd_bus_teeth_sequence_is_in_phys_range(float value)
+bool sd_bus_teeth_sequence_is_in_phys_range(double value)
 {
-    return ((value >= 0.0f) && (value <= 65535.0f));
+    return ((value >= 0.0) && (value <= 65535.0));
 }
 
-uint8_t sd_bus_teeth_session_encode(float value)
+uint8_t sd_bus_teeth_session_encode(double value)
 {
-    return (uint8_t)(cantools_unsigned_from_double(roundf(value)));
+    return (uint8_t)(cantools_unsigned_from_double(round(value)));
 }
 
-float sd_bus_teeth_session_decode(uint8_t value)
+double sd_bus_teeth_session_decode(uint8_t value)
 {
-    return ((float)value);
+    return ((double)value);
 }
 
 bool sd_bus_teeth_session_is_in_range(uint8_t value)
@@ -357,19 +357,19 @@ bool sd_bus_teeth_session_is_in_range(uint8_t value)
     return (true);
 }
 
-bool sd_bus_teeth_session_is_in_phys_range(float value)
+bool sd_bus_teeth_session_is_in_phys_range(double value)
 {
-    return ((value >= 0.0f) && (value <= 255.0f));
+    return ((value >= 0.0) && (value <= 255.0));
 }
 
-uint8_t sd_bus_teeth_count_encode(float value)
+uint8_t sd_bus_teeth_count_encode(double value)
 {
-    return (uint8_t)(cantools_unsigned_from_double(roundf(value)));
+    return (uint8_t)(cantools_unsigned_from_double(round(value)));
 }
 
-float sd_bus_teeth_count_decode(uint8_t value)
+double sd_bus_teeth_count_decode(uint8_t value)
 {
-    return ((float)value);
+    return ((double)value);
 }
 
 bool sd_bus_teeth_count_is_in_range(uint8_t value)
@@ -377,19 +377,19 @@ bool sd_bus_teeth_count_is_in_range(uint8_t value)
     return ((value >= 1u) && (value <= 14u));
 }
 
-bool sd_bus_teeth_count_is_in_phys_range(float value)
+bool sd_bus_teeth_count_is_in_phys_range(double value)
 {
-    return ((value >= 1.0f) && (value <= 14.0f));
+    return ((value >= 1.0) && (value <= 14.0));
 }
 
-uint16_t sd_bus_teeth_cam_encode(float value)
+uint16_t sd_bus_teeth_cam_encode(double value)
 {
-    return (uint16_t)(cantools_unsigned_from_double(roundf(value)));
+    return (uint16_t)(cantools_unsigned_from_double(round(value)));
 }
 
-float sd_bus_teeth_cam_decode(uint16_t value)
+double sd_bus_teeth_cam_decode(uint16_t value)
 {
-    return ((float)value);
+    return ((double)value);
 }
 
 bool sd_bus_teeth_cam_is_in_range(uint16_t value)
@@ -397,19 +397,19 @@ bool sd_bus_teeth_cam_is_in_range(uint16_t value)
     return (value <= 16383u);
 }
 
-bool sd_bus_teeth_cam_is_in_phys_range(float value)
+bool sd_bus_teeth_cam_is_in_phys_range(double value)
 {
-    return ((value >= 0.0f) && (value <= 16383.0f));
+    return ((value >= 0.0) && (value <= 16383.0));
 }
 
-uint32_t sd_bus_teeth_tick_0_encode(float value)
+uint32_t sd_bus_teeth_tick_0_encode(double value)
 {
-    return (uint32_t)(cantools_unsigned_from_double(roundf(value)));
+    return (uint32_t)(cantools_unsigned_from_double(round(value)));
 }
 
-float sd_bus_teeth_tick_0_decode(uint32_t value)
+double sd_bus_teeth_tick_0_decode(uint32_t value)
 {
-    return ((float)value);
+    return ((double)value);
 }
 
 bool sd_bus_teeth_tick_0_is_in_range(uint32_t value)
@@ -419,19 +419,19 @@ bool sd_bus_teeth_tick_0_is_in_range(uint32_t value)
     return (true);
 }
 
-bool sd_bus_teeth_tick_0_is_in_phys_range(float value)
+bool sd_bus_teeth_tick_0_is_in_phys_range(double value)
 {
-    return ((value >= 0.0f) && (value <= 4294967295.0f));
+    return ((value >= 0.0) && (value <= 4294967295.0));
 }
 
-uint32_t sd_bus_teeth_tick_1_encode(float value)
+uint32_t sd_bus_teeth_tick_1_encode(double value)
 {
-    return (uint32_t)(cantools_unsigned_from_double(roundf(value)));
+    return (uint32_t)(cantools_unsigned_from_double(round(value)));
 }
 
-float sd_bus_teeth_tick_1_decode(uint32_t value)
+double sd_bus_teeth_tick_1_decode(uint32_t value)
 {
-    return ((float)value);
+    return ((double)value);
 }
 
 bool sd_bus_teeth_tick_1_is_in_range(uint32_t value)
@@ -441,19 +441,19 @@ bool sd_bus_teeth_tick_1_is_in_range(uint32_t value)
     return (true);
 }
 
-bool sd_bus_teeth_tick_1_is_in_phys_range(float value)
+bool sd_bus_teeth_tick_1_is_in_phys_range(double value)
 {
-    return ((value >= 0.0f) && (value <= 4294967295.0f));
+    return ((value >= 0.0) && (value <= 4294967295.0));
 }
 
-uint32_t sd_bus_teeth_tick_2_encode(float value)
+uint32_t sd_bus_teeth_tick_2_encode(double value)
 {
-    return (uint32_t)(cantools_unsigned_from_double(roundf(value)));
+    return (uint32_t)(cantools_unsigned_from_double(round(value)));
 }
 
-float sd_bus_teeth_tick_2_decode(uint32_t value)
+double sd_bus_teeth_tick_2_decode(uint32_t value)
 {
-    return ((float)value);
+    return ((double)value);
 }
 
 bool sd_bus_teeth_tick_2_is_in_range(uint32_t value)
@@ -463,19 +463,19 @@ bool sd_bus_teeth_tick_2_is_in_range(uint32_t value)
     return (true);
 }
 
-bool sd_bus_teeth_tick_2_is_in_phys_range(float value)
+bool sd_bus_teeth_tick_2_is_in_phys_range(double value)
 {
-    return ((value >= 0.0f) && (value <= 4294967295.0f));
+    return ((value >= 0.0) && (value <= 4294967295.0));
 }
 
-uint32_t sd_bus_teeth_tick_3_encode(float value)
+uint32_t sd_bus_teeth_tick_3_encode(double value)
 {
-    return (uint32_t)(cantools_unsigned_from_double(roundf(value)));
+    return (uint32_t)(cantools_unsigned_from_double(round(value)));
 }
 
-float sd_bus_teeth_tick_3_decode(uint32_t value)
+double sd_bus_teeth_tick_3_decode(uint32_t value)
 {
-    return ((float)value);
+    return ((double)value);
 }
 
 bool sd_bus_teeth_tick_3_is_in_range(uint32_t value)
@@ -485,19 +485,19 @@ bool sd_bus_teeth_tick_3_is_in_range(uint32_t value)
     return (true);
 }
 
-bool sd_bus_teeth_tick_3_is_in_phys_range(float value)
+bool sd_bus_teeth_tick_3_is_in_phys_range(double value)
 {
-    return ((value >= 0.0f) && (value <= 4294967295.0f));
+    return ((value >= 0.0) && (value <= 4294967295.0));
 }
 
-uint32_t sd_bus_teeth_tick_4_encode(float value)
+uint32_t sd_bus_teeth_tick_4_encode(double value)
 {
-    return (uint32_t)(cantools_unsigned_from_double(roundf(value)));
+    return (uint32_t)(cantools_unsigned_from_double(round(value)));
 }
 
-float sd_bus_teeth_tick_4_decode(uint32_t value)
+double sd_bus_teeth_tick_4_decode(uint32_t value)
 {
-    return ((float)value);
+    return ((double)value);
 }
 
 bool sd_bus_teeth_tick_4_is_in_range(uint32_t value)
@@ -507,19 +507,19 @@ bool sd_bus_teeth_tick_4_is_in_range(uint32_t value)
     return (true);
 }
 
-bool sd_bus_teeth_tick_4_is_in_phys_range(float value)
+bool sd_bus_teeth_tick_4_is_in_phys_range(double value)
 {
-    return ((value >= 0.0f) && (value <= 4294967295.0f));
+    return ((value >= 0.0) && (value <= 4294967295.0));
 }
 
-uint32_t sd_bus_teeth_tick_5_encode(float value)
+uint32_t sd_bus_teeth_tick_5_encode(double value)
 {
-    return (uint32_t)(cantools_unsigned_from_double(roundf(value)));
+    return (uint32_t)(cantools_unsigned_from_double(round(value)));
 }
 
-float sd_bus_teeth_tick_5_decode(uint32_t value)
+double sd_bus_teeth_tick_5_decode(uint32_t value)
 {
-    return ((float)value);
+    return ((double)value);
 }
 
 bool sd_bus_teeth_tick_5_is_in_range(uint32_t value)
@@ -529,19 +529,19 @@ bool sd_bus_teeth_tick_5_is_in_range(uint32_t value)
     return (true);
 }
 
-bool sd_bus_teeth_tick_5_is_in_phys_range(float value)
+bool sd_bus_teeth_tick_5_is_in_phys_range(double value)
 {
-    return ((value >= 0.0f) && (value <= 4294967295.0f));
+    return ((value >= 0.0) && (value <= 4294967295.0));
 }
 
-uint32_t sd_bus_teeth_tick_6_encode(float value)
+uint32_t sd_bus_teeth_tick_6_encode(double value)
 {
-    return (uint32_t)(cantools_unsigned_from_double(roundf(value)));
+    return (uint32_t)(cantools_unsigned_from_double(round(value)));
 }
 
-float sd_bus_teeth_tick_6_decode(uint32_t value)
+double sd_bus_teeth_tick_6_decode(uint32_t value)
 {
-    return ((float)value);
+    return ((double)value);
 }
 
 bool sd_bus_teeth_tick_6_is_in_range(uint32_t value)
@@ -551,19 +551,19 @@ bool sd_bus_teeth_tick_6_is_in_range(uint32_t value)
     return (true);
 }
 
-bool sd_bus_teeth_tick_6_is_in_phys_range(float value)
+bool sd_bus_teeth_tick_6_is_in_phys_range(double value)
 {
-    return ((value >= 0.0f) && (value <= 4294967295.0f));
+    return ((value >= 0.0) && (value <= 4294967295.0));
 }
 
-uint32_t sd_bus_teeth_tick_7_encode(float value)
+uint32_t sd_bus_teeth_tick_7_encode(double value)
 {
-    return (uint32_t)(cantools_unsigned_from_double(roundf(value)));
+    return (uint32_t)(cantools_unsigned_from_double(round(value)));
 }
 
-float sd_bus_teeth_tick_7_decode(uint32_t value)
+double sd_bus_teeth_tick_7_decode(uint32_t value)
 {
-    return ((float)value);
+    return ((double)value);
 }
 
 bool sd_bus_teeth_tick_7_is_in_range(uint32_t value)
@@ -573,19 +573,19 @@ bool sd_bus_teeth_tick_7_is_in_range(uint32_t value)
     return (true);
 }
 
-bool sd_bus_teeth_tick_7_is_in_phys_range(float value)
+bool sd_bus_teeth_tick_7_is_in_phys_range(double value)
 {
-    return ((value >= 0.0f) && (value <= 4294967295.0f));
+    return ((value >= 0.0) && (value <= 4294967295.0));
 }
 
-uint32_t sd_bus_teeth_tick_8_encode(float value)
+uint32_t sd_bus_teeth_tick_8_encode(double value)
 {
-    return (uint32_t)(cantools_unsigned_from_double(roundf(value)));
+    return (uint32_t)(cantools_unsigned_from_double(round(value)));
 }
 
-float sd_bus_teeth_tick_8_decode(uint32_t value)
+double sd_bus_teeth_tick_8_decode(uint32_t value)
 {
-    return ((float)value);
+    return ((double)value);
 }
 
 bool sd_bus_teeth_tick_8_is_in_range(uint32_t value)
@@ -595,19 +595,19 @@ bool sd_bus_teeth_tick_8_is_in_range(uint32_t value)
     return (true);
 }
 
-bool sd_bus_teeth_tick_8_is_in_phys_range(float value)
+bool sd_bus_teeth_tick_8_is_in_phys_range(double value)
 {
-    return ((value >= 0.0f) && (value <= 4294967295.0f));
+    return ((value >= 0.0) && (value <= 4294967295.0));
 }
 
-uint32_t sd_bus_teeth_tick_9_encode(float value)
+uint32_t sd_bus_teeth_tick_9_encode(double value)
 {
-    return (uint32_t)(cantools_unsigned_from_double(roundf(value)));
+    return (uint32_t)(cantools_unsigned_from_double(round(value)));
 }
 
-float sd_bus_teeth_tick_9_decode(uint32_t value)
+double sd_bus_teeth_tick_9_decode(uint32_t value)
 {
-    return ((float)value);
+    return ((double)value);
 }
 
 bool sd_bus_teeth_tick_9_is_in_range(uint32_t value)
@@ -617,19 +617,19 @@ bool sd_bus_teeth_tick_9_is_in_range(uint32_t value)
     return (true);
 }
 
-bool sd_bus_teeth_tick_9_is_in_phys_range(float value)
+bool sd_bus_teeth_tick_9_is_in_phys_range(double value)
 {
-    return ((value >= 0.0f) && (value <= 4294967295.0f));
+    return ((value >= 0.0) && (value <= 4294967295.0));
 }
 
-uint32_t sd_bus_teeth_tick_10_encode(float value)
+uint32_t sd_bus_teeth_tick_10_encode(double value)
 {
-    return (uint32_t)(cantools_unsigned_from_double(roundf(value)));
+    return (uint32_t)(cantools_unsigned_from_double(round(value)));
 }
 
-float sd_bus_teeth_tick_10_decode(uint32_t value)
+double sd_bus_teeth_tick_10_decode(uint32_t value)
 {
-    return ((float)value);
+    return ((double)value);
 }
 
 bool sd_bus_teeth_tick_10_is_in_range(uint32_t value)
@@ -639,19 +639,19 @@ bool sd_bus_teeth_tick_10_is_in_range(uint32_t value)
     return (true);
 }
 
-bool sd_bus_teeth_tick_10_is_in_phys_range(float value)
+bool sd_bus_teeth_tick_10_is_in_phys_range(double value)
 {
-    return ((value >= 0.0f) && (value <= 4294967295.0f));
+    return ((value >= 0.0) && (value <= 4294967295.0));
 }
 
-uint32_t sd_bus_teeth_tick_11_encode(float value)
+uint32_t sd_bus_teeth_tick_11_encode(double value)
 {
-    return (uint32_t)(cantools_unsigned_from_double(roundf(value)));
+    return (uint32_t)(cantools_unsigned_from_double(round(value)));
 }
 
-float sd_bus_teeth_tick_11_decode(uint32_t value)
+double sd_bus_teeth_tick_11_decode(uint32_t value)
 {
-    return ((float)value);
+    return ((double)value);
 }
 
 bool sd_bus_teeth_tick_11_is_in_range(uint32_t value)
@@ -661,19 +661,19 @@ bool sd_bus_teeth_tick_11_is_in_range(uint32_t value)
     return (true);
 }
 
-bool sd_bus_teeth_tick_11_is_in_phys_range(float value)
+bool sd_bus_teeth_tick_11_is_in_phys_range(double value)
 {
-    return ((value >= 0.0f) && (value <= 4294967295.0f));
+    return ((value >= 0.0) && (value <= 4294967295.0));
 }
 
-uint32_t sd_bus_teeth_tick_12_encode(float value)
+uint32_t sd_bus_teeth_tick_12_encode(double value)
 {
-    return (uint32_t)(cantools_unsigned_from_double(roundf(value)));
+    return (uint32_t)(cantools_unsigned_from_double(round(value)));
 }
 
-float sd_bus_teeth_tick_12_decode(uint32_t value)
+double sd_bus_teeth_tick_12_decode(uint32_t value)
 {
-    return ((float)value);
+    return ((double)value);
 }
 
 bool sd_bus_teeth_tick_12_is_in_range(uint32_t value)
@@ -683,19 +683,19 @@ bool sd_bus_teeth_tick_12_is_in_range(uint32_t value)
     return (true);
 }
 
-bool sd_bus_teeth_tick_12_is_in_phys_range(float value)
+bool sd_bus_teeth_tick_12_is_in_phys_range(double value)
 {
-    return ((value >= 0.0f) && (value <= 4294967295.0f));
+    return ((value >= 0.0) && (value <= 4294967295.0));
 }
 
-uint32_t sd_bus_teeth_tick_13_encode(float value)
+uint32_t sd_bus_teeth_tick_13_encode(double value)
 {
-    return (uint32_t)(cantools_unsigned_from_double(roundf(value)));
+    return (uint32_t)(cantools_unsigned_from_double(round(value)));
 }
 
-float sd_bus_teeth_tick_13_decode(uint32_t value)
+double sd_bus_teeth_tick_13_decode(uint32_t value)
 {
-    return ((float)value);
+    return ((double)value);
 }
 
 bool sd_bus_teeth_tick_13_is_in_range(uint32_t value)
@@ -705,9 +705,9 @@ bool sd_bus_teeth_tick_13_is_in_range(uint32_t value)
     return (true);
 }
 
-bool sd_bus_teeth_tick_13_is_in_phys_range(float value)
+bool sd_bus_teeth_tick_13_is_in_phys_range(double value)
 {
-    return ((value >= 0.0f) && (value <= 4294967295.0f));
+    return ((value >= 0.0) && (value <= 4294967295.0));
 }
 
 int sd_bus_time_pack(
@@ -761,14 +761,14 @@ int sd_bus_time_init(struct sd_bus_time_t *msg_p)
     return 0;
 }
 
-uint32_t sd_bus_time_tick_encode(float value)
+uint32_t sd_bus_time_tick_encode(double value)
 {
-    return (uint32_t)(cantools_unsigned_from_double(roundf(value)));
+    return (uint32_t)(cantools_unsigned_from_double(round(value)));
 }
 
-float sd_bus_time_tick_decode(uint32_t value)
+double sd_bus_time_tick_decode(uint32_t value)
 {
-    return ((float)value);
+    return ((double)value);
 }
 
 bool sd_bus_time_tick_is_in_range(uint32_t value)
@@ -778,19 +778,19 @@ bool sd_bus_time_tick_is_in_range(uint32_t value)
     return (true);
 }
 
-bool sd_bus_time_tick_is_in_phys_range(float value)
+bool sd_bus_time_tick_is_in_phys_range(double value)
 {
-    return ((value >= 0.0f) && (value <= 4294967295.0f));
+    return ((value >= 0.0) && (value <= 4294967295.0));
 }
 
-uint16_t sd_bus_time_sequence_encode(float value)
+uint16_t sd_bus_time_sequence_encode(double value)
 {
-    return (uint16_t)(cantools_unsigned_from_double(roundf(value)));
+    return (uint16_t)(cantools_unsigned_from_double(round(value)));
 }
 
-float sd_bus_time_sequence_decode(uint16_t value)
+double sd_bus_time_sequence_decode(uint16_t value)
 {
-    return ((float)value);
+    return ((double)value);
 }
 
 bool sd_bus_time_sequence_is_in_range(uint16_t value)
@@ -800,19 +800,19 @@ bool sd_bus_time_sequence_is_in_range(uint16_t value)
     return (true);
 }
 
-bool sd_bus_time_sequence_is_in_phys_range(float value)
+bool sd_bus_time_sequence_is_in_phys_range(double value)
 {
-    return ((value >= 0.0f) && (value <= 65535.0f));
+    return ((value >= 0.0) && (value <= 65535.0));
 }
 
-uint8_t sd_bus_time_session_encode(float value)
+uint8_t sd_bus_time_session_encode(double value)
 {
-    return (uint8_t)(cantools_unsigned_from_double(roundf(value)));
+    return (uint8_t)(cantools_unsigned_from_double(round(value)));
 }
 
-float sd_bus_time_session_decode(uint8_t value)
+double sd_bus_time_session_decode(uint8_t value)
 {
-    return ((float)value);
+    return ((double)value);
 }
 
 bool sd_bus_time_session_is_in_range(uint8_t value)
@@ -822,9 +822,9 @@ bool sd_bus_time_session_is_in_range(uint8_t value)
     return (true);
 }
 
-bool sd_bus_time_session_is_in_phys_range(float value)
+bool sd_bus_time_session_is_in_phys_range(double value)
 {
-    return ((value >= 0.0f) && (value <= 255.0f));
+    return ((value >= 0.0) && (value <= 255.0));
 }
 
 int sd_bus_edge_pack(
@@ -978,14 +978,14 @@ int sd_bus_edge_init(struct sd_bus_edge_t *msg_p)
     return 0;
 }
 
-uint32_t sd_bus_edge_tick_encode(float value)
+uint32_t sd_bus_edge_tick_encode(double value)
 {
-    return (uint32_t)(cantools_unsigned_from_double(roundf(value)));
+    return (uint32_t)(cantools_unsigned_from_double(round(value)));
 }
 
-float sd_bus_edge_tick_decode(uint32_t value)
+double sd_bus_edge_tick_decode(uint32_t value)
 {
-    return ((float)value);
+    return ((double)value);
 }
 
 bool sd_bus_edge_tick_is_in_range(uint32_t value)
@@ -995,19 +995,19 @@ bool sd_bus_edge_tick_is_in_range(uint32_t value)
     return (true);
 }
 
-bool sd_bus_edge_tick_is_in_phys_range(float value)
+bool sd_bus_edge_tick_is_in_phys_range(double value)
 {
-    return ((value >= 0.0f) && (value <= 4294967295.0f));
+    return ((value >= 0.0) && (value <= 4294967295.0));
 }
 
-uint8_t sd_bus_edge_crank_health_encode(float value)
+uint8_t sd_bus_edge_crank_health_encode(double value)
 {
-    return (uint8_t)(cantools_unsigned_from_double(roundf(value)));
+    return (uint8_t)(cantools_unsigned_from_double(round(value)));
 }
 
-float sd_bus_edge_crank_health_decode(uint8_t value)
+double sd_bus_edge_crank_health_decode(uint8_t value)
 {
-    return ((float)value);
+    return ((double)value);
 }
 
 bool sd_bus_edge_crank_health_is_in_range(uint8_t value)
@@ -1015,19 +1015,19 @@ bool sd_bus_edge_crank_health_is_in_range(uint8_t value)
     return (value <= 2u);
 }
 
-bool sd_bus_edge_crank_health_is_in_phys_range(float value)
+bool sd_bus_edge_crank_health_is_in_phys_range(double value)
 {
-    return ((value >= 0.0f) && (value <= 2.0f));
+    return ((value >= 0.0) && (value <= 2.0));
 }
 
-uint8_t sd_bus_edge_crank_why_encode(float value)
+uint8_t sd_bus_edge_crank_why_encode(double value)
 {
-    return (uint8_t)(cantools_unsigned_from_double(roundf(value)));
+    return (uint8_t)(cantools_unsigned_from_double(round(value)));
 }
 
-float sd_bus_edge_crank_why_decode(uint8_t value)
+double sd_bus_edge_crank_why_decode(uint8_t value)
 {
-    return ((float)value);
+    return ((double)value);
 }
 
 bool sd_bus_edge_crank_why_is_in_range(uint8_t value)
@@ -1037,19 +1037,19 @@ bool sd_bus_edge_crank_why_is_in_range(uint8_t value)
     return (true);
 }
 
-bool sd_bus_edge_crank_why_is_in_phys_range(float value)
+bool sd_bus_edge_crank_why_is_in_phys_range(double value)
 {
-    return ((value >= 0.0f) && (value <= 255.0f));
+    return ((value >= 0.0) && (value <= 255.0));
 }
 
-uint8_t sd_bus_edge_torque_health_encode(float value)
+uint8_t sd_bus_edge_torque_health_encode(double value)
 {
-    return (uint8_t)(cantools_unsigned_from_double(roundf(value)));
+    return (uint8_t)(cantools_unsigned_from_double(round(value)));
 }
 
-float sd_bus_edge_torque_health_decode(uint8_t value)
+double sd_bus_edge_torque_health_decode(uint8_t value)
 {
-    return ((float)value);
+    return ((double)value);
 }
 
 bool sd_bus_edge_torque_health_is_in_range(uint8_t value)
@@ -1057,19 +1057,19 @@ bool sd_bus_edge_torque_health_is_in_range(uint8_t value)
     return (value <= 2u);
 }
 
-bool sd_bus_edge_torque_health_is_in_phys_range(float value)
+bool sd_bus_edge_torque_health_is_in_phys_range(double value)
 {
-    return ((value >= 0.0f) && (value <= 2.0f));
+    return ((value >= 0.0) && (value <= 2.0));
 }
 
-uint8_t sd_bus_edge_torque_why_encode(float value)
+uint8_t sd_bus_edge_torque_why_encode(double value)
 {
-    return (uint8_t)(cantools_unsigned_from_double(roundf(value)));
+    return (uint8_t)(cantools_unsigned_from_double(round(value)));
 }
 
-float sd_bus_edge_torque_why_decode(uint8_t value)
+double sd_bus_edge_torque_why_decode(uint8_t value)
 {
-    return ((float)value);
+    return ((double)value);
 }
 
 bool sd_bus_edge_torque_why_is_in_range(uint8_t value)
@@ -1079,19 +1079,19 @@ bool sd_bus_edge_torque_why_is_in_range(uint8_t value)
     return (true);
 }
 
-bool sd_bus_edge_torque_why_is_in_phys_range(float value)
+bool sd_bus_edge_torque_why_is_in_phys_range(double value)
 {
-    return ((value >= 0.0f) && (value <= 255.0f));
+    return ((value >= 0.0) && (value <= 255.0));
 }
 
-float sd_bus_edge_crank_edge_class_encode(float value)
+float sd_bus_edge_crank_edge_class_encode(double value)
 {
     return (float)(value);
 }
 
-float sd_bus_edge_crank_edge_class_decode(float value)
+double sd_bus_edge_crank_edge_class_decode(float value)
 {
-    return ((float)value);
+    return ((double)value);
 }
 
 bool sd_bus_edge_crank_edge_class_is_in_range(float value)
@@ -1099,19 +1099,19 @@ bool sd_bus_edge_crank_edge_class_is_in_range(float value)
     return ((value >= 0.0f) && (value <= 3.0f));
 }
 
-bool sd_bus_edge_crank_edge_class_is_in_phys_range(float value)
+bool sd_bus_edge_crank_edge_class_is_in_phys_range(double value)
 {
-    return ((value >= 0.0f) && (value <= 3.0f));
+    return ((value >= 0.0) && (value <= 3.0));
 }
 
-float sd_bus_edge_crank_tooth_encode(float value)
+float sd_bus_edge_crank_tooth_encode(double value)
 {
     return (float)(value);
 }
 
-float sd_bus_edge_crank_tooth_decode(float value)
+double sd_bus_edge_crank_tooth_decode(float value)
 {
-    return ((float)value);
+    return ((double)value);
 }
 
 bool sd_bus_edge_crank_tooth_is_in_range(float value)
@@ -1119,19 +1119,19 @@ bool sd_bus_edge_crank_tooth_is_in_range(float value)
     return ((value >= 0.0f) && (value <= 119.0f));
 }
 
-bool sd_bus_edge_crank_tooth_is_in_phys_range(float value)
+bool sd_bus_edge_crank_tooth_is_in_phys_range(double value)
 {
-    return ((value >= 0.0f) && (value <= 119.0f));
+    return ((value >= 0.0) && (value <= 119.0));
 }
 
-float sd_bus_edge_crank_angle_encode(float value)
+float sd_bus_edge_crank_angle_encode(double value)
 {
     return (float)(value);
 }
 
-float sd_bus_edge_crank_angle_decode(float value)
+double sd_bus_edge_crank_angle_decode(float value)
 {
-    return ((float)value);
+    return ((double)value);
 }
 
 bool sd_bus_edge_crank_angle_is_in_range(float value)
@@ -1139,19 +1139,19 @@ bool sd_bus_edge_crank_angle_is_in_range(float value)
     return ((value >= 0.0f) && (value <= 720.0f));
 }
 
-bool sd_bus_edge_crank_angle_is_in_phys_range(float value)
+bool sd_bus_edge_crank_angle_is_in_phys_range(double value)
 {
-    return ((value >= 0.0f) && (value <= 720.0f));
+    return ((value >= 0.0) && (value <= 720.0));
 }
 
-float sd_bus_edge_crank_phase_known_encode(float value)
+float sd_bus_edge_crank_phase_known_encode(double value)
 {
     return (float)(value);
 }
 
-float sd_bus_edge_crank_phase_known_decode(float value)
+double sd_bus_edge_crank_phase_known_decode(float value)
 {
-    return ((float)value);
+    return ((double)value);
 }
 
 bool sd_bus_edge_crank_phase_known_is_in_range(float value)
@@ -1159,19 +1159,19 @@ bool sd_bus_edge_crank_phase_known_is_in_range(float value)
     return ((value >= 0.0f) && (value <= 1.0f));
 }
 
-bool sd_bus_edge_crank_phase_known_is_in_phys_range(float value)
+bool sd_bus_edge_crank_phase_known_is_in_phys_range(double value)
 {
-    return ((value >= 0.0f) && (value <= 1.0f));
+    return ((value >= 0.0) && (value <= 1.0));
 }
 
-float sd_bus_edge_crank_speed_encode(float value)
+float sd_bus_edge_crank_speed_encode(double value)
 {
     return (float)(value);
 }
 
-float sd_bus_edge_crank_speed_decode(float value)
+double sd_bus_edge_crank_speed_decode(float value)
 {
-    return ((float)value);
+    return ((double)value);
 }
 
 bool sd_bus_edge_crank_speed_is_in_range(float value)
@@ -1179,19 +1179,19 @@ bool sd_bus_edge_crank_speed_is_in_range(float value)
     return ((value >= 0.0f) && (value <= 20000.0f));
 }
 
-bool sd_bus_edge_crank_speed_is_in_phys_range(float value)
+bool sd_bus_edge_crank_speed_is_in_phys_range(double value)
 {
-    return ((value >= 0.0f) && (value <= 20000.0f));
+    return ((value >= 0.0) && (value <= 20000.0));
 }
 
-float sd_bus_edge_crank_acceleration_encode(float value)
+float sd_bus_edge_crank_acceleration_encode(double value)
 {
     return (float)(value);
 }
 
-float sd_bus_edge_crank_acceleration_decode(float value)
+double sd_bus_edge_crank_acceleration_decode(float value)
 {
-    return ((float)value);
+    return ((double)value);
 }
 
 bool sd_bus_edge_crank_acceleration_is_in_range(float value)
@@ -1199,19 +1199,19 @@ bool sd_bus_edge_crank_acceleration_is_in_range(float value)
     return ((value >= -1000000.0f) && (value <= 1000000.0f));
 }
 
-bool sd_bus_edge_crank_acceleration_is_in_phys_range(float value)
+bool sd_bus_edge_crank_acceleration_is_in_phys_range(double value)
 {
-    return ((value >= -1000000.0f) && (value <= 1000000.0f));
+    return ((value >= -1000000.0) && (value <= 1000000.0));
 }
 
-float sd_bus_edge_torque_mass_encode(float value)
+float sd_bus_edge_torque_mass_encode(double value)
 {
     return (float)(value);
 }
 
-float sd_bus_edge_torque_mass_decode(float value)
+double sd_bus_edge_torque_mass_decode(float value)
 {
-    return ((float)value);
+    return ((double)value);
 }
 
 bool sd_bus_edge_torque_mass_is_in_range(float value)
@@ -1219,19 +1219,19 @@ bool sd_bus_edge_torque_mass_is_in_range(float value)
     return ((value >= -20000.0f) && (value <= 20000.0f));
 }
 
-bool sd_bus_edge_torque_mass_is_in_phys_range(float value)
+bool sd_bus_edge_torque_mass_is_in_phys_range(double value)
 {
-    return ((value >= -20000.0f) && (value <= 20000.0f));
+    return ((value >= -20000.0) && (value <= 20000.0));
 }
 
-float sd_bus_edge_torque_innovation_encode(float value)
+float sd_bus_edge_torque_innovation_encode(double value)
 {
     return (float)(value);
 }
 
-float sd_bus_edge_torque_innovation_decode(float value)
+double sd_bus_edge_torque_innovation_decode(float value)
 {
-    return ((float)value);
+    return ((double)value);
 }
 
 bool sd_bus_edge_torque_innovation_is_in_range(float value)
@@ -1239,9 +1239,9 @@ bool sd_bus_edge_torque_innovation_is_in_range(float value)
     return ((value >= -1000000.0f) && (value <= 1000000.0f));
 }
 
-bool sd_bus_edge_torque_innovation_is_in_phys_range(float value)
+bool sd_bus_edge_torque_innovation_is_in_phys_range(double value)
 {
-    return ((value >= -1000000.0f) && (value <= 1000000.0f));
+    return ((value >= -1000000.0) && (value <= 1000000.0));
 }
 
 int sd_bus_cycle_pack(
@@ -1407,14 +1407,14 @@ int sd_bus_cycle_init(struct sd_bus_cycle_t *msg_p)
     return 0;
 }
 
-uint32_t sd_bus_cycle_tick_encode(float value)
+uint32_t sd_bus_cycle_tick_encode(double value)
 {
-    return (uint32_t)(cantools_unsigned_from_double(roundf(value)));
+    return (uint32_t)(cantools_unsigned_from_double(round(value)));
 }
 
-float sd_bus_cycle_tick_decode(uint32_t value)
+double sd_bus_cycle_tick_decode(uint32_t value)
 {
-    return ((float)value);
+    return ((double)value);
 }
 
 bool sd_bus_cycle_tick_is_in_range(uint32_t value)
@@ -1424,19 +1424,19 @@ bool sd_bus_cycle_tick_is_in_range(uint32_t value)
     return (true);
 }
 
-bool sd_bus_cycle_tick_is_in_phys_range(float value)
+bool sd_bus_cycle_tick_is_in_phys_range(double value)
 {
-    return ((value >= 0.0f) && (value <= 4294967295.0f));
+    return ((value >= 0.0) && (value <= 4294967295.0));
 }
 
-uint8_t sd_bus_cycle_crank_health_encode(float value)
+uint8_t sd_bus_cycle_crank_health_encode(double value)
 {
-    return (uint8_t)(cantools_unsigned_from_double(roundf(value)));
+    return (uint8_t)(cantools_unsigned_from_double(round(value)));
 }
 
-float sd_bus_cycle_crank_health_decode(uint8_t value)
+double sd_bus_cycle_crank_health_decode(uint8_t value)
 {
-    return ((float)value);
+    return ((double)value);
 }
 
 bool sd_bus_cycle_crank_health_is_in_range(uint8_t value)
@@ -1444,19 +1444,19 @@ bool sd_bus_cycle_crank_health_is_in_range(uint8_t value)
     return (value <= 2u);
 }
 
-bool sd_bus_cycle_crank_health_is_in_phys_range(float value)
+bool sd_bus_cycle_crank_health_is_in_phys_range(double value)
 {
-    return ((value >= 0.0f) && (value <= 2.0f));
+    return ((value >= 0.0) && (value <= 2.0));
 }
 
-uint8_t sd_bus_cycle_crank_why_encode(float value)
+uint8_t sd_bus_cycle_crank_why_encode(double value)
 {
-    return (uint8_t)(cantools_unsigned_from_double(roundf(value)));
+    return (uint8_t)(cantools_unsigned_from_double(round(value)));
 }
 
-float sd_bus_cycle_crank_why_decode(uint8_t value)
+double sd_bus_cycle_crank_why_decode(uint8_t value)
 {
-    return ((float)value);
+    return ((double)value);
 }
 
 bool sd_bus_cycle_crank_why_is_in_range(uint8_t value)
@@ -1466,19 +1466,19 @@ bool sd_bus_cycle_crank_why_is_in_range(uint8_t value)
     return (true);
 }
 
-bool sd_bus_cycle_crank_why_is_in_phys_range(float value)
+bool sd_bus_cycle_crank_why_is_in_phys_range(double value)
 {
-    return ((value >= 0.0f) && (value <= 255.0f));
+    return ((value >= 0.0) && (value <= 255.0));
 }
 
-uint8_t sd_bus_cycle_cylinder_health_encode(float value)
+uint8_t sd_bus_cycle_cylinder_health_encode(double value)
 {
-    return (uint8_t)(cantools_unsigned_from_double(roundf(value)));
+    return (uint8_t)(cantools_unsigned_from_double(round(value)));
 }
 
-float sd_bus_cycle_cylinder_health_decode(uint8_t value)
+double sd_bus_cycle_cylinder_health_decode(uint8_t value)
 {
-    return ((float)value);
+    return ((double)value);
 }
 
 bool sd_bus_cycle_cylinder_health_is_in_range(uint8_t value)
@@ -1486,19 +1486,19 @@ bool sd_bus_cycle_cylinder_health_is_in_range(uint8_t value)
     return (value <= 2u);
 }
 
-bool sd_bus_cycle_cylinder_health_is_in_phys_range(float value)
+bool sd_bus_cycle_cylinder_health_is_in_phys_range(double value)
 {
-    return ((value >= 0.0f) && (value <= 2.0f));
+    return ((value >= 0.0) && (value <= 2.0));
 }
 
-uint8_t sd_bus_cycle_cylinder_why_encode(float value)
+uint8_t sd_bus_cycle_cylinder_why_encode(double value)
 {
-    return (uint8_t)(cantools_unsigned_from_double(roundf(value)));
+    return (uint8_t)(cantools_unsigned_from_double(round(value)));
 }
 
-float sd_bus_cycle_cylinder_why_decode(uint8_t value)
+double sd_bus_cycle_cylinder_why_decode(uint8_t value)
 {
-    return ((float)value);
+    return ((double)value);
 }
 
 bool sd_bus_cycle_cylinder_why_is_in_range(uint8_t value)
@@ -1508,19 +1508,19 @@ bool sd_bus_cycle_cylinder_why_is_in_range(uint8_t value)
     return (true);
 }
 
-bool sd_bus_cycle_cylinder_why_is_in_phys_range(float value)
+bool sd_bus_cycle_cylinder_why_is_in_phys_range(double value)
 {
-    return ((value >= 0.0f) && (value <= 255.0f));
+    return ((value >= 0.0) && (value <= 255.0));
 }
 
-float sd_bus_cycle_cycle_speed_encode(float value)
+float sd_bus_cycle_cycle_speed_encode(double value)
 {
     return (float)(value);
 }
 
-float sd_bus_cycle_cycle_speed_decode(float value)
+double sd_bus_cycle_cycle_speed_decode(float value)
 {
-    return ((float)value);
+    return ((double)value);
 }
 
 bool sd_bus_cycle_cycle_speed_is_in_range(float value)
@@ -1528,19 +1528,19 @@ bool sd_bus_cycle_cycle_speed_is_in_range(float value)
     return ((value >= 0.0f) && (value <= 20000.0f));
 }
 
-bool sd_bus_cycle_cycle_speed_is_in_phys_range(float value)
+bool sd_bus_cycle_cycle_speed_is_in_phys_range(double value)
 {
-    return ((value >= 0.0f) && (value <= 20000.0f));
+    return ((value >= 0.0) && (value <= 20000.0));
 }
 
-float sd_bus_cycle_cycle_cylinder_torque_1_encode(float value)
+float sd_bus_cycle_cycle_cylinder_torque_1_encode(double value)
 {
     return (float)(value);
 }
 
-float sd_bus_cycle_cycle_cylinder_torque_1_decode(float value)
+double sd_bus_cycle_cycle_cylinder_torque_1_decode(float value)
 {
-    return ((float)value);
+    return ((double)value);
 }
 
 bool sd_bus_cycle_cycle_cylinder_torque_1_is_in_range(float value)
@@ -1548,19 +1548,19 @@ bool sd_bus_cycle_cycle_cylinder_torque_1_is_in_range(float value)
     return ((value >= -20000.0f) && (value <= 20000.0f));
 }
 
-bool sd_bus_cycle_cycle_cylinder_torque_1_is_in_phys_range(float value)
+bool sd_bus_cycle_cycle_cylinder_torque_1_is_in_phys_range(double value)
 {
-    return ((value >= -20000.0f) && (value <= 20000.0f));
+    return ((value >= -20000.0) && (value <= 20000.0));
 }
 
-float sd_bus_cycle_cycle_cylinder_torque_2_encode(float value)
+float sd_bus_cycle_cycle_cylinder_torque_2_encode(double value)
 {
     return (float)(value);
 }
 
-float sd_bus_cycle_cycle_cylinder_torque_2_decode(float value)
+double sd_bus_cycle_cycle_cylinder_torque_2_decode(float value)
 {
-    return ((float)value);
+    return ((double)value);
 }
 
 bool sd_bus_cycle_cycle_cylinder_torque_2_is_in_range(float value)
@@ -1568,19 +1568,19 @@ bool sd_bus_cycle_cycle_cylinder_torque_2_is_in_range(float value)
     return ((value >= -20000.0f) && (value <= 20000.0f));
 }
 
-bool sd_bus_cycle_cycle_cylinder_torque_2_is_in_phys_range(float value)
+bool sd_bus_cycle_cycle_cylinder_torque_2_is_in_phys_range(double value)
 {
-    return ((value >= -20000.0f) && (value <= 20000.0f));
+    return ((value >= -20000.0) && (value <= 20000.0));
 }
 
-float sd_bus_cycle_cycle_cylinder_torque_3_encode(float value)
+float sd_bus_cycle_cycle_cylinder_torque_3_encode(double value)
 {
     return (float)(value);
 }
 
-float sd_bus_cycle_cycle_cylinder_torque_3_decode(float value)
+double sd_bus_cycle_cycle_cylinder_torque_3_decode(float value)
 {
-    return ((float)value);
+    return ((double)value);
 }
 
 bool sd_bus_cycle_cycle_cylinder_torque_3_is_in_range(float value)
@@ -1588,19 +1588,19 @@ bool sd_bus_cycle_cycle_cylinder_torque_3_is_in_range(float value)
     return ((value >= -20000.0f) && (value <= 20000.0f));
 }
 
-bool sd_bus_cycle_cycle_cylinder_torque_3_is_in_phys_range(float value)
+bool sd_bus_cycle_cycle_cylinder_torque_3_is_in_phys_range(double value)
 {
-    return ((value >= -20000.0f) && (value <= 20000.0f));
+    return ((value >= -20000.0) && (value <= 20000.0));
 }
 
-float sd_bus_cycle_cycle_cylinder_torque_4_encode(float value)
+float sd_bus_cycle_cycle_cylinder_torque_4_encode(double value)
 {
     return (float)(value);
 }
 
-float sd_bus_cycle_cycle_cylinder_torque_4_decode(float value)
+double sd_bus_cycle_cycle_cylinder_torque_4_decode(float value)
 {
-    return ((float)value);
+    return ((double)value);
 }
 
 bool sd_bus_cycle_cycle_cylinder_torque_4_is_in_range(float value)
@@ -1608,19 +1608,19 @@ bool sd_bus_cycle_cycle_cylinder_torque_4_is_in_range(float value)
     return ((value >= -20000.0f) && (value <= 20000.0f));
 }
 
-bool sd_bus_cycle_cycle_cylinder_torque_4_is_in_phys_range(float value)
+bool sd_bus_cycle_cycle_cylinder_torque_4_is_in_phys_range(double value)
 {
-    return ((value >= -20000.0f) && (value <= 20000.0f));
+    return ((value >= -20000.0) && (value <= 20000.0));
 }
 
-float sd_bus_cycle_cycle_cylinder_torque_5_encode(float value)
+float sd_bus_cycle_cycle_cylinder_torque_5_encode(double value)
 {
     return (float)(value);
 }
 
-float sd_bus_cycle_cycle_cylinder_torque_5_decode(float value)
+double sd_bus_cycle_cycle_cylinder_torque_5_decode(float value)
 {
-    return ((float)value);
+    return ((double)value);
 }
 
 bool sd_bus_cycle_cycle_cylinder_torque_5_is_in_range(float value)
@@ -1628,19 +1628,19 @@ bool sd_bus_cycle_cycle_cylinder_torque_5_is_in_range(float value)
     return ((value >= -20000.0f) && (value <= 20000.0f));
 }
 
-bool sd_bus_cycle_cycle_cylinder_torque_5_is_in_phys_range(float value)
+bool sd_bus_cycle_cycle_cylinder_torque_5_is_in_phys_range(double value)
 {
-    return ((value >= -20000.0f) && (value <= 20000.0f));
+    return ((value >= -20000.0) && (value <= 20000.0));
 }
 
-float sd_bus_cycle_cycle_cylinder_torque_6_encode(float value)
+float sd_bus_cycle_cycle_cylinder_torque_6_encode(double value)
 {
     return (float)(value);
 }
 
-float sd_bus_cycle_cycle_cylinder_torque_6_decode(float value)
+double sd_bus_cycle_cycle_cylinder_torque_6_decode(float value)
 {
-    return ((float)value);
+    return ((double)value);
 }
 
 bool sd_bus_cycle_cycle_cylinder_torque_6_is_in_range(float value)
@@ -1648,19 +1648,19 @@ bool sd_bus_cycle_cycle_cylinder_torque_6_is_in_range(float value)
     return ((value >= -20000.0f) && (value <= 20000.0f));
 }
 
-bool sd_bus_cycle_cycle_cylinder_torque_6_is_in_phys_range(float value)
+bool sd_bus_cycle_cycle_cylinder_torque_6_is_in_phys_range(double value)
 {
-    return ((value >= -20000.0f) && (value <= 20000.0f));
+    return ((value >= -20000.0) && (value <= 20000.0));
 }
 
-float sd_bus_cycle_cycle_cylinder_torque_7_encode(float value)
+float sd_bus_cycle_cycle_cylinder_torque_7_encode(double value)
 {
     return (float)(value);
 }
 
-float sd_bus_cycle_cycle_cylinder_torque_7_decode(float value)
+double sd_bus_cycle_cycle_cylinder_torque_7_decode(float value)
 {
-    return ((float)value);
+    return ((double)value);
 }
 
 bool sd_bus_cycle_cycle_cylinder_torque_7_is_in_range(float value)
@@ -1668,19 +1668,19 @@ bool sd_bus_cycle_cycle_cylinder_torque_7_is_in_range(float value)
     return ((value >= -20000.0f) && (value <= 20000.0f));
 }
 
-bool sd_bus_cycle_cycle_cylinder_torque_7_is_in_phys_range(float value)
+bool sd_bus_cycle_cycle_cylinder_torque_7_is_in_phys_range(double value)
 {
-    return ((value >= -20000.0f) && (value <= 20000.0f));
+    return ((value >= -20000.0) && (value <= 20000.0));
 }
 
-float sd_bus_cycle_cycle_cylinder_torque_8_encode(float value)
+float sd_bus_cycle_cycle_cylinder_torque_8_encode(double value)
 {
     return (float)(value);
 }
 
-float sd_bus_cycle_cycle_cylinder_torque_8_decode(float value)
+double sd_bus_cycle_cycle_cylinder_torque_8_decode(float value)
 {
-    return ((float)value);
+    return ((double)value);
 }
 
 bool sd_bus_cycle_cycle_cylinder_torque_8_is_in_range(float value)
@@ -1688,9 +1688,9 @@ bool sd_bus_cycle_cycle_cylinder_torque_8_is_in_range(float value)
     return ((value >= -20000.0f) && (value <= 20000.0f));
 }
 
-bool sd_bus_cycle_cycle_cylinder_torque_8_is_in_phys_range(float value)
+bool sd_bus_cycle_cycle_cylinder_torque_8_is_in_phys_range(double value)
 {
-    return ((value >= -20000.0f) && (value <= 20000.0f));
+    return ((value >= -20000.0) && (value <= 20000.0));
 }
 
 int sd_bus_done_pack(
@@ -1746,14 +1746,14 @@ int sd_bus_done_init(struct sd_bus_done_t *msg_p)
     return 0;
 }
 
-uint32_t sd_bus_done_tick_encode(float value)
+uint32_t sd_bus_done_tick_encode(double value)
 {
-    return (uint32_t)(cantools_unsigned_from_double(roundf(value)));
+    return (uint32_t)(cantools_unsigned_from_double(round(value)));
 }
 
-float sd_bus_done_tick_decode(uint32_t value)
+double sd_bus_done_tick_decode(uint32_t value)
 {
-    return ((float)value);
+    return ((double)value);
 }
 
 bool sd_bus_done_tick_is_in_range(uint32_t value)
@@ -1763,19 +1763,19 @@ bool sd_bus_done_tick_is_in_range(uint32_t value)
     return (true);
 }
 
-bool sd_bus_done_tick_is_in_phys_range(float value)
+bool sd_bus_done_tick_is_in_phys_range(double value)
 {
-    return ((value >= 0.0f) && (value <= 4294967295.0f));
+    return ((value >= 0.0) && (value <= 4294967295.0));
 }
 
-uint16_t sd_bus_done_ignored_encode(float value)
+uint16_t sd_bus_done_ignored_encode(double value)
 {
-    return (uint16_t)(cantools_unsigned_from_double(roundf(value)));
+    return (uint16_t)(cantools_unsigned_from_double(round(value)));
 }
 
-float sd_bus_done_ignored_decode(uint16_t value)
+double sd_bus_done_ignored_decode(uint16_t value)
 {
-    return ((float)value);
+    return ((double)value);
 }
 
 bool sd_bus_done_ignored_is_in_range(uint16_t value)
@@ -1785,19 +1785,19 @@ bool sd_bus_done_ignored_is_in_range(uint16_t value)
     return (true);
 }
 
-bool sd_bus_done_ignored_is_in_phys_range(float value)
+bool sd_bus_done_ignored_is_in_phys_range(double value)
 {
-    return ((value >= 0.0f) && (value <= 65535.0f));
+    return ((value >= 0.0) && (value <= 65535.0));
 }
 
-uint8_t sd_bus_done_session_encode(float value)
+uint8_t sd_bus_done_session_encode(double value)
 {
-    return (uint8_t)(cantools_unsigned_from_double(roundf(value)));
+    return (uint8_t)(cantools_unsigned_from_double(round(value)));
 }
 
-float sd_bus_done_session_decode(uint8_t value)
+double sd_bus_done_session_decode(uint8_t value)
 {
-    return ((float)value);
+    return ((double)value);
 }
 
 bool sd_bus_done_session_is_in_range(uint8_t value)
@@ -1807,19 +1807,19 @@ bool sd_bus_done_session_is_in_range(uint8_t value)
     return (true);
 }
 
-bool sd_bus_done_session_is_in_phys_range(float value)
+bool sd_bus_done_session_is_in_phys_range(double value)
 {
-    return ((value >= 0.0f) && (value <= 255.0f));
+    return ((value >= 0.0) && (value <= 255.0));
 }
 
-uint8_t sd_bus_done_unsent_encode(float value)
+uint8_t sd_bus_done_unsent_encode(double value)
 {
-    return (uint8_t)(cantools_unsigned_from_double(roundf(value)));
+    return (uint8_t)(cantools_unsigned_from_double(round(value)));
 }
 
-float sd_bus_done_unsent_decode(uint8_t value)
+double sd_bus_done_unsent_decode(uint8_t value)
 {
-    return ((float)value);
+    return ((double)value);
 }
 
 bool sd_bus_done_unsent_is_in_range(uint8_t value)
@@ -1829,9 +1829,9 @@ bool sd_bus_done_unsent_is_in_range(uint8_t value)
     return (true);
 }
 
-bool sd_bus_done_unsent_is_in_phys_range(float value)
+bool sd_bus_done_unsent_is_in_phys_range(double value)
 {
-    return ((value >= 0.0f) && (value <= 255.0f));
+    return ((value >= 0.0) && (value <= 255.0));
 }
 
 int sd_bus_parameter_request_pack(
@@ -1889,14 +1889,14 @@ int sd_bus_parameter_request_init(struct sd_bus_parameter_request_t *msg_p)
     return 0;
 }
 
-uint8_t sd_bus_parameter_request_command_encode(float value)
+uint8_t sd_bus_parameter_request_command_encode(double value)
 {
-    return (uint8_t)(cantools_unsigned_from_double(roundf(value)));
+    return (uint8_t)(cantools_unsigned_from_double(round(value)));
 }
 
-float sd_bus_parameter_request_command_decode(uint8_t value)
+double sd_bus_parameter_request_command_decode(uint8_t value)
 {
-    return ((float)value);
+    return ((double)value);
 }
 
 bool sd_bus_parameter_request_command_is_in_range(uint8_t value)
@@ -1904,19 +1904,19 @@ bool sd_bus_parameter_request_command_is_in_range(uint8_t value)
     return (value <= 3u);
 }
 
-bool sd_bus_parameter_request_command_is_in_phys_range(float value)
+bool sd_bus_parameter_request_command_is_in_phys_range(double value)
 {
-    return ((value >= 0.0f) && (value <= 3.0f));
+    return ((value >= 0.0) && (value <= 3.0));
 }
 
-uint8_t sd_bus_parameter_request_index_encode(float value)
+uint8_t sd_bus_parameter_request_index_encode(double value)
 {
-    return (uint8_t)(cantools_unsigned_from_double(roundf(value)));
+    return (uint8_t)(cantools_unsigned_from_double(round(value)));
 }
 
-float sd_bus_parameter_request_index_decode(uint8_t value)
+double sd_bus_parameter_request_index_decode(uint8_t value)
 {
-    return ((float)value);
+    return ((double)value);
 }
 
 bool sd_bus_parameter_request_index_is_in_range(uint8_t value)
@@ -1926,19 +1926,19 @@ bool sd_bus_parameter_request_index_is_in_range(uint8_t value)
     return (true);
 }
 
-bool sd_bus_parameter_request_index_is_in_phys_range(float value)
+bool sd_bus_parameter_request_index_is_in_phys_range(double value)
 {
-    return ((value >= 0.0f) && (value <= 255.0f));
+    return ((value >= 0.0) && (value <= 255.0));
 }
 
-float sd_bus_parameter_request_value_encode(float value)
+float sd_bus_parameter_request_value_encode(double value)
 {
     return (float)(value);
 }
 
-float sd_bus_parameter_request_value_decode(float value)
+double sd_bus_parameter_request_value_decode(float value)
 {
-    return ((float)value);
+    return ((double)value);
 }
 
 bool sd_bus_parameter_request_value_is_in_range(float value)
@@ -1948,7 +1948,7 @@ bool sd_bus_parameter_request_value_is_in_range(float value)
     return (true);
 }
 
-bool sd_bus_parameter_request_value_is_in_phys_range(float value)
+bool sd_bus_parameter_request_value_is_in_phys_range(double value)
 {
     (void)value;
 
@@ -2012,14 +2012,14 @@ int sd_bus_parameter_init(struct sd_bus_parameter_t *msg_p)
     return 0;
 }
 
-uint8_t sd_bus_parameter_command_encode(float value)
+uint8_t sd_bus_parameter_command_encode(double value)
 {
-    return (uint8_t)(cantools_unsigned_from_double(roundf(value)));
+    return (uint8_t)(cantools_unsigned_from_double(round(value)));
 }
 
-float sd_bus_parameter_command_decode(uint8_t value)
+double sd_bus_parameter_command_decode(uint8_t value)
 {
-    return ((float)value);
+    return ((double)value);
 }
 
 bool sd_bus_parameter_command_is_in_range(uint8_t value)
@@ -2027,19 +2027,19 @@ bool sd_bus_parameter_command_is_in_range(uint8_t value)
     return (value <= 3u);
 }
 
-bool sd_bus_parameter_command_is_in_phys_range(float value)
+bool sd_bus_parameter_command_is_in_phys_range(double value)
 {
-    return ((value >= 0.0f) && (value <= 3.0f));
+    return ((value >= 0.0) && (value <= 3.0));
 }
 
-uint8_t sd_bus_parameter_index_encode(float value)
+uint8_t sd_bus_parameter_index_encode(double value)
 {
-    return (uint8_t)(cantools_unsigned_from_double(roundf(value)));
+    return (uint8_t)(cantools_unsigned_from_double(round(value)));
 }
 
-float sd_bus_parameter_index_decode(uint8_t value)
+double sd_bus_parameter_index_decode(uint8_t value)
 {
-    return ((float)value);
+    return ((double)value);
 }
 
 bool sd_bus_parameter_index_is_in_range(uint8_t value)
@@ -2049,19 +2049,19 @@ bool sd_bus_parameter_index_is_in_range(uint8_t value)
     return (true);
 }
 
-bool sd_bus_parameter_index_is_in_phys_range(float value)
+bool sd_bus_parameter_index_is_in_phys_range(double value)
 {
-    return ((value >= 0.0f) && (value <= 255.0f));
+    return ((value >= 0.0) && (value <= 255.0));
 }
 
-float sd_bus_parameter_value_encode(float value)
+float sd_bus_parameter_value_encode(double value)
 {
     return (float)(value);
 }
 
-float sd_bus_parameter_value_decode(float value)
+double sd_bus_parameter_value_decode(float value)
 {
-    return ((float)value);
+    return ((double)value);
 }
 
 bool sd_bus_parameter_value_is_in_range(float value)
@@ -2071,21 +2071,21 @@ bool sd_bus_parameter_value_is_in_range(float value)
     return (true);
 }
 
-bool sd_bus_parameter_value_is_in_phys_range(float value)
+bool sd_bus_parameter_value_is_in_phys_range(double value)
 {
     (void)value;
 
     return (true);
 }
 
-uint8_t sd_bus_parameter_result_encode(float value)
+uint8_t sd_bus_parameter_result_encode(double value)
 {
-    return (uint8_t)(cantools_unsigned_from_double(roundf(value)));
+    return (uint8_t)(cantools_unsigned_from_double(round(value)));
 }
 
-float sd_bus_parameter_result_decode(uint8_t value)
+double sd_bus_parameter_result_decode(uint8_t value)
 {
-    return ((float)value);
+    return ((double)value);
 }
 
 bool sd_bus_parameter_result_is_in_range(uint8_t value)
@@ -2093,9 +2093,9 @@ bool sd_bus_parameter_result_is_in_range(uint8_t value)
     return (value <= 3u);
 }
 
-bool sd_bus_parameter_result_is_in_phys_range(float value)
+bool sd_bus_parameter_result_is_in_phys_range(double value)
 {
-    return ((value >= 0.0f) && (value <= 3.0f));
+    return ((value >= 0.0) && (value <= 3.0));
 }
 
 int sd_bus_claim_pack(
@@ -2151,14 +2151,14 @@ int sd_bus_claim_init(struct sd_bus_claim_t *msg_p)
     return 0;
 }
 
-uint32_t sd_bus_claim_id_encode(float value)
+uint32_t sd_bus_claim_id_encode(double value)
 {
-    return (uint32_t)(cantools_unsigned_from_double(roundf(value)));
+    return (uint32_t)(cantools_unsigned_from_double(round(value)));
 }
 
-float sd_bus_claim_id_decode(uint32_t value)
+double sd_bus_claim_id_decode(uint32_t value)
 {
-    return ((float)value);
+    return ((double)value);
 }
 
 bool sd_bus_claim_id_is_in_range(uint32_t value)
@@ -2168,19 +2168,19 @@ bool sd_bus_claim_id_is_in_range(uint32_t value)
     return (true);
 }
 
-bool sd_bus_claim_id_is_in_phys_range(float value)
+bool sd_bus_claim_id_is_in_phys_range(double value)
 {
-    return ((value >= 0.0f) && (value <= 4294967295.0f));
+    return ((value >= 0.0) && (value <= 4294967295.0));
 }
 
-uint32_t sd_bus_claim_signature_encode(float value)
+uint32_t sd_bus_claim_signature_encode(double value)
 {
-    return (uint32_t)(cantools_unsigned_from_double(roundf(value)));
+    return (uint32_t)(cantools_unsigned_from_double(round(value)));
 }
 
-float sd_bus_claim_signature_decode(uint32_t value)
+double sd_bus_claim_signature_decode(uint32_t value)
 {
-    return ((float)value);
+    return ((double)value);
 }
 
 bool sd_bus_claim_signature_is_in_range(uint32_t value)
@@ -2190,9 +2190,9 @@ bool sd_bus_claim_signature_is_in_range(uint32_t value)
     return (true);
 }
 
-bool sd_bus_claim_signature_is_in_phys_range(float value)
+bool sd_bus_claim_signature_is_in_phys_range(double value)
 {
-    return ((value >= 0.0f) && (value <= 4294967295.0f));
+    return ((value >= 0.0) && (value <= 4294967295.0));
 }
 
 int sd_bus_truth_edge_pack(
@@ -2462,14 +2462,14 @@ bool sd_bus_truth_edge_net_torque_nm_is_in_phys_range(double value)
     return (true);
 }
 
-uint32_t sd_bus_truth_edge_tick_encode(float value)
+uint32_t sd_bus_truth_edge_tick_encode(double value)
 {
-    return (uint32_t)(cantools_unsigned_from_double(roundf(value)));
+    return (uint32_t)(cantools_unsigned_from_double(round(value)));
 }
 
-float sd_bus_truth_edge_tick_decode(uint32_t value)
+double sd_bus_truth_edge_tick_decode(uint32_t value)
 {
-    return ((float)value);
+    return ((double)value);
 }
 
 bool sd_bus_truth_edge_tick_is_in_range(uint32_t value)
@@ -2479,19 +2479,19 @@ bool sd_bus_truth_edge_tick_is_in_range(uint32_t value)
     return (true);
 }
 
-bool sd_bus_truth_edge_tick_is_in_phys_range(float value)
+bool sd_bus_truth_edge_tick_is_in_phys_range(double value)
 {
-    return ((value >= 0.0f) && (value <= 4294967295.0f));
+    return ((value >= 0.0) && (value <= 4294967295.0));
 }
 
-uint8_t sd_bus_truth_edge_tooth_encode(float value)
+uint8_t sd_bus_truth_edge_tooth_encode(double value)
 {
-    return (uint8_t)(cantools_unsigned_from_double(roundf(value)));
+    return (uint8_t)(cantools_unsigned_from_double(round(value)));
 }
 
-float sd_bus_truth_edge_tooth_decode(uint8_t value)
+double sd_bus_truth_edge_tooth_decode(uint8_t value)
 {
-    return ((float)value);
+    return ((double)value);
 }
 
 bool sd_bus_truth_edge_tooth_is_in_range(uint8_t value)
@@ -2501,19 +2501,19 @@ bool sd_bus_truth_edge_tooth_is_in_range(uint8_t value)
     return (true);
 }
 
-bool sd_bus_truth_edge_tooth_is_in_phys_range(float value)
+bool sd_bus_truth_edge_tooth_is_in_phys_range(double value)
 {
-    return ((value >= 0.0f) && (value <= 255.0f));
+    return ((value >= 0.0) && (value <= 255.0));
 }
 
-uint8_t sd_bus_truth_edge_flags_encode(float value)
+uint8_t sd_bus_truth_edge_flags_encode(double value)
 {
-    return (uint8_t)(cantools_unsigned_from_double(roundf(value)));
+    return (uint8_t)(cantools_unsigned_from_double(round(value)));
 }
 
-float sd_bus_truth_edge_flags_decode(uint8_t value)
+double sd_bus_truth_edge_flags_decode(uint8_t value)
 {
-    return ((float)value);
+    return ((double)value);
 }
 
 bool sd_bus_truth_edge_flags_is_in_range(uint8_t value)
@@ -2521,9 +2521,9 @@ bool sd_bus_truth_edge_flags_is_in_range(uint8_t value)
     return (value <= 3u);
 }
 
-bool sd_bus_truth_edge_flags_is_in_phys_range(float value)
+bool sd_bus_truth_edge_flags_is_in_phys_range(double value)
 {
-    return ((value >= 0.0f) && (value <= 3.0f));
+    return ((value >= 0.0) && (value <= 3.0));
 }
 
 int sd_bus_truth_cycle_pack(
@@ -2669,14 +2669,14 @@ bool sd_bus_truth_cycle_imep_pa_is_in_phys_range(double value)
     return (true);
 }
 
-int32_t sd_bus_truth_cycle_cycle_encode(float value)
+int32_t sd_bus_truth_cycle_cycle_encode(double value)
 {
-    return (int32_t)(roundf(value));
+    return (int32_t)(round(value));
 }
 
-float sd_bus_truth_cycle_cycle_decode(int32_t value)
+double sd_bus_truth_cycle_cycle_decode(int32_t value)
 {
-    return ((float)value);
+    return ((double)value);
 }
 
 bool sd_bus_truth_cycle_cycle_is_in_range(int32_t value)
@@ -2686,19 +2686,19 @@ bool sd_bus_truth_cycle_cycle_is_in_range(int32_t value)
     return (true);
 }
 
-bool sd_bus_truth_cycle_cycle_is_in_phys_range(float value)
+bool sd_bus_truth_cycle_cycle_is_in_phys_range(double value)
 {
-    return ((value >= -2147483648.0f) && (value <= 2147483647.0f));
+    return ((value >= -2147483648.0) && (value <= 2147483647.0));
 }
 
-uint8_t sd_bus_truth_cycle_cylinder_encode(float value)
+uint8_t sd_bus_truth_cycle_cylinder_encode(double value)
 {
-    return (uint8_t)(cantools_unsigned_from_double(roundf(value)));
+    return (uint8_t)(cantools_unsigned_from_double(round(value)));
 }
 
-float sd_bus_truth_cycle_cylinder_decode(uint8_t value)
+double sd_bus_truth_cycle_cylinder_decode(uint8_t value)
 {
-    return ((float)value);
+    return ((double)value);
 }
 
 bool sd_bus_truth_cycle_cylinder_is_in_range(uint8_t value)
@@ -2706,19 +2706,19 @@ bool sd_bus_truth_cycle_cylinder_is_in_range(uint8_t value)
     return ((value >= 1u) && (value <= 8u));
 }
 
-bool sd_bus_truth_cycle_cylinder_is_in_phys_range(float value)
+bool sd_bus_truth_cycle_cylinder_is_in_phys_range(double value)
 {
-    return ((value >= 1.0f) && (value <= 8.0f));
+    return ((value >= 1.0) && (value <= 8.0));
 }
 
-uint8_t sd_bus_truth_cycle_misfire_encode(float value)
+uint8_t sd_bus_truth_cycle_misfire_encode(double value)
 {
-    return (uint8_t)(cantools_unsigned_from_double(roundf(value)));
+    return (uint8_t)(cantools_unsigned_from_double(round(value)));
 }
 
-float sd_bus_truth_cycle_misfire_decode(uint8_t value)
+double sd_bus_truth_cycle_misfire_decode(uint8_t value)
 {
-    return ((float)value);
+    return ((double)value);
 }
 
 bool sd_bus_truth_cycle_misfire_is_in_range(uint8_t value)
@@ -2726,9 +2726,9 @@ bool sd_bus_truth_cycle_misfire_is_in_range(uint8_t value)
     return (value <= 1u);
 }
 
-bool sd_bus_truth_cycle_misfire_is_in_phys_range(float value)
+bool sd_bus_truth_cycle_misfire_is_in_phys_range(double value)
 {
-    return ((value >= 0.0f) && (value <= 1.0f));
+    return ((value >= 0.0) && (value <= 1.0));
 }
 
 int sd_bus_truth_end_pack(
@@ -2784,14 +2784,14 @@ int sd_bus_truth_end_init(struct sd_bus_truth_end_t *msg_p)
     return 0;
 }
 
-uint32_t sd_bus_truth_end_edges_encode(float value)
+uint32_t sd_bus_truth_end_edges_encode(double value)
 {
-    return (uint32_t)(cantools_unsigned_from_double(roundf(value)));
+    return (uint32_t)(cantools_unsigned_from_double(round(value)));
 }
 
-float sd_bus_truth_end_edges_decode(uint32_t value)
+double sd_bus_truth_end_edges_decode(uint32_t value)
 {
-    return ((float)value);
+    return ((double)value);
 }
 
 bool sd_bus_truth_end_edges_is_in_range(uint32_t value)
@@ -2801,19 +2801,19 @@ bool sd_bus_truth_end_edges_is_in_range(uint32_t value)
     return (true);
 }
 
-bool sd_bus_truth_end_edges_is_in_phys_range(float value)
+bool sd_bus_truth_end_edges_is_in_phys_range(double value)
 {
-    return ((value >= 0.0f) && (value <= 4294967295.0f));
+    return ((value >= 0.0) && (value <= 4294967295.0));
 }
 
-uint32_t sd_bus_truth_end_cycles_encode(float value)
+uint32_t sd_bus_truth_end_cycles_encode(double value)
 {
-    return (uint32_t)(cantools_unsigned_from_double(roundf(value)));
+    return (uint32_t)(cantools_unsigned_from_double(round(value)));
 }
 
-float sd_bus_truth_end_cycles_decode(uint32_t value)
+double sd_bus_truth_end_cycles_decode(uint32_t value)
 {
-    return ((float)value);
+    return ((double)value);
 }
 
 bool sd_bus_truth_end_cycles_is_in_range(uint32_t value)
@@ -2823,7 +2823,7 @@ bool sd_bus_truth_end_cycles_is_in_range(uint32_t value)
     return (true);
 }
 
-bool sd_bus_truth_end_cycles_is_in_phys_range(float value)
+bool sd_bus_truth_end_cycles_is_in_phys_range(double value)
 {
-    return ((value >= 0.0f) && (value <= 4294967295.0f));
+    return ((value >= 0.0) && (value <= 4294967295.0));
 }

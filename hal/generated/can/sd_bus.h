@@ -949,7 +949,7 @@ struct sd_bus_truth_cycle_t {
  */
 struct sd_bus_truth_end_t {
     /**
-     * Crank edges of the run.
+     * Messages truth_edge sent.
      *
      * Range: 0..4294967295 (0..4294967295 -)
      * Scale: 1
@@ -958,7 +958,7 @@ struct sd_bus_truth_end_t {
     uint32_t edges;
 
     /**
-     * Cylinder cycles of the run.
+     * Messages truth_cycle sent.
      *
      * Range: 0..4294967295 (0..4294967295 -)
      * Scale: 1
@@ -1011,7 +1011,7 @@ int sd_bus_teeth_init(struct sd_bus_teeth_t *msg_p);
  *
  * @return Encoded signal.
  */
-uint16_t sd_bus_teeth_sequence_encode(float value);
+uint16_t sd_bus_teeth_sequence_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -1020,7 +1020,7 @@ uint16_t sd_bus_teeth_sequence_encode(float value);
  *
  * @return Decoded signal.
  */
-float sd_bus_teeth_sequence_decode(uint16_t value);
+double sd_bus_teeth_sequence_decode(uint16_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -1042,7 +1042,7 @@ bool sd_bus_teeth_sequence_is_in_range(uint16_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_teeth_sequence_is_in_phys_range(float value);
+bool sd_bus_teeth_sequence_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -1051,7 +1051,7 @@ bool sd_bus_teeth_sequence_is_in_phys_range(float value);
  *
  * @return Encoded signal.
  */
-uint8_t sd_bus_teeth_session_encode(float value);
+uint8_t sd_bus_teeth_session_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -1060,7 +1060,7 @@ uint8_t sd_bus_teeth_session_encode(float value);
  *
  * @return Decoded signal.
  */
-float sd_bus_teeth_session_decode(uint8_t value);
+double sd_bus_teeth_session_decode(uint8_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -1082,7 +1082,7 @@ bool sd_bus_teeth_session_is_in_range(uint8_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_teeth_session_is_in_phys_range(float value);
+bool sd_bus_teeth_session_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -1091,7 +1091,7 @@ bool sd_bus_teeth_session_is_in_phys_range(float value);
  *
  * @return Encoded signal.
  */
-uint8_t sd_bus_teeth_count_encode(float value);
+uint8_t sd_bus_teeth_count_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -1100,7 +1100,7 @@ uint8_t sd_bus_teeth_count_encode(float value);
  *
  * @return Decoded signal.
  */
-float sd_bus_teeth_count_decode(uint8_t value);
+double sd_bus_teeth_count_decode(uint8_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -1122,7 +1122,7 @@ bool sd_bus_teeth_count_is_in_range(uint8_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_teeth_count_is_in_phys_range(float value);
+bool sd_bus_teeth_count_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -1131,7 +1131,7 @@ bool sd_bus_teeth_count_is_in_phys_range(float value);
  *
  * @return Encoded signal.
  */
-uint16_t sd_bus_teeth_cam_encode(float value);
+uint16_t sd_bus_teeth_cam_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -1140,7 +1140,7 @@ uint16_t sd_bus_teeth_cam_encode(float value);
  *
  * @return Decoded signal.
  */
-float sd_bus_teeth_cam_decode(uint16_t value);
+double sd_bus_teeth_cam_decode(uint16_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -1162,7 +1162,7 @@ bool sd_bus_teeth_cam_is_in_range(uint16_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_teeth_cam_is_in_phys_range(float value);
+bool sd_bus_teeth_cam_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -1171,7 +1171,7 @@ bool sd_bus_teeth_cam_is_in_phys_range(float value);
  *
  * @return Encoded signal.
  */
-uint32_t sd_bus_teeth_tick_0_encode(float value);
+uint32_t sd_bus_teeth_tick_0_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -1180,7 +1180,7 @@ uint32_t sd_bus_teeth_tick_0_encode(float value);
  *
  * @return Decoded signal.
  */
-float sd_bus_teeth_tick_0_decode(uint32_t value);
+double sd_bus_teeth_tick_0_decode(uint32_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -1202,7 +1202,7 @@ bool sd_bus_teeth_tick_0_is_in_range(uint32_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_teeth_tick_0_is_in_phys_range(float value);
+bool sd_bus_teeth_tick_0_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -1211,7 +1211,7 @@ bool sd_bus_teeth_tick_0_is_in_phys_range(float value);
  *
  * @return Encoded signal.
  */
-uint32_t sd_bus_teeth_tick_1_encode(float value);
+uint32_t sd_bus_teeth_tick_1_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -1220,7 +1220,7 @@ uint32_t sd_bus_teeth_tick_1_encode(float value);
  *
  * @return Decoded signal.
  */
-float sd_bus_teeth_tick_1_decode(uint32_t value);
+double sd_bus_teeth_tick_1_decode(uint32_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -1242,7 +1242,7 @@ bool sd_bus_teeth_tick_1_is_in_range(uint32_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_teeth_tick_1_is_in_phys_range(float value);
+bool sd_bus_teeth_tick_1_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -1251,7 +1251,7 @@ bool sd_bus_teeth_tick_1_is_in_phys_range(float value);
  *
  * @return Encoded signal.
  */
-uint32_t sd_bus_teeth_tick_2_encode(float value);
+uint32_t sd_bus_teeth_tick_2_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -1260,7 +1260,7 @@ uint32_t sd_bus_teeth_tick_2_encode(float value);
  *
  * @return Decoded signal.
  */
-float sd_bus_teeth_tick_2_decode(uint32_t value);
+double sd_bus_teeth_tick_2_decode(uint32_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -1282,7 +1282,7 @@ bool sd_bus_teeth_tick_2_is_in_range(uint32_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_teeth_tick_2_is_in_phys_range(float value);
+bool sd_bus_teeth_tick_2_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -1291,7 +1291,7 @@ bool sd_bus_teeth_tick_2_is_in_phys_range(float value);
  *
  * @return Encoded signal.
  */
-uint32_t sd_bus_teeth_tick_3_encode(float value);
+uint32_t sd_bus_teeth_tick_3_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -1300,7 +1300,7 @@ uint32_t sd_bus_teeth_tick_3_encode(float value);
  *
  * @return Decoded signal.
  */
-float sd_bus_teeth_tick_3_decode(uint32_t value);
+double sd_bus_teeth_tick_3_decode(uint32_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -1322,7 +1322,7 @@ bool sd_bus_teeth_tick_3_is_in_range(uint32_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_teeth_tick_3_is_in_phys_range(float value);
+bool sd_bus_teeth_tick_3_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -1331,7 +1331,7 @@ bool sd_bus_teeth_tick_3_is_in_phys_range(float value);
  *
  * @return Encoded signal.
  */
-uint32_t sd_bus_teeth_tick_4_encode(float value);
+uint32_t sd_bus_teeth_tick_4_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -1340,7 +1340,7 @@ uint32_t sd_bus_teeth_tick_4_encode(float value);
  *
  * @return Decoded signal.
  */
-float sd_bus_teeth_tick_4_decode(uint32_t value);
+double sd_bus_teeth_tick_4_decode(uint32_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -1362,7 +1362,7 @@ bool sd_bus_teeth_tick_4_is_in_range(uint32_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_teeth_tick_4_is_in_phys_range(float value);
+bool sd_bus_teeth_tick_4_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -1371,7 +1371,7 @@ bool sd_bus_teeth_tick_4_is_in_phys_range(float value);
  *
  * @return Encoded signal.
  */
-uint32_t sd_bus_teeth_tick_5_encode(float value);
+uint32_t sd_bus_teeth_tick_5_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -1380,7 +1380,7 @@ uint32_t sd_bus_teeth_tick_5_encode(float value);
  *
  * @return Decoded signal.
  */
-float sd_bus_teeth_tick_5_decode(uint32_t value);
+double sd_bus_teeth_tick_5_decode(uint32_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -1402,7 +1402,7 @@ bool sd_bus_teeth_tick_5_is_in_range(uint32_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_teeth_tick_5_is_in_phys_range(float value);
+bool sd_bus_teeth_tick_5_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -1411,7 +1411,7 @@ bool sd_bus_teeth_tick_5_is_in_phys_range(float value);
  *
  * @return Encoded signal.
  */
-uint32_t sd_bus_teeth_tick_6_encode(float value);
+uint32_t sd_bus_teeth_tick_6_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -1420,7 +1420,7 @@ uint32_t sd_bus_teeth_tick_6_encode(float value);
  *
  * @return Decoded signal.
  */
-float sd_bus_teeth_tick_6_decode(uint32_t value);
+double sd_bus_teeth_tick_6_decode(uint32_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -1442,7 +1442,7 @@ bool sd_bus_teeth_tick_6_is_in_range(uint32_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_teeth_tick_6_is_in_phys_range(float value);
+bool sd_bus_teeth_tick_6_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -1451,7 +1451,7 @@ bool sd_bus_teeth_tick_6_is_in_phys_range(float value);
  *
  * @return Encoded signal.
  */
-uint32_t sd_bus_teeth_tick_7_encode(float value);
+uint32_t sd_bus_teeth_tick_7_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -1460,7 +1460,7 @@ uint32_t sd_bus_teeth_tick_7_encode(float value);
  *
  * @return Decoded signal.
  */
-float sd_bus_teeth_tick_7_decode(uint32_t value);
+double sd_bus_teeth_tick_7_decode(uint32_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -1482,7 +1482,7 @@ bool sd_bus_teeth_tick_7_is_in_range(uint32_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_teeth_tick_7_is_in_phys_range(float value);
+bool sd_bus_teeth_tick_7_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -1491,7 +1491,7 @@ bool sd_bus_teeth_tick_7_is_in_phys_range(float value);
  *
  * @return Encoded signal.
  */
-uint32_t sd_bus_teeth_tick_8_encode(float value);
+uint32_t sd_bus_teeth_tick_8_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -1500,7 +1500,7 @@ uint32_t sd_bus_teeth_tick_8_encode(float value);
  *
  * @return Decoded signal.
  */
-float sd_bus_teeth_tick_8_decode(uint32_t value);
+double sd_bus_teeth_tick_8_decode(uint32_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -1522,7 +1522,7 @@ bool sd_bus_teeth_tick_8_is_in_range(uint32_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_teeth_tick_8_is_in_phys_range(float value);
+bool sd_bus_teeth_tick_8_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -1531,7 +1531,7 @@ bool sd_bus_teeth_tick_8_is_in_phys_range(float value);
  *
  * @return Encoded signal.
  */
-uint32_t sd_bus_teeth_tick_9_encode(float value);
+uint32_t sd_bus_teeth_tick_9_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -1540,7 +1540,7 @@ uint32_t sd_bus_teeth_tick_9_encode(float value);
  *
  * @return Decoded signal.
  */
-float sd_bus_teeth_tick_9_decode(uint32_t value);
+double sd_bus_teeth_tick_9_decode(uint32_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -1562,7 +1562,7 @@ bool sd_bus_teeth_tick_9_is_in_range(uint32_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_teeth_tick_9_is_in_phys_range(float value);
+bool sd_bus_teeth_tick_9_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -1571,7 +1571,7 @@ bool sd_bus_teeth_tick_9_is_in_phys_range(float value);
  *
  * @return Encoded signal.
  */
-uint32_t sd_bus_teeth_tick_10_encode(float value);
+uint32_t sd_bus_teeth_tick_10_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -1580,7 +1580,7 @@ uint32_t sd_bus_teeth_tick_10_encode(float value);
  *
  * @return Decoded signal.
  */
-float sd_bus_teeth_tick_10_decode(uint32_t value);
+double sd_bus_teeth_tick_10_decode(uint32_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -1602,7 +1602,7 @@ bool sd_bus_teeth_tick_10_is_in_range(uint32_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_teeth_tick_10_is_in_phys_range(float value);
+bool sd_bus_teeth_tick_10_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -1611,7 +1611,7 @@ bool sd_bus_teeth_tick_10_is_in_phys_range(float value);
  *
  * @return Encoded signal.
  */
-uint32_t sd_bus_teeth_tick_11_encode(float value);
+uint32_t sd_bus_teeth_tick_11_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -1620,7 +1620,7 @@ uint32_t sd_bus_teeth_tick_11_encode(float value);
  *
  * @return Decoded signal.
  */
-float sd_bus_teeth_tick_11_decode(uint32_t value);
+double sd_bus_teeth_tick_11_decode(uint32_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -1642,7 +1642,7 @@ bool sd_bus_teeth_tick_11_is_in_range(uint32_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_teeth_tick_11_is_in_phys_range(float value);
+bool sd_bus_teeth_tick_11_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -1651,7 +1651,7 @@ bool sd_bus_teeth_tick_11_is_in_phys_range(float value);
  *
  * @return Encoded signal.
  */
-uint32_t sd_bus_teeth_tick_12_encode(float value);
+uint32_t sd_bus_teeth_tick_12_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -1660,7 +1660,7 @@ uint32_t sd_bus_teeth_tick_12_encode(float value);
  *
  * @return Decoded signal.
  */
-float sd_bus_teeth_tick_12_decode(uint32_t value);
+double sd_bus_teeth_tick_12_decode(uint32_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -1682,7 +1682,7 @@ bool sd_bus_teeth_tick_12_is_in_range(uint32_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_teeth_tick_12_is_in_phys_range(float value);
+bool sd_bus_teeth_tick_12_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -1691,7 +1691,7 @@ bool sd_bus_teeth_tick_12_is_in_phys_range(float value);
  *
  * @return Encoded signal.
  */
-uint32_t sd_bus_teeth_tick_13_encode(float value);
+uint32_t sd_bus_teeth_tick_13_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -1700,7 +1700,7 @@ uint32_t sd_bus_teeth_tick_13_encode(float value);
  *
  * @return Decoded signal.
  */
-float sd_bus_teeth_tick_13_decode(uint32_t value);
+double sd_bus_teeth_tick_13_decode(uint32_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -1722,7 +1722,7 @@ bool sd_bus_teeth_tick_13_is_in_range(uint32_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_teeth_tick_13_is_in_phys_range(float value);
+bool sd_bus_teeth_tick_13_is_in_phys_range(double value);
 
 /**
  * Pack message time.
@@ -1768,7 +1768,7 @@ int sd_bus_time_init(struct sd_bus_time_t *msg_p);
  *
  * @return Encoded signal.
  */
-uint32_t sd_bus_time_tick_encode(float value);
+uint32_t sd_bus_time_tick_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -1777,7 +1777,7 @@ uint32_t sd_bus_time_tick_encode(float value);
  *
  * @return Decoded signal.
  */
-float sd_bus_time_tick_decode(uint32_t value);
+double sd_bus_time_tick_decode(uint32_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -1799,7 +1799,7 @@ bool sd_bus_time_tick_is_in_range(uint32_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_time_tick_is_in_phys_range(float value);
+bool sd_bus_time_tick_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -1808,7 +1808,7 @@ bool sd_bus_time_tick_is_in_phys_range(float value);
  *
  * @return Encoded signal.
  */
-uint16_t sd_bus_time_sequence_encode(float value);
+uint16_t sd_bus_time_sequence_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -1817,7 +1817,7 @@ uint16_t sd_bus_time_sequence_encode(float value);
  *
  * @return Decoded signal.
  */
-float sd_bus_time_sequence_decode(uint16_t value);
+double sd_bus_time_sequence_decode(uint16_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -1839,7 +1839,7 @@ bool sd_bus_time_sequence_is_in_range(uint16_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_time_sequence_is_in_phys_range(float value);
+bool sd_bus_time_sequence_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -1848,7 +1848,7 @@ bool sd_bus_time_sequence_is_in_phys_range(float value);
  *
  * @return Encoded signal.
  */
-uint8_t sd_bus_time_session_encode(float value);
+uint8_t sd_bus_time_session_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -1857,7 +1857,7 @@ uint8_t sd_bus_time_session_encode(float value);
  *
  * @return Decoded signal.
  */
-float sd_bus_time_session_decode(uint8_t value);
+double sd_bus_time_session_decode(uint8_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -1879,7 +1879,7 @@ bool sd_bus_time_session_is_in_range(uint8_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_time_session_is_in_phys_range(float value);
+bool sd_bus_time_session_is_in_phys_range(double value);
 
 /**
  * Pack message edge.
@@ -1925,7 +1925,7 @@ int sd_bus_edge_init(struct sd_bus_edge_t *msg_p);
  *
  * @return Encoded signal.
  */
-uint32_t sd_bus_edge_tick_encode(float value);
+uint32_t sd_bus_edge_tick_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -1934,7 +1934,7 @@ uint32_t sd_bus_edge_tick_encode(float value);
  *
  * @return Decoded signal.
  */
-float sd_bus_edge_tick_decode(uint32_t value);
+double sd_bus_edge_tick_decode(uint32_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -1956,7 +1956,7 @@ bool sd_bus_edge_tick_is_in_range(uint32_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_edge_tick_is_in_phys_range(float value);
+bool sd_bus_edge_tick_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -1965,7 +1965,7 @@ bool sd_bus_edge_tick_is_in_phys_range(float value);
  *
  * @return Encoded signal.
  */
-uint8_t sd_bus_edge_crank_health_encode(float value);
+uint8_t sd_bus_edge_crank_health_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -1974,7 +1974,7 @@ uint8_t sd_bus_edge_crank_health_encode(float value);
  *
  * @return Decoded signal.
  */
-float sd_bus_edge_crank_health_decode(uint8_t value);
+double sd_bus_edge_crank_health_decode(uint8_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -1996,7 +1996,7 @@ bool sd_bus_edge_crank_health_is_in_range(uint8_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_edge_crank_health_is_in_phys_range(float value);
+bool sd_bus_edge_crank_health_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -2005,7 +2005,7 @@ bool sd_bus_edge_crank_health_is_in_phys_range(float value);
  *
  * @return Encoded signal.
  */
-uint8_t sd_bus_edge_crank_why_encode(float value);
+uint8_t sd_bus_edge_crank_why_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -2014,7 +2014,7 @@ uint8_t sd_bus_edge_crank_why_encode(float value);
  *
  * @return Decoded signal.
  */
-float sd_bus_edge_crank_why_decode(uint8_t value);
+double sd_bus_edge_crank_why_decode(uint8_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -2036,7 +2036,7 @@ bool sd_bus_edge_crank_why_is_in_range(uint8_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_edge_crank_why_is_in_phys_range(float value);
+bool sd_bus_edge_crank_why_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -2045,7 +2045,7 @@ bool sd_bus_edge_crank_why_is_in_phys_range(float value);
  *
  * @return Encoded signal.
  */
-uint8_t sd_bus_edge_torque_health_encode(float value);
+uint8_t sd_bus_edge_torque_health_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -2054,7 +2054,7 @@ uint8_t sd_bus_edge_torque_health_encode(float value);
  *
  * @return Decoded signal.
  */
-float sd_bus_edge_torque_health_decode(uint8_t value);
+double sd_bus_edge_torque_health_decode(uint8_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -2076,7 +2076,7 @@ bool sd_bus_edge_torque_health_is_in_range(uint8_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_edge_torque_health_is_in_phys_range(float value);
+bool sd_bus_edge_torque_health_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -2085,7 +2085,7 @@ bool sd_bus_edge_torque_health_is_in_phys_range(float value);
  *
  * @return Encoded signal.
  */
-uint8_t sd_bus_edge_torque_why_encode(float value);
+uint8_t sd_bus_edge_torque_why_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -2094,7 +2094,7 @@ uint8_t sd_bus_edge_torque_why_encode(float value);
  *
  * @return Decoded signal.
  */
-float sd_bus_edge_torque_why_decode(uint8_t value);
+double sd_bus_edge_torque_why_decode(uint8_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -2116,7 +2116,7 @@ bool sd_bus_edge_torque_why_is_in_range(uint8_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_edge_torque_why_is_in_phys_range(float value);
+bool sd_bus_edge_torque_why_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -2125,7 +2125,7 @@ bool sd_bus_edge_torque_why_is_in_phys_range(float value);
  *
  * @return Encoded signal.
  */
-float sd_bus_edge_crank_edge_class_encode(float value);
+float sd_bus_edge_crank_edge_class_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -2134,7 +2134,7 @@ float sd_bus_edge_crank_edge_class_encode(float value);
  *
  * @return Decoded signal.
  */
-float sd_bus_edge_crank_edge_class_decode(float value);
+double sd_bus_edge_crank_edge_class_decode(float value);
 
 /**
  * Check that given signal is in allowed range.
@@ -2156,7 +2156,7 @@ bool sd_bus_edge_crank_edge_class_is_in_range(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_edge_crank_edge_class_is_in_phys_range(float value);
+bool sd_bus_edge_crank_edge_class_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -2165,7 +2165,7 @@ bool sd_bus_edge_crank_edge_class_is_in_phys_range(float value);
  *
  * @return Encoded signal.
  */
-float sd_bus_edge_crank_tooth_encode(float value);
+float sd_bus_edge_crank_tooth_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -2174,7 +2174,7 @@ float sd_bus_edge_crank_tooth_encode(float value);
  *
  * @return Decoded signal.
  */
-float sd_bus_edge_crank_tooth_decode(float value);
+double sd_bus_edge_crank_tooth_decode(float value);
 
 /**
  * Check that given signal is in allowed range.
@@ -2196,7 +2196,7 @@ bool sd_bus_edge_crank_tooth_is_in_range(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_edge_crank_tooth_is_in_phys_range(float value);
+bool sd_bus_edge_crank_tooth_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -2205,7 +2205,7 @@ bool sd_bus_edge_crank_tooth_is_in_phys_range(float value);
  *
  * @return Encoded signal.
  */
-float sd_bus_edge_crank_angle_encode(float value);
+float sd_bus_edge_crank_angle_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -2214,7 +2214,7 @@ float sd_bus_edge_crank_angle_encode(float value);
  *
  * @return Decoded signal.
  */
-float sd_bus_edge_crank_angle_decode(float value);
+double sd_bus_edge_crank_angle_decode(float value);
 
 /**
  * Check that given signal is in allowed range.
@@ -2236,7 +2236,7 @@ bool sd_bus_edge_crank_angle_is_in_range(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_edge_crank_angle_is_in_phys_range(float value);
+bool sd_bus_edge_crank_angle_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -2245,7 +2245,7 @@ bool sd_bus_edge_crank_angle_is_in_phys_range(float value);
  *
  * @return Encoded signal.
  */
-float sd_bus_edge_crank_phase_known_encode(float value);
+float sd_bus_edge_crank_phase_known_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -2254,7 +2254,7 @@ float sd_bus_edge_crank_phase_known_encode(float value);
  *
  * @return Decoded signal.
  */
-float sd_bus_edge_crank_phase_known_decode(float value);
+double sd_bus_edge_crank_phase_known_decode(float value);
 
 /**
  * Check that given signal is in allowed range.
@@ -2276,7 +2276,7 @@ bool sd_bus_edge_crank_phase_known_is_in_range(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_edge_crank_phase_known_is_in_phys_range(float value);
+bool sd_bus_edge_crank_phase_known_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -2285,7 +2285,7 @@ bool sd_bus_edge_crank_phase_known_is_in_phys_range(float value);
  *
  * @return Encoded signal.
  */
-float sd_bus_edge_crank_speed_encode(float value);
+float sd_bus_edge_crank_speed_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -2294,7 +2294,7 @@ float sd_bus_edge_crank_speed_encode(float value);
  *
  * @return Decoded signal.
  */
-float sd_bus_edge_crank_speed_decode(float value);
+double sd_bus_edge_crank_speed_decode(float value);
 
 /**
  * Check that given signal is in allowed range.
@@ -2316,7 +2316,7 @@ bool sd_bus_edge_crank_speed_is_in_range(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_edge_crank_speed_is_in_phys_range(float value);
+bool sd_bus_edge_crank_speed_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -2325,7 +2325,7 @@ bool sd_bus_edge_crank_speed_is_in_phys_range(float value);
  *
  * @return Encoded signal.
  */
-float sd_bus_edge_crank_acceleration_encode(float value);
+float sd_bus_edge_crank_acceleration_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -2334,7 +2334,7 @@ float sd_bus_edge_crank_acceleration_encode(float value);
  *
  * @return Decoded signal.
  */
-float sd_bus_edge_crank_acceleration_decode(float value);
+double sd_bus_edge_crank_acceleration_decode(float value);
 
 /**
  * Check that given signal is in allowed range.
@@ -2356,7 +2356,7 @@ bool sd_bus_edge_crank_acceleration_is_in_range(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_edge_crank_acceleration_is_in_phys_range(float value);
+bool sd_bus_edge_crank_acceleration_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -2365,7 +2365,7 @@ bool sd_bus_edge_crank_acceleration_is_in_phys_range(float value);
  *
  * @return Encoded signal.
  */
-float sd_bus_edge_torque_mass_encode(float value);
+float sd_bus_edge_torque_mass_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -2374,7 +2374,7 @@ float sd_bus_edge_torque_mass_encode(float value);
  *
  * @return Decoded signal.
  */
-float sd_bus_edge_torque_mass_decode(float value);
+double sd_bus_edge_torque_mass_decode(float value);
 
 /**
  * Check that given signal is in allowed range.
@@ -2396,7 +2396,7 @@ bool sd_bus_edge_torque_mass_is_in_range(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_edge_torque_mass_is_in_phys_range(float value);
+bool sd_bus_edge_torque_mass_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -2405,7 +2405,7 @@ bool sd_bus_edge_torque_mass_is_in_phys_range(float value);
  *
  * @return Encoded signal.
  */
-float sd_bus_edge_torque_innovation_encode(float value);
+float sd_bus_edge_torque_innovation_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -2414,7 +2414,7 @@ float sd_bus_edge_torque_innovation_encode(float value);
  *
  * @return Decoded signal.
  */
-float sd_bus_edge_torque_innovation_decode(float value);
+double sd_bus_edge_torque_innovation_decode(float value);
 
 /**
  * Check that given signal is in allowed range.
@@ -2436,7 +2436,7 @@ bool sd_bus_edge_torque_innovation_is_in_range(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_edge_torque_innovation_is_in_phys_range(float value);
+bool sd_bus_edge_torque_innovation_is_in_phys_range(double value);
 
 /**
  * Pack message cycle.
@@ -2482,7 +2482,7 @@ int sd_bus_cycle_init(struct sd_bus_cycle_t *msg_p);
  *
  * @return Encoded signal.
  */
-uint32_t sd_bus_cycle_tick_encode(float value);
+uint32_t sd_bus_cycle_tick_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -2491,7 +2491,7 @@ uint32_t sd_bus_cycle_tick_encode(float value);
  *
  * @return Decoded signal.
  */
-float sd_bus_cycle_tick_decode(uint32_t value);
+double sd_bus_cycle_tick_decode(uint32_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -2513,7 +2513,7 @@ bool sd_bus_cycle_tick_is_in_range(uint32_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_tick_is_in_phys_range(float value);
+bool sd_bus_cycle_tick_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -2522,7 +2522,7 @@ bool sd_bus_cycle_tick_is_in_phys_range(float value);
  *
  * @return Encoded signal.
  */
-uint8_t sd_bus_cycle_crank_health_encode(float value);
+uint8_t sd_bus_cycle_crank_health_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -2531,7 +2531,7 @@ uint8_t sd_bus_cycle_crank_health_encode(float value);
  *
  * @return Decoded signal.
  */
-float sd_bus_cycle_crank_health_decode(uint8_t value);
+double sd_bus_cycle_crank_health_decode(uint8_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -2553,7 +2553,7 @@ bool sd_bus_cycle_crank_health_is_in_range(uint8_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_crank_health_is_in_phys_range(float value);
+bool sd_bus_cycle_crank_health_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -2562,7 +2562,7 @@ bool sd_bus_cycle_crank_health_is_in_phys_range(float value);
  *
  * @return Encoded signal.
  */
-uint8_t sd_bus_cycle_crank_why_encode(float value);
+uint8_t sd_bus_cycle_crank_why_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -2571,7 +2571,7 @@ uint8_t sd_bus_cycle_crank_why_encode(float value);
  *
  * @return Decoded signal.
  */
-float sd_bus_cycle_crank_why_decode(uint8_t value);
+double sd_bus_cycle_crank_why_decode(uint8_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -2593,7 +2593,7 @@ bool sd_bus_cycle_crank_why_is_in_range(uint8_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_crank_why_is_in_phys_range(float value);
+bool sd_bus_cycle_crank_why_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -2602,7 +2602,7 @@ bool sd_bus_cycle_crank_why_is_in_phys_range(float value);
  *
  * @return Encoded signal.
  */
-uint8_t sd_bus_cycle_cylinder_health_encode(float value);
+uint8_t sd_bus_cycle_cylinder_health_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -2611,7 +2611,7 @@ uint8_t sd_bus_cycle_cylinder_health_encode(float value);
  *
  * @return Decoded signal.
  */
-float sd_bus_cycle_cylinder_health_decode(uint8_t value);
+double sd_bus_cycle_cylinder_health_decode(uint8_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -2633,7 +2633,7 @@ bool sd_bus_cycle_cylinder_health_is_in_range(uint8_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_cylinder_health_is_in_phys_range(float value);
+bool sd_bus_cycle_cylinder_health_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -2642,7 +2642,7 @@ bool sd_bus_cycle_cylinder_health_is_in_phys_range(float value);
  *
  * @return Encoded signal.
  */
-uint8_t sd_bus_cycle_cylinder_why_encode(float value);
+uint8_t sd_bus_cycle_cylinder_why_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -2651,7 +2651,7 @@ uint8_t sd_bus_cycle_cylinder_why_encode(float value);
  *
  * @return Decoded signal.
  */
-float sd_bus_cycle_cylinder_why_decode(uint8_t value);
+double sd_bus_cycle_cylinder_why_decode(uint8_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -2673,7 +2673,7 @@ bool sd_bus_cycle_cylinder_why_is_in_range(uint8_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_cylinder_why_is_in_phys_range(float value);
+bool sd_bus_cycle_cylinder_why_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -2682,7 +2682,7 @@ bool sd_bus_cycle_cylinder_why_is_in_phys_range(float value);
  *
  * @return Encoded signal.
  */
-float sd_bus_cycle_cycle_speed_encode(float value);
+float sd_bus_cycle_cycle_speed_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -2691,7 +2691,7 @@ float sd_bus_cycle_cycle_speed_encode(float value);
  *
  * @return Decoded signal.
  */
-float sd_bus_cycle_cycle_speed_decode(float value);
+double sd_bus_cycle_cycle_speed_decode(float value);
 
 /**
  * Check that given signal is in allowed range.
@@ -2713,7 +2713,7 @@ bool sd_bus_cycle_cycle_speed_is_in_range(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_cycle_speed_is_in_phys_range(float value);
+bool sd_bus_cycle_cycle_speed_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -2722,7 +2722,7 @@ bool sd_bus_cycle_cycle_speed_is_in_phys_range(float value);
  *
  * @return Encoded signal.
  */
-float sd_bus_cycle_cycle_cylinder_torque_1_encode(float value);
+float sd_bus_cycle_cycle_cylinder_torque_1_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -2731,7 +2731,7 @@ float sd_bus_cycle_cycle_cylinder_torque_1_encode(float value);
  *
  * @return Decoded signal.
  */
-float sd_bus_cycle_cycle_cylinder_torque_1_decode(float value);
+double sd_bus_cycle_cycle_cylinder_torque_1_decode(float value);
 
 /**
  * Check that given signal is in allowed range.
@@ -2753,7 +2753,7 @@ bool sd_bus_cycle_cycle_cylinder_torque_1_is_in_range(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_cycle_cylinder_torque_1_is_in_phys_range(float value);
+bool sd_bus_cycle_cycle_cylinder_torque_1_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -2762,7 +2762,7 @@ bool sd_bus_cycle_cycle_cylinder_torque_1_is_in_phys_range(float value);
  *
  * @return Encoded signal.
  */
-float sd_bus_cycle_cycle_cylinder_torque_2_encode(float value);
+float sd_bus_cycle_cycle_cylinder_torque_2_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -2771,7 +2771,7 @@ float sd_bus_cycle_cycle_cylinder_torque_2_encode(float value);
  *
  * @return Decoded signal.
  */
-float sd_bus_cycle_cycle_cylinder_torque_2_decode(float value);
+double sd_bus_cycle_cycle_cylinder_torque_2_decode(float value);
 
 /**
  * Check that given signal is in allowed range.
@@ -2793,7 +2793,7 @@ bool sd_bus_cycle_cycle_cylinder_torque_2_is_in_range(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_cycle_cylinder_torque_2_is_in_phys_range(float value);
+bool sd_bus_cycle_cycle_cylinder_torque_2_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -2802,7 +2802,7 @@ bool sd_bus_cycle_cycle_cylinder_torque_2_is_in_phys_range(float value);
  *
  * @return Encoded signal.
  */
-float sd_bus_cycle_cycle_cylinder_torque_3_encode(float value);
+float sd_bus_cycle_cycle_cylinder_torque_3_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -2811,7 +2811,7 @@ float sd_bus_cycle_cycle_cylinder_torque_3_encode(float value);
  *
  * @return Decoded signal.
  */
-float sd_bus_cycle_cycle_cylinder_torque_3_decode(float value);
+double sd_bus_cycle_cycle_cylinder_torque_3_decode(float value);
 
 /**
  * Check that given signal is in allowed range.
@@ -2833,7 +2833,7 @@ bool sd_bus_cycle_cycle_cylinder_torque_3_is_in_range(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_cycle_cylinder_torque_3_is_in_phys_range(float value);
+bool sd_bus_cycle_cycle_cylinder_torque_3_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -2842,7 +2842,7 @@ bool sd_bus_cycle_cycle_cylinder_torque_3_is_in_phys_range(float value);
  *
  * @return Encoded signal.
  */
-float sd_bus_cycle_cycle_cylinder_torque_4_encode(float value);
+float sd_bus_cycle_cycle_cylinder_torque_4_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -2851,7 +2851,7 @@ float sd_bus_cycle_cycle_cylinder_torque_4_encode(float value);
  *
  * @return Decoded signal.
  */
-float sd_bus_cycle_cycle_cylinder_torque_4_decode(float value);
+double sd_bus_cycle_cycle_cylinder_torque_4_decode(float value);
 
 /**
  * Check that given signal is in allowed range.
@@ -2873,7 +2873,7 @@ bool sd_bus_cycle_cycle_cylinder_torque_4_is_in_range(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_cycle_cylinder_torque_4_is_in_phys_range(float value);
+bool sd_bus_cycle_cycle_cylinder_torque_4_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -2882,7 +2882,7 @@ bool sd_bus_cycle_cycle_cylinder_torque_4_is_in_phys_range(float value);
  *
  * @return Encoded signal.
  */
-float sd_bus_cycle_cycle_cylinder_torque_5_encode(float value);
+float sd_bus_cycle_cycle_cylinder_torque_5_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -2891,7 +2891,7 @@ float sd_bus_cycle_cycle_cylinder_torque_5_encode(float value);
  *
  * @return Decoded signal.
  */
-float sd_bus_cycle_cycle_cylinder_torque_5_decode(float value);
+double sd_bus_cycle_cycle_cylinder_torque_5_decode(float value);
 
 /**
  * Check that given signal is in allowed range.
@@ -2913,7 +2913,7 @@ bool sd_bus_cycle_cycle_cylinder_torque_5_is_in_range(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_cycle_cylinder_torque_5_is_in_phys_range(float value);
+bool sd_bus_cycle_cycle_cylinder_torque_5_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -2922,7 +2922,7 @@ bool sd_bus_cycle_cycle_cylinder_torque_5_is_in_phys_range(float value);
  *
  * @return Encoded signal.
  */
-float sd_bus_cycle_cycle_cylinder_torque_6_encode(float value);
+float sd_bus_cycle_cycle_cylinder_torque_6_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -2931,7 +2931,7 @@ float sd_bus_cycle_cycle_cylinder_torque_6_encode(float value);
  *
  * @return Decoded signal.
  */
-float sd_bus_cycle_cycle_cylinder_torque_6_decode(float value);
+double sd_bus_cycle_cycle_cylinder_torque_6_decode(float value);
 
 /**
  * Check that given signal is in allowed range.
@@ -2953,7 +2953,7 @@ bool sd_bus_cycle_cycle_cylinder_torque_6_is_in_range(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_cycle_cylinder_torque_6_is_in_phys_range(float value);
+bool sd_bus_cycle_cycle_cylinder_torque_6_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -2962,7 +2962,7 @@ bool sd_bus_cycle_cycle_cylinder_torque_6_is_in_phys_range(float value);
  *
  * @return Encoded signal.
  */
-float sd_bus_cycle_cycle_cylinder_torque_7_encode(float value);
+float sd_bus_cycle_cycle_cylinder_torque_7_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -2971,7 +2971,7 @@ float sd_bus_cycle_cycle_cylinder_torque_7_encode(float value);
  *
  * @return Decoded signal.
  */
-float sd_bus_cycle_cycle_cylinder_torque_7_decode(float value);
+double sd_bus_cycle_cycle_cylinder_torque_7_decode(float value);
 
 /**
  * Check that given signal is in allowed range.
@@ -2993,7 +2993,7 @@ bool sd_bus_cycle_cycle_cylinder_torque_7_is_in_range(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_cycle_cylinder_torque_7_is_in_phys_range(float value);
+bool sd_bus_cycle_cycle_cylinder_torque_7_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -3002,7 +3002,7 @@ bool sd_bus_cycle_cycle_cylinder_torque_7_is_in_phys_range(float value);
  *
  * @return Encoded signal.
  */
-float sd_bus_cycle_cycle_cylinder_torque_8_encode(float value);
+float sd_bus_cycle_cycle_cylinder_torque_8_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -3011,7 +3011,7 @@ float sd_bus_cycle_cycle_cylinder_torque_8_encode(float value);
  *
  * @return Decoded signal.
  */
-float sd_bus_cycle_cycle_cylinder_torque_8_decode(float value);
+double sd_bus_cycle_cycle_cylinder_torque_8_decode(float value);
 
 /**
  * Check that given signal is in allowed range.
@@ -3033,7 +3033,7 @@ bool sd_bus_cycle_cycle_cylinder_torque_8_is_in_range(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_cycle_cylinder_torque_8_is_in_phys_range(float value);
+bool sd_bus_cycle_cycle_cylinder_torque_8_is_in_phys_range(double value);
 
 /**
  * Pack message done.
@@ -3079,7 +3079,7 @@ int sd_bus_done_init(struct sd_bus_done_t *msg_p);
  *
  * @return Encoded signal.
  */
-uint32_t sd_bus_done_tick_encode(float value);
+uint32_t sd_bus_done_tick_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -3088,7 +3088,7 @@ uint32_t sd_bus_done_tick_encode(float value);
  *
  * @return Decoded signal.
  */
-float sd_bus_done_tick_decode(uint32_t value);
+double sd_bus_done_tick_decode(uint32_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -3110,7 +3110,7 @@ bool sd_bus_done_tick_is_in_range(uint32_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_done_tick_is_in_phys_range(float value);
+bool sd_bus_done_tick_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -3119,7 +3119,7 @@ bool sd_bus_done_tick_is_in_phys_range(float value);
  *
  * @return Encoded signal.
  */
-uint16_t sd_bus_done_ignored_encode(float value);
+uint16_t sd_bus_done_ignored_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -3128,7 +3128,7 @@ uint16_t sd_bus_done_ignored_encode(float value);
  *
  * @return Decoded signal.
  */
-float sd_bus_done_ignored_decode(uint16_t value);
+double sd_bus_done_ignored_decode(uint16_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -3150,7 +3150,7 @@ bool sd_bus_done_ignored_is_in_range(uint16_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_done_ignored_is_in_phys_range(float value);
+bool sd_bus_done_ignored_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -3159,7 +3159,7 @@ bool sd_bus_done_ignored_is_in_phys_range(float value);
  *
  * @return Encoded signal.
  */
-uint8_t sd_bus_done_session_encode(float value);
+uint8_t sd_bus_done_session_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -3168,7 +3168,7 @@ uint8_t sd_bus_done_session_encode(float value);
  *
  * @return Decoded signal.
  */
-float sd_bus_done_session_decode(uint8_t value);
+double sd_bus_done_session_decode(uint8_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -3190,7 +3190,7 @@ bool sd_bus_done_session_is_in_range(uint8_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_done_session_is_in_phys_range(float value);
+bool sd_bus_done_session_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -3199,7 +3199,7 @@ bool sd_bus_done_session_is_in_phys_range(float value);
  *
  * @return Encoded signal.
  */
-uint8_t sd_bus_done_unsent_encode(float value);
+uint8_t sd_bus_done_unsent_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -3208,7 +3208,7 @@ uint8_t sd_bus_done_unsent_encode(float value);
  *
  * @return Decoded signal.
  */
-float sd_bus_done_unsent_decode(uint8_t value);
+double sd_bus_done_unsent_decode(uint8_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -3230,7 +3230,7 @@ bool sd_bus_done_unsent_is_in_range(uint8_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_done_unsent_is_in_phys_range(float value);
+bool sd_bus_done_unsent_is_in_phys_range(double value);
 
 /**
  * Pack message parameter_request.
@@ -3276,7 +3276,7 @@ int sd_bus_parameter_request_init(struct sd_bus_parameter_request_t *msg_p);
  *
  * @return Encoded signal.
  */
-uint8_t sd_bus_parameter_request_command_encode(float value);
+uint8_t sd_bus_parameter_request_command_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -3285,7 +3285,7 @@ uint8_t sd_bus_parameter_request_command_encode(float value);
  *
  * @return Decoded signal.
  */
-float sd_bus_parameter_request_command_decode(uint8_t value);
+double sd_bus_parameter_request_command_decode(uint8_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -3307,7 +3307,7 @@ bool sd_bus_parameter_request_command_is_in_range(uint8_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_parameter_request_command_is_in_phys_range(float value);
+bool sd_bus_parameter_request_command_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -3316,7 +3316,7 @@ bool sd_bus_parameter_request_command_is_in_phys_range(float value);
  *
  * @return Encoded signal.
  */
-uint8_t sd_bus_parameter_request_index_encode(float value);
+uint8_t sd_bus_parameter_request_index_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -3325,7 +3325,7 @@ uint8_t sd_bus_parameter_request_index_encode(float value);
  *
  * @return Decoded signal.
  */
-float sd_bus_parameter_request_index_decode(uint8_t value);
+double sd_bus_parameter_request_index_decode(uint8_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -3347,7 +3347,7 @@ bool sd_bus_parameter_request_index_is_in_range(uint8_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_parameter_request_index_is_in_phys_range(float value);
+bool sd_bus_parameter_request_index_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -3356,7 +3356,7 @@ bool sd_bus_parameter_request_index_is_in_phys_range(float value);
  *
  * @return Encoded signal.
  */
-float sd_bus_parameter_request_value_encode(float value);
+float sd_bus_parameter_request_value_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -3365,7 +3365,7 @@ float sd_bus_parameter_request_value_encode(float value);
  *
  * @return Decoded signal.
  */
-float sd_bus_parameter_request_value_decode(float value);
+double sd_bus_parameter_request_value_decode(float value);
 
 /**
  * Check that given signal is in allowed range.
@@ -3387,7 +3387,7 @@ bool sd_bus_parameter_request_value_is_in_range(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_parameter_request_value_is_in_phys_range(float value);
+bool sd_bus_parameter_request_value_is_in_phys_range(double value);
 
 /**
  * Pack message parameter.
@@ -3433,7 +3433,7 @@ int sd_bus_parameter_init(struct sd_bus_parameter_t *msg_p);
  *
  * @return Encoded signal.
  */
-uint8_t sd_bus_parameter_command_encode(float value);
+uint8_t sd_bus_parameter_command_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -3442,7 +3442,7 @@ uint8_t sd_bus_parameter_command_encode(float value);
  *
  * @return Decoded signal.
  */
-float sd_bus_parameter_command_decode(uint8_t value);
+double sd_bus_parameter_command_decode(uint8_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -3464,7 +3464,7 @@ bool sd_bus_parameter_command_is_in_range(uint8_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_parameter_command_is_in_phys_range(float value);
+bool sd_bus_parameter_command_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -3473,7 +3473,7 @@ bool sd_bus_parameter_command_is_in_phys_range(float value);
  *
  * @return Encoded signal.
  */
-uint8_t sd_bus_parameter_index_encode(float value);
+uint8_t sd_bus_parameter_index_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -3482,7 +3482,7 @@ uint8_t sd_bus_parameter_index_encode(float value);
  *
  * @return Decoded signal.
  */
-float sd_bus_parameter_index_decode(uint8_t value);
+double sd_bus_parameter_index_decode(uint8_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -3504,7 +3504,7 @@ bool sd_bus_parameter_index_is_in_range(uint8_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_parameter_index_is_in_phys_range(float value);
+bool sd_bus_parameter_index_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -3513,7 +3513,7 @@ bool sd_bus_parameter_index_is_in_phys_range(float value);
  *
  * @return Encoded signal.
  */
-float sd_bus_parameter_value_encode(float value);
+float sd_bus_parameter_value_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -3522,7 +3522,7 @@ float sd_bus_parameter_value_encode(float value);
  *
  * @return Decoded signal.
  */
-float sd_bus_parameter_value_decode(float value);
+double sd_bus_parameter_value_decode(float value);
 
 /**
  * Check that given signal is in allowed range.
@@ -3544,7 +3544,7 @@ bool sd_bus_parameter_value_is_in_range(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_parameter_value_is_in_phys_range(float value);
+bool sd_bus_parameter_value_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -3553,7 +3553,7 @@ bool sd_bus_parameter_value_is_in_phys_range(float value);
  *
  * @return Encoded signal.
  */
-uint8_t sd_bus_parameter_result_encode(float value);
+uint8_t sd_bus_parameter_result_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -3562,7 +3562,7 @@ uint8_t sd_bus_parameter_result_encode(float value);
  *
  * @return Decoded signal.
  */
-float sd_bus_parameter_result_decode(uint8_t value);
+double sd_bus_parameter_result_decode(uint8_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -3584,7 +3584,7 @@ bool sd_bus_parameter_result_is_in_range(uint8_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_parameter_result_is_in_phys_range(float value);
+bool sd_bus_parameter_result_is_in_phys_range(double value);
 
 /**
  * Pack message claim.
@@ -3630,7 +3630,7 @@ int sd_bus_claim_init(struct sd_bus_claim_t *msg_p);
  *
  * @return Encoded signal.
  */
-uint32_t sd_bus_claim_id_encode(float value);
+uint32_t sd_bus_claim_id_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -3639,7 +3639,7 @@ uint32_t sd_bus_claim_id_encode(float value);
  *
  * @return Decoded signal.
  */
-float sd_bus_claim_id_decode(uint32_t value);
+double sd_bus_claim_id_decode(uint32_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -3661,7 +3661,7 @@ bool sd_bus_claim_id_is_in_range(uint32_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_claim_id_is_in_phys_range(float value);
+bool sd_bus_claim_id_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -3670,7 +3670,7 @@ bool sd_bus_claim_id_is_in_phys_range(float value);
  *
  * @return Encoded signal.
  */
-uint32_t sd_bus_claim_signature_encode(float value);
+uint32_t sd_bus_claim_signature_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -3679,7 +3679,7 @@ uint32_t sd_bus_claim_signature_encode(float value);
  *
  * @return Decoded signal.
  */
-float sd_bus_claim_signature_decode(uint32_t value);
+double sd_bus_claim_signature_decode(uint32_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -3701,7 +3701,7 @@ bool sd_bus_claim_signature_is_in_range(uint32_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_claim_signature_is_in_phys_range(float value);
+bool sd_bus_claim_signature_is_in_phys_range(double value);
 
 /**
  * Pack message truth_edge.
@@ -3747,7 +3747,7 @@ int sd_bus_truth_edge_init(struct sd_bus_truth_edge_t *msg_p);
  *
  * @return Encoded signal.
  */
-double sd_bus_truth_edge_time_s_encode(float value);
+double sd_bus_truth_edge_time_s_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -3756,7 +3756,7 @@ double sd_bus_truth_edge_time_s_encode(float value);
  *
  * @return Decoded signal.
  */
-float sd_bus_truth_edge_time_s_decode(double value);
+double sd_bus_truth_edge_time_s_decode(double value);
 
 /**
  * Check that given signal is in allowed range.
@@ -3778,7 +3778,7 @@ bool sd_bus_truth_edge_time_s_is_in_range(double value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_truth_edge_time_s_is_in_phys_range(float value);
+bool sd_bus_truth_edge_time_s_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -3787,7 +3787,7 @@ bool sd_bus_truth_edge_time_s_is_in_phys_range(float value);
  *
  * @return Encoded signal.
  */
-double sd_bus_truth_edge_angle_deg_encode(float value);
+double sd_bus_truth_edge_angle_deg_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -3796,7 +3796,7 @@ double sd_bus_truth_edge_angle_deg_encode(float value);
  *
  * @return Decoded signal.
  */
-float sd_bus_truth_edge_angle_deg_decode(double value);
+double sd_bus_truth_edge_angle_deg_decode(double value);
 
 /**
  * Check that given signal is in allowed range.
@@ -3818,7 +3818,7 @@ bool sd_bus_truth_edge_angle_deg_is_in_range(double value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_truth_edge_angle_deg_is_in_phys_range(float value);
+bool sd_bus_truth_edge_angle_deg_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -3827,7 +3827,7 @@ bool sd_bus_truth_edge_angle_deg_is_in_phys_range(float value);
  *
  * @return Encoded signal.
  */
-double sd_bus_truth_edge_crank_deg_encode(float value);
+double sd_bus_truth_edge_crank_deg_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -3836,7 +3836,7 @@ double sd_bus_truth_edge_crank_deg_encode(float value);
  *
  * @return Decoded signal.
  */
-float sd_bus_truth_edge_crank_deg_decode(double value);
+double sd_bus_truth_edge_crank_deg_decode(double value);
 
 /**
  * Check that given signal is in allowed range.
@@ -3858,7 +3858,7 @@ bool sd_bus_truth_edge_crank_deg_is_in_range(double value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_truth_edge_crank_deg_is_in_phys_range(float value);
+bool sd_bus_truth_edge_crank_deg_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -3867,7 +3867,7 @@ bool sd_bus_truth_edge_crank_deg_is_in_phys_range(float value);
  *
  * @return Encoded signal.
  */
-double sd_bus_truth_edge_speed_radps_encode(float value);
+double sd_bus_truth_edge_speed_radps_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -3876,7 +3876,7 @@ double sd_bus_truth_edge_speed_radps_encode(float value);
  *
  * @return Decoded signal.
  */
-float sd_bus_truth_edge_speed_radps_decode(double value);
+double sd_bus_truth_edge_speed_radps_decode(double value);
 
 /**
  * Check that given signal is in allowed range.
@@ -3898,7 +3898,7 @@ bool sd_bus_truth_edge_speed_radps_is_in_range(double value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_truth_edge_speed_radps_is_in_phys_range(float value);
+bool sd_bus_truth_edge_speed_radps_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -3907,7 +3907,7 @@ bool sd_bus_truth_edge_speed_radps_is_in_phys_range(float value);
  *
  * @return Encoded signal.
  */
-double sd_bus_truth_edge_net_torque_nm_encode(float value);
+double sd_bus_truth_edge_net_torque_nm_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -3916,7 +3916,7 @@ double sd_bus_truth_edge_net_torque_nm_encode(float value);
  *
  * @return Decoded signal.
  */
-float sd_bus_truth_edge_net_torque_nm_decode(double value);
+double sd_bus_truth_edge_net_torque_nm_decode(double value);
 
 /**
  * Check that given signal is in allowed range.
@@ -3938,7 +3938,7 @@ bool sd_bus_truth_edge_net_torque_nm_is_in_range(double value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_truth_edge_net_torque_nm_is_in_phys_range(float value);
+bool sd_bus_truth_edge_net_torque_nm_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -3947,7 +3947,7 @@ bool sd_bus_truth_edge_net_torque_nm_is_in_phys_range(float value);
  *
  * @return Encoded signal.
  */
-uint32_t sd_bus_truth_edge_tick_encode(float value);
+uint32_t sd_bus_truth_edge_tick_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -3956,7 +3956,7 @@ uint32_t sd_bus_truth_edge_tick_encode(float value);
  *
  * @return Decoded signal.
  */
-float sd_bus_truth_edge_tick_decode(uint32_t value);
+double sd_bus_truth_edge_tick_decode(uint32_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -3978,7 +3978,7 @@ bool sd_bus_truth_edge_tick_is_in_range(uint32_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_truth_edge_tick_is_in_phys_range(float value);
+bool sd_bus_truth_edge_tick_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -3987,7 +3987,7 @@ bool sd_bus_truth_edge_tick_is_in_phys_range(float value);
  *
  * @return Encoded signal.
  */
-uint8_t sd_bus_truth_edge_tooth_encode(float value);
+uint8_t sd_bus_truth_edge_tooth_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -3996,7 +3996,7 @@ uint8_t sd_bus_truth_edge_tooth_encode(float value);
  *
  * @return Decoded signal.
  */
-float sd_bus_truth_edge_tooth_decode(uint8_t value);
+double sd_bus_truth_edge_tooth_decode(uint8_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -4018,7 +4018,7 @@ bool sd_bus_truth_edge_tooth_is_in_range(uint8_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_truth_edge_tooth_is_in_phys_range(float value);
+bool sd_bus_truth_edge_tooth_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -4027,7 +4027,7 @@ bool sd_bus_truth_edge_tooth_is_in_phys_range(float value);
  *
  * @return Encoded signal.
  */
-uint8_t sd_bus_truth_edge_flags_encode(float value);
+uint8_t sd_bus_truth_edge_flags_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -4036,7 +4036,7 @@ uint8_t sd_bus_truth_edge_flags_encode(float value);
  *
  * @return Decoded signal.
  */
-float sd_bus_truth_edge_flags_decode(uint8_t value);
+double sd_bus_truth_edge_flags_decode(uint8_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -4058,7 +4058,7 @@ bool sd_bus_truth_edge_flags_is_in_range(uint8_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_truth_edge_flags_is_in_phys_range(float value);
+bool sd_bus_truth_edge_flags_is_in_phys_range(double value);
 
 /**
  * Pack message truth_cycle.
@@ -4104,7 +4104,7 @@ int sd_bus_truth_cycle_init(struct sd_bus_truth_cycle_t *msg_p);
  *
  * @return Encoded signal.
  */
-double sd_bus_truth_cycle_torque_nm_encode(float value);
+double sd_bus_truth_cycle_torque_nm_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -4113,7 +4113,7 @@ double sd_bus_truth_cycle_torque_nm_encode(float value);
  *
  * @return Decoded signal.
  */
-float sd_bus_truth_cycle_torque_nm_decode(double value);
+double sd_bus_truth_cycle_torque_nm_decode(double value);
 
 /**
  * Check that given signal is in allowed range.
@@ -4135,7 +4135,7 @@ bool sd_bus_truth_cycle_torque_nm_is_in_range(double value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_truth_cycle_torque_nm_is_in_phys_range(float value);
+bool sd_bus_truth_cycle_torque_nm_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -4144,7 +4144,7 @@ bool sd_bus_truth_cycle_torque_nm_is_in_phys_range(float value);
  *
  * @return Encoded signal.
  */
-double sd_bus_truth_cycle_imep_pa_encode(float value);
+double sd_bus_truth_cycle_imep_pa_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -4153,7 +4153,7 @@ double sd_bus_truth_cycle_imep_pa_encode(float value);
  *
  * @return Decoded signal.
  */
-float sd_bus_truth_cycle_imep_pa_decode(double value);
+double sd_bus_truth_cycle_imep_pa_decode(double value);
 
 /**
  * Check that given signal is in allowed range.
@@ -4175,7 +4175,7 @@ bool sd_bus_truth_cycle_imep_pa_is_in_range(double value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_truth_cycle_imep_pa_is_in_phys_range(float value);
+bool sd_bus_truth_cycle_imep_pa_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -4184,7 +4184,7 @@ bool sd_bus_truth_cycle_imep_pa_is_in_phys_range(float value);
  *
  * @return Encoded signal.
  */
-int32_t sd_bus_truth_cycle_cycle_encode(float value);
+int32_t sd_bus_truth_cycle_cycle_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -4193,7 +4193,7 @@ int32_t sd_bus_truth_cycle_cycle_encode(float value);
  *
  * @return Decoded signal.
  */
-float sd_bus_truth_cycle_cycle_decode(int32_t value);
+double sd_bus_truth_cycle_cycle_decode(int32_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -4215,7 +4215,7 @@ bool sd_bus_truth_cycle_cycle_is_in_range(int32_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_truth_cycle_cycle_is_in_phys_range(float value);
+bool sd_bus_truth_cycle_cycle_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -4224,7 +4224,7 @@ bool sd_bus_truth_cycle_cycle_is_in_phys_range(float value);
  *
  * @return Encoded signal.
  */
-uint8_t sd_bus_truth_cycle_cylinder_encode(float value);
+uint8_t sd_bus_truth_cycle_cylinder_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -4233,7 +4233,7 @@ uint8_t sd_bus_truth_cycle_cylinder_encode(float value);
  *
  * @return Decoded signal.
  */
-float sd_bus_truth_cycle_cylinder_decode(uint8_t value);
+double sd_bus_truth_cycle_cylinder_decode(uint8_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -4255,7 +4255,7 @@ bool sd_bus_truth_cycle_cylinder_is_in_range(uint8_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_truth_cycle_cylinder_is_in_phys_range(float value);
+bool sd_bus_truth_cycle_cylinder_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -4264,7 +4264,7 @@ bool sd_bus_truth_cycle_cylinder_is_in_phys_range(float value);
  *
  * @return Encoded signal.
  */
-uint8_t sd_bus_truth_cycle_misfire_encode(float value);
+uint8_t sd_bus_truth_cycle_misfire_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -4273,7 +4273,7 @@ uint8_t sd_bus_truth_cycle_misfire_encode(float value);
  *
  * @return Decoded signal.
  */
-float sd_bus_truth_cycle_misfire_decode(uint8_t value);
+double sd_bus_truth_cycle_misfire_decode(uint8_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -4295,7 +4295,7 @@ bool sd_bus_truth_cycle_misfire_is_in_range(uint8_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_truth_cycle_misfire_is_in_phys_range(float value);
+bool sd_bus_truth_cycle_misfire_is_in_phys_range(double value);
 
 /**
  * Pack message truth_end.
@@ -4341,7 +4341,7 @@ int sd_bus_truth_end_init(struct sd_bus_truth_end_t *msg_p);
  *
  * @return Encoded signal.
  */
-uint32_t sd_bus_truth_end_edges_encode(float value);
+uint32_t sd_bus_truth_end_edges_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -4350,7 +4350,7 @@ uint32_t sd_bus_truth_end_edges_encode(float value);
  *
  * @return Decoded signal.
  */
-float sd_bus_truth_end_edges_decode(uint32_t value);
+double sd_bus_truth_end_edges_decode(uint32_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -4372,7 +4372,7 @@ bool sd_bus_truth_end_edges_is_in_range(uint32_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_truth_end_edges_is_in_phys_range(float value);
+bool sd_bus_truth_end_edges_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -4381,7 +4381,7 @@ bool sd_bus_truth_end_edges_is_in_phys_range(float value);
  *
  * @return Encoded signal.
  */
-uint32_t sd_bus_truth_end_cycles_encode(float value);
+uint32_t sd_bus_truth_end_cycles_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -4390,7 +4390,7 @@ uint32_t sd_bus_truth_end_cycles_encode(float value);
  *
  * @return Decoded signal.
  */
-float sd_bus_truth_end_cycles_decode(uint32_t value);
+double sd_bus_truth_end_cycles_decode(uint32_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -4412,7 +4412,7 @@ bool sd_bus_truth_end_cycles_is_in_range(uint32_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_truth_end_cycles_is_in_phys_range(float value);
+bool sd_bus_truth_end_cycles_is_in_phys_range(double value);
 
 
 #ifdef __cplusplus

@@ -67,6 +67,9 @@ static inline void sd_bus_cycle_to_row(sd_row_t *row, const struct sd_bus_cycle_
     sd_row_put(row, 16, m->cycle_cylinder_torque_8);
 }
 
+#define SD_BUS_INPUTS_FIRST 0xa8u
+#define SD_BUS_INPUTS_END   0xa8u /* the identifier after the last input's */
+
 /* How many bytes frame `part` of a row of `rate` takes, its identifier in *id; 0 when there is no such part. */
 static inline uint32_t sd_bus_row_pack(const sd_row_t *row, uint32_t part, uint32_t *id, uint8_t bytes[64]) {
     uint32_t at = 0;

@@ -23,7 +23,9 @@ uint64_t __sixdeg_truth_t_hash_recursive(const __lcm_hash_ptr *p)
     cp.v = (void*)__sixdeg_truth_t_get_hash;
     (void) cp;
 
-    uint64_t hash = (uint64_t)0x59cfa9ce526fbe3aLL
+    uint64_t hash = (uint64_t)0xf3ac5d10a1de2830LL
+         + __int32_t_hash_recursive(&cp)
+         + __int32_t_hash_recursive(&cp)
          + __int32_t_hash_recursive(&cp)
          + __int32_t_hash_recursive(&cp)
          + __int32_t_hash_recursive(&cp)
@@ -58,6 +60,12 @@ int __sixdeg_truth_t_encode_array(void *buf, int offset, int maxlen, const sixde
         if (thislen < 0) return thislen; else pos += thislen;
 
         thislen = __int32_t_encode_array(buf, offset + pos, maxlen - pos, &(p[element].end), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __int32_t_encode_array(buf, offset + pos, maxlen - pos, &(p[element].sent_edges), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __int32_t_encode_array(buf, offset + pos, maxlen - pos, &(p[element].sent_cycles), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
         thislen = __sixdeg_truth_edge_t_encode_array(buf, offset + pos, maxlen - pos, p[element].edge, p[element].edges);
@@ -95,6 +103,10 @@ int __sixdeg_truth_t_encoded_array_size(const sixdeg_truth_t *p, int elements)
 
         size += __int32_t_encoded_array_size(&(p[element].end), 1);
 
+        size += __int32_t_encoded_array_size(&(p[element].sent_edges), 1);
+
+        size += __int32_t_encoded_array_size(&(p[element].sent_cycles), 1);
+
         size += __sixdeg_truth_edge_t_encoded_array_size(p[element].edge, p[element].edges);
 
         size += __sixdeg_truth_cycle_t_encoded_array_size(p[element].cycle, p[element].cycles);
@@ -123,6 +135,12 @@ int __sixdeg_truth_t_decode_array(const void *buf, int offset, int maxlen, sixde
         thislen = __int32_t_decode_array(buf, offset + pos, maxlen - pos, &(p[element].end), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
+        thislen = __int32_t_decode_array(buf, offset + pos, maxlen - pos, &(p[element].sent_edges), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __int32_t_decode_array(buf, offset + pos, maxlen - pos, &(p[element].sent_cycles), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
         p[element].edge = (sixdeg_truth_edge_t*) lcm_malloc(sizeof(sixdeg_truth_edge_t) * p[element].edges);
         thislen = __sixdeg_truth_edge_t_decode_array(buf, offset + pos, maxlen - pos, p[element].edge, p[element].edges);
         if (thislen < 0) return thislen; else pos += thislen;
@@ -145,6 +163,10 @@ int __sixdeg_truth_t_decode_array_cleanup(sixdeg_truth_t *p, int elements)
         __int32_t_decode_array_cleanup(&(p[element].cycles), 1);
 
         __int32_t_decode_array_cleanup(&(p[element].end), 1);
+
+        __int32_t_decode_array_cleanup(&(p[element].sent_edges), 1);
+
+        __int32_t_decode_array_cleanup(&(p[element].sent_cycles), 1);
 
         __sixdeg_truth_edge_t_decode_array_cleanup(p[element].edge, p[element].edges);
         if (p[element].edge) free(p[element].edge);
@@ -187,6 +209,10 @@ int __sixdeg_truth_t_clone_array(const sixdeg_truth_t *p, sixdeg_truth_t *q, int
         __int32_t_clone_array(&(p[element].cycles), &(q[element].cycles), 1);
 
         __int32_t_clone_array(&(p[element].end), &(q[element].end), 1);
+
+        __int32_t_clone_array(&(p[element].sent_edges), &(q[element].sent_edges), 1);
+
+        __int32_t_clone_array(&(p[element].sent_cycles), &(q[element].sent_cycles), 1);
 
         q[element].edge = (sixdeg_truth_edge_t*) lcm_malloc(sizeof(sixdeg_truth_edge_t) * q[element].edges);
         __sixdeg_truth_edge_t_clone_array(p[element].edge, q[element].edge, p[element].edges);

@@ -25,6 +25,8 @@ struct _sixdeg_truth_t
     int32_t    edges;
     int32_t    cycles;
     int32_t    end;
+    int32_t    sent_edges;
+    int32_t    sent_cycles;
     sixdeg_truth_edge_t *edge;
     sixdeg_truth_cycle_t *cycle;
 };

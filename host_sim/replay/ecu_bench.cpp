@@ -19,8 +19,12 @@ EcuBench::EcuBench(const sd_calibration_t &calibration)
         throw std::logic_error("a checked calibration was refused");
 }
 
-bool EcuBench::exchange(std::uint16_t kind, std::uint32_t tick) {
-    const sd_event_t event{tick, kind, 0, 0, 0};
+void EcuBench::listen(EventListener listener) {
+    tap_ = std::make_unique<PortTap>(ecu_side_, std::move(listener));
+    ecu_side_ = tap_->port();
+}
+
+bool EcuBench::exchange(const sd_event_t &event) {
     host_side_.send(host_side_.context, &event, 1);
     sd_ecu_run(&ecu_, &ecu_side_);
     bool cycle_ended = false;

@@ -2,7 +2,10 @@
 // An ecu on the bench: the firmware behind the in-process port, and the latest of what it says.
 #pragma once
 #include <cstdint>
+#include <memory>
 #include <optional>
+
+#include "log/port_tap.hpp"
 
 extern "C" {
 #include "sd_ecu.h"
@@ -20,8 +23,11 @@ class EcuBench {
     EcuBench(const EcuBench &) = delete;
     EcuBench &operator=(const EcuBench &) = delete;
 
+    /// Tells `listener` of every event in and out from now on. Call it once.
+    void listen(EventListener listener);
     /// Sends one event and takes in the answer. Returns true when it ended a cycle.
-    bool exchange(std::uint16_t kind, std::uint32_t tick);
+    bool exchange(const sd_event_t &event);
+    bool exchange(std::uint16_t kind, std::uint32_t tick) { return exchange({tick, kind, 0, 0, 0}); }
     /// Sends the time event that falls due every 10 ms before t_s; the first call sets where they begin.
     void tell_time_until(double t_s);
     /// Capture tick of a time, modulo 2^32.
@@ -36,6 +42,7 @@ class EcuBench {
 
     sd_inproc_t port_{};
     sd_port_t ecu_side_, host_side_;
+    std::unique_ptr<PortTap> tap_;
     sd_ecu_t ecu_{};
     sd_signals_t signals_{};
     std::uint8_t health_[SD_OWNER_COUNT] = {};

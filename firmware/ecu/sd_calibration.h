@@ -22,7 +22,7 @@ typedef struct sd_calibration {
     uint16_t firing_position[SD_CYLINDERS_MAX]; ///< First cycle position at or after the firing TDC, in that order.
     float    inertia_kgm2[SD_FOURIER_POSITIONS_MAX]; ///< J half a pitch before each position.
     int32_t  sine_q31[2 * SD_FOURIER_POSITIONS_MAX]; ///< sin(pi k / positions) 2^31.
-    sd_parameters_t parameters;             ///< The reference page.
+    sd_parameters_t parameters;
 } sd_calibration_t;
 
 #define SD_CALIBRATION_BYTES_MAX 2048u

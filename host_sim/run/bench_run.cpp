@@ -17,7 +17,8 @@ class Run {
     Run(const Scenario &scenario, const sd_calibration_t &calibration, RunTables *tables, const EventListener &listener)
         : scenario_(scenario), calibration_(calibration), plant_(scenario, scenario.seed), ecu_(calibration),
           tables_(tables),
-          score_(int(calibration.parameters.torque_harmonics), plant_.model().tables().steps, kScoredCycles) {
+          score_(int(calibration.parameters.torque_harmonics), plant_.model().tables().steps, kScoredCycles),
+          cylinder_score_(scenario.engine.shared.cylinders(), kScoredCycles) {
         plant_.record_steps(&steps_);
         if (listener) ecu_.listen(listener);
     }
@@ -29,7 +30,9 @@ class Run {
         if (plant_.stalled()) ecu_.tell_time_until(rest_ends_s());
         result_.stalled = plant_.stalled();
         result_.counts = ecu_.crank().counts;
-        if (scenario_.speed_mode != SpeedMode::prescribed) result_.torque = score_.result();
+        if (scenario_.speed_mode == SpeedMode::prescribed) return result_;
+        result_.torque = score_.result();
+        result_.cylinders = cylinder_score_.result();
         return result_;
     }
 
@@ -51,6 +54,7 @@ class Run {
         }
         const bool cycle_ended = ecu_.exchange(SD_EVENT_CRANK_EDGE, edge.tick);
         judge(edge);
+        if (cycle_ended) cylinder_score_.estimate(ecu_.signals(), ecu_.health(SD_OWNER_CYLINDER));
         if (tables_) tables_->tooth(edge, ecu_);
         if (tables_ && cycle_ended)
             tables_->firmware_cycle_ended(ended_cycle(scenario_.engine.shared, unwrapped_deg(edge)), ecu_);
@@ -70,7 +74,7 @@ class Run {
         result_.false_edges += edge.spurious;
         if (sure && int(s.crank_tooth) != edge.tooth) ++result_.wrong_teeth;
         const double off_deg = std::remainder(double(s.crank_angle_deg) - edge.angle_deg, 720.0);
-        if (sure && int(s.crank_tooth) == edge.tooth && s.crank_phase_known > 0 && std::abs(off_deg) > 180)
+        if (sure && int(s.crank_tooth) == edge.tooth && s.crank_phase_known > 0 && std::abs(off_deg) > kWrongRevolutionDeg)
             ++result_.wrong_revolutions;
         for (const StepTruth &step : steps_) score_.step(step);
         steps_.clear();
@@ -84,6 +88,7 @@ class Run {
         while (plant_.next_cycle(cycle)) {
             ++result_.true_cycles;
             result_.misfires += cycle.misfire;
+            cylinder_score_.truth(cycle);
             if (tables_) tables_->true_cycle(cycle);
         }
     }
@@ -94,6 +99,7 @@ class Run {
     EcuBench ecu_;
     RunTables *tables_;
     TorqueScore score_;
+    CylinderScore cylinder_score_;
     std::vector<StepTruth> steps_;
     RunResult result_;
 };

@@ -66,12 +66,13 @@ Inputs read_inputs(const Options &options) {
     return inputs;
 }
 
-/// What the event log says of itself; truth is no part of it.
+/// What the event log says of itself. With the engine file other parameters can be tried on it.
 Json about(const Options &options, const Inputs &inputs) {
     const EngineFile &engine = inputs.scenario.engine.shared;
     return {{"sixdeg", SD_VERSION}, {"command", "run"}, {"name", inputs.scenario.name},
             {"engine", {{"name", engine.name}, {"guessed", engine.guessed}}},
-            {"set", options.set}, {"seed", inputs.scenario.seed}, {"files", inputs.files}};
+            {"set", options.set}, {"seed", inputs.scenario.seed}, {"files", inputs.files},
+            {"engine_file", read_file(inputs.scenario.engine_path)}};
 }
 
 Json torque_json(const std::optional<TorqueFigures> &torque) {

@@ -57,6 +57,7 @@ std::uint32_t EcuBench::tick_at(double t_s) const {
 }
 
 bool EcuBench::take(const sd_event_t &event) {
+    if (event.kind != SD_EVENT_SIGNAL) return false;
     float value;
     std::memcpy(&value, &event.value, sizeof value);
     std::memcpy(reinterpret_cast<float *>(&signals_) + event.channel, &value, sizeof value);

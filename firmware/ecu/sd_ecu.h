@@ -4,6 +4,7 @@
 ///   crank edge -> crank decoder -> torque observer -> signals of rate "edge"; at the end of a cycle those of "cycle"
 ///   cam edge   -> phase
 ///   time       -> stall detection, and the answer that all up to now is done
+///   sample     -> kept as the latest reading of its sensor
 ///   gap        -> events were lost: angle and phase are unknown until they are found again
 ///   parameter  -> the working page; since events are handled one by one, a change falls between two teeth
 ///
@@ -14,11 +15,12 @@
 #include "hal.h"
 #include "sd_calibration.h"
 
-/// Torque and firing interval of one cylinder while its cycle runs.
-typedef struct sd_interval {
-    float    sum_nm;
-    uint16_t positions;
-} sd_interval_t;
+/// Latest reading of a sampled sensor.
+typedef struct sd_sample {
+    float    value; ///< In the unit and within the range of sd_input_infos.
+    uint32_t tick;  ///< When it was taken.
+    uint8_t  seen;  ///< 0: never read since init; value is 0 then.
+} sd_sample_t;
 
 typedef struct sd_ecu {
     sd_calibration_t calibration; ///< Its parameters are the working page.
@@ -28,15 +30,16 @@ typedef struct sd_ecu {
         sd_fourier_f32_t f32;
         sd_fourier_q31_t q31;
     } torque;                     ///< Which one: torque.fixed_point.
+    sd_sample_t  sample[SD_INPUT_COUNT]; ///< By sd_input_t.
     sd_signals_t signals;         ///< Present values.
     sd_status_t  status[SD_OWNER_COUNT]; ///< Health of each owner's signals.
-    sd_interval_t interval[SD_CYLINDERS_MAX]; ///< In firing order.
     uint32_t cycle_ticks;         ///< Of the cycle so far.
     uint32_t cycle_positions;     ///< Placed in it.
     uint16_t cycle_position;      ///< Of the last placed tooth.
     uint8_t  following;           ///< The torque observer follows the teeth.
     uint8_t  cycle_clean;         ///< Torque was valid all through this cycle so far.
     uint32_t unknown_events;      ///< Ignored, wraps.
+    uint32_t bad_samples;         ///< Of an unknown sensor, out of range or NaN; ignored, wraps.
     uint32_t unsent_signals;      ///< The port had no room, wraps.
 } sd_ecu_t;
 

@@ -20,8 +20,8 @@ nlohmann::ordered_json figures_json(const ReplayResult &result);
 nlohmann::ordered_json decoder_json(const ReplayResult &result);
 void print_counts(const ReplayResult &result);
 /// summary.json and the tables, wherever the options want them.
-void write_replay(const ReplayOptions &options, const nlohmann::ordered_json &summary, const ReplayResult &result,
-                  const std::vector<int> &firing_order);
+void write_replay(const ReplayOptions &options, const nlohmann::ordered_json &summary,
+                  const ReplayResult &result, const std::vector<int> &firing_order);
 
 /// The command for an event log.
 void replay_event_log(const ReplayOptions &options);

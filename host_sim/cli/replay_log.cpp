@@ -17,7 +17,10 @@ using Json = nlohmann::ordered_json;
 
 void refuse_options_of_recordings(const ReplayOptions &options) {
     const auto refuse = [&](bool given, const char *option) {
-        if (given) throw InputError(options.file, option, "an event log holds its own calibration page; allowed are --tune, --set, --number");
+        if (given)
+            throw InputError(
+                options.file, option,
+                "an event log holds its own calibration page; allowed are --tune, --set, --number");
     };
     refuse(!options.engine.empty(), "--engine");
     refuse(!options.wheel.empty(), "--wheel");
@@ -38,8 +41,10 @@ Json about(const EventLog &log, const std::string &file) {
 Json outputs_json(const LogReplay &replayed) {
     Json first;
     if (replayed.first_difference) first = *replayed.first_difference;
-    return {{"recorded", replayed.recorded_out}, {"replayed", replayed.replayed_out},
-            {"identical", !replayed.first_difference}, {"first_difference", first}};
+    return {{"recorded", replayed.recorded_out},
+            {"replayed", replayed.replayed_out},
+            {"identical", !replayed.first_difference},
+            {"first_difference", first}};
 }
 
 } // namespace
@@ -50,7 +55,8 @@ void replay_event_log(const ReplayOptions &options) {
     TomlFile tune = open_tune(options.tune, options.set, options.number);
     const sd_parameters_t parameters = read_tune(tune, &log.calibration.parameters);
     // An unchanged page has passed every check already, or the log would not be there.
-    const sd_calibration_t page = is_changed(options) ? retune(log.calibration, parameters, tune.name()) : log.calibration;
+    const sd_calibration_t page =
+        is_changed(options) ? retune(log.calibration, parameters, tune.name()) : log.calibration;
 
     Json summary = {{"log", about(log, options.file)}};
     const LogReplay replayed = replay_log(log, page);
@@ -68,7 +74,8 @@ void replay_event_log(const ReplayOptions &options) {
     fmt::print("{} events in, {} out\n", replayed.events_in, replayed.replayed_out);
     print_counts(replayed.rows);
     if (replayed.first_difference) {
-        fmt::print("events out differ from the recorded {}, first at number {}\n", replayed.recorded_out, *replayed.first_difference);
+        fmt::print("events out differ from the recorded {}, first at number {}\n", replayed.recorded_out,
+                   *replayed.first_difference);
     } else {
         fmt::print("events out are the recorded ones, bit for bit\n");
     }

@@ -124,24 +124,27 @@ EventLog read_log(const fs::path &path) {
     const std::size_t end = bytes.size() - kDigestBytes;
     Sha256 sha;
     sha.add(std::string_view(bytes).substr(0, end));
-    if (sha.digest() != std::string_view(bytes).substr(end)) return fail("is truncated or damaged: its checksum is wrong");
+    if (sha.digest() != std::string_view(bytes).substr(end))
+        return fail("is truncated or damaged: its checksum is wrong");
 
     const auto signature = take<std::uint32_t>(&bytes[4]);
     if (signature != SD_SIGNALS_SIGNATURE) {
-        return fail(fmt::format("was written with signal table {:08x}; this program replays {:08x} only", signature,
-                                SD_SIGNALS_SIGNATURE));
+        return fail(fmt::format("was written with signal table {:08x}; this program replays {:08x} only",
+                                signature, SD_SIGNALS_SIGNATURE));
     }
     const std::uint64_t about = take<std::uint32_t>(&bytes[8]), page = take<std::uint32_t>(&bytes[12]);
     const std::uint64_t first = kHeaderBytes + about + page;
-    if (first > end || (end - first) % kEventBytes != 0) return fail("has a header that does not fit its size");
+    if (first > end || (end - first) % kEventBytes != 0)
+        return fail("has a header that does not fit its size");
     EventLog log{bytes.substr(kHeaderBytes, about), {}, {}};
     const auto *page_bytes = reinterpret_cast<const std::uint8_t *>(&bytes[kHeaderBytes + about]);
     if (sd_calibration_decode(&log.calibration, page_bytes, std::uint32_t(page)) != SD_OK)
         return fail("holds a calibration page that cannot be used");
     for (std::size_t at = first; at < end; at += kEventBytes) {
         const char *event = &bytes[at];
-        log.events.push_back({take<std::uint32_t>(event), take<std::uint16_t>(event + 4), take<std::uint16_t>(event + 6),
-                              take<std::uint32_t>(event + 8), take<std::uint32_t>(event + 12)});
+        log.events.push_back({take<std::uint32_t>(event), take<std::uint16_t>(event + 4),
+                              take<std::uint16_t>(event + 6), take<std::uint32_t>(event + 8),
+                              take<std::uint32_t>(event + 12)});
     }
     return log;
 }

@@ -27,8 +27,8 @@ constexpr std::uint16_t kLoggedOut = 0x8000;
 
 class LogWriter {
   public:
-    /// `about` is JSON, for people and exports; nothing of it is needed to replay. Throws InputError when the file
-    /// cannot be written.
+    /// `about` is JSON, for people and exports; nothing of it is needed to replay. Throws InputError when the
+    /// file cannot be written.
     LogWriter(std::filesystem::path path, const std::string &about, const sd_calibration_t &calibration);
     /// Without finish() nothing stays.
     ~LogWriter();
@@ -45,7 +45,7 @@ class LogWriter {
 };
 
 struct EventLog {
-    std::string about;            ///< JSON, as it was given.
+    std::string about; ///< JSON, as it was given.
     sd_calibration_t calibration;
     std::vector<sd_event_t> events; ///< In order; kLoggedOut tells the direction.
 };

@@ -49,8 +49,18 @@ void EcuFeed::finish(double t_s) {
     tell_time(t_s);
 }
 
+void EcuFeed::read_sensors(std::uint32_t tick) {
+    for (std::size_t input = 0; input < shown_.size(); ++input) {
+        if (!shown_[input]) continue;
+        sd_event_t event{tick, SD_EVENT_SAMPLE, std::uint16_t(input), 0, 0};
+        std::memcpy(&event.value, &*shown_[input], sizeof event.value);
+        send(event);
+    }
+}
+
 void EcuFeed::tell_time(double t_s) {
     ++clock_events_;
+    read_sensors(tick_at(t_s));
     send({tick_at(t_s), SD_EVENT_TIME, 0, 0, 0});
 }
 

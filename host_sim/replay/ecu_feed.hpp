@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // An ecu as a host sees it, wherever it runs: events go in, in order of time; what it says comes back.
 #pragma once
+#include <array>
 #include <cstdint>
 #include <deque>
 #include <optional>
@@ -41,6 +42,8 @@ class EcuFeed {
     virtual ~EcuFeed() = default;
 
     virtual void send(const sd_event_t &event) = 0;
+    /// What a sampled sensor shows from now on; it is read every 10 ms, right before the time event.
+    void show(sd_input_t input, double value) { shown_[input] = float(value); }
     /// Sends the time event that falls due every 10 ms before t_s; the first call sets where they begin.
     void tell_time_until(double t_s);
     /// The time event that ends a run.
@@ -58,11 +61,13 @@ class EcuFeed {
     }
 
   private:
+    void read_sensors(std::uint32_t tick);
     void tell_time(double t_s);
 
     double tick_hz_;
     std::optional<double> next_time_s_;
     std::size_t clock_events_ = 0;
+    std::array<std::optional<float>, SD_INPUT_COUNT> shown_{};
     std::vector<sd_event_t> *sink_ = nullptr;
 };
 

@@ -8,7 +8,8 @@ namespace sixdeg {
 namespace {
 
 bool same(const sd_event_t &a, const sd_event_t &b) {
-    return std::tie(a.tick, a.kind, a.channel, a.value, a.flags) == std::tie(b.tick, b.kind, b.channel, b.value, b.flags);
+    return std::tie(a.tick, a.kind, a.channel, a.value, a.flags) ==
+           std::tie(b.tick, b.kind, b.channel, b.value, b.flags);
 }
 
 } // namespace
@@ -42,7 +43,8 @@ LogReplay replay_log(const EventLog &log, const sd_calibration_t &calibration) {
     result.rows = rows.finish(*bench);
     result.recorded_out = recorded.size();
     result.replayed_out = replayed.size();
-    const auto differs = std::mismatch(recorded.begin(), recorded.end(), replayed.begin(), replayed.end(), same);
+    const auto differs =
+        std::mismatch(recorded.begin(), recorded.end(), replayed.begin(), replayed.end(), same);
     if (differs.first != recorded.end() || differs.second != replayed.end())
         result.first_difference = std::size_t(differs.first - recorded.begin());
     return result;

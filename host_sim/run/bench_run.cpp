@@ -51,6 +51,8 @@ class Run {
     }
 
     void take(const EncoderEdge &edge) {
+        ecu_.show(SD_INPUT_AIR_INTAKE_PRESSURE, plant_.intake_pressure_pa() / kPaPerBar);
+        ecu_.show(SD_INPUT_FUEL_INJECTED, plant_.commanded_fuel_kg() * 1e6);
         ecu_.tell_time_until(edge.time_s);
         if (ecu_.clock_events() != judged_) judge_answered();
         judged_ = ecu_.clock_events();

@@ -52,6 +52,14 @@ static inline void sd_lcm_cycle_from_row(sixdeg_cycle_t *m, const sd_row_t *row)
     m->cycle_cylinder_torque_6 = row->value[14];
     m->cycle_cylinder_torque_7 = row->value[15];
     m->cycle_cylinder_torque_8 = row->value[16];
+    m->cycle_cylinder_sd_1 = row->value[17];
+    m->cycle_cylinder_sd_2 = row->value[18];
+    m->cycle_cylinder_sd_3 = row->value[19];
+    m->cycle_cylinder_sd_4 = row->value[20];
+    m->cycle_cylinder_sd_5 = row->value[21];
+    m->cycle_cylinder_sd_6 = row->value[22];
+    m->cycle_cylinder_sd_7 = row->value[23];
+    m->cycle_cylinder_sd_8 = row->value[24];
 }
 
 static inline void sd_lcm_cycle_to_row(sd_row_t *row, const sixdeg_cycle_t *m) {
@@ -67,6 +75,14 @@ static inline void sd_lcm_cycle_to_row(sd_row_t *row, const sixdeg_cycle_t *m) {
     sd_row_put(row, 14, m->cycle_cylinder_torque_6);
     sd_row_put(row, 15, m->cycle_cylinder_torque_7);
     sd_row_put(row, 16, m->cycle_cylinder_torque_8);
+    sd_row_put(row, 17, m->cycle_cylinder_sd_1);
+    sd_row_put(row, 18, m->cycle_cylinder_sd_2);
+    sd_row_put(row, 19, m->cycle_cylinder_sd_3);
+    sd_row_put(row, 20, m->cycle_cylinder_sd_4);
+    sd_row_put(row, 21, m->cycle_cylinder_sd_5);
+    sd_row_put(row, 22, m->cycle_cylinder_sd_6);
+    sd_row_put(row, 23, m->cycle_cylinder_sd_7);
+    sd_row_put(row, 24, m->cycle_cylinder_sd_8);
 }
 
 #endif

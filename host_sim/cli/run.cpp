@@ -191,7 +191,7 @@ void add_options(CLI::App *command, const std::shared_ptr<Options> &options) {
         ->check(CLI::Range(std::uint64_t(0), std::uint64_t(1) << 52));
     command->add_option("--out", options->out, "folder for summary.json, teeth.csv and cycles.csv");
     command->add_option("--json", options->json, "the summary alone");
-    command->add_flag("--nominal", options->nominal, "skip the second run, whose calibration is wrong on purpose");
+    command->add_flag("--nominal", options->nominal, "skip the second run, whose calibration is wrong on purpose; over a bus there is none");
     command->add_option("--record", options->record, "event log of all that goes in and out (docs/log.md)");
     command->add_flag("--real-time", options->real_time, "at the pace of the clock; without it plant and ecu wait for each other");
     command->callback([options] { run(*options); });

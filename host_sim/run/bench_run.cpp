@@ -95,6 +95,7 @@ class Run {
         const double off_deg = std::remainder(double(s.crank_angle_deg) - edge.angle_deg, 720.0);
         if (sure && int(s.crank_tooth) == edge.tooth && s.crank_phase_known > 0 && std::abs(off_deg) > kWrongRevolutionDeg)
             ++result_.wrong_revolutions;
+        if (cycle_ended) cylinder_score_.estimate(s, said_.health(SD_OWNER_CYLINDER));
         if (tables_) tables_->tooth(edge, said_);
         if (tables_ && cycle_ended)
             tables_->firmware_cycle_ended(ended_cycle(scenario_.engine.shared, sent.crank_deg), said_);

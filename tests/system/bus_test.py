@@ -81,7 +81,7 @@ class BusCases:
 
     def test_in_lock_step_every_byte_is_that_of_one_process(self):
         scenario = self.scenario()
-        self.sixdeg("run", scenario, "--out", self.folder / "one")
+        self.sixdeg("run", scenario, "--nominal", "--out", self.folder / "one")
         done = self.sixdeg("run", scenario, "--out", self.folder / "two", "--transport", self.transport, "--record", self.folder / "log")
         self.assertEqual(self.csv_bytes("one"), self.csv_bytes("two"))
         one, two = (json.loads((self.folder / n / "summary.json").read_text()) for n in ("one", "two"))

@@ -18,7 +18,8 @@ class Run {
     Run(const Scenario &scenario, const sd_calibration_t &calibration, EcuFeed &ecu, RunTables *tables, TruthSink *truth)
         : scenario_(scenario), calibration_(calibration), plant_(scenario, scenario.seed), ecu_(ecu), tables_(tables),
           truth_(truth),
-          score_(int(calibration.parameters.torque_harmonics), plant_.model().tables().steps, kScoredCycles) {
+          score_(int(calibration.parameters.torque_harmonics), plant_.model().tables().steps, kScoredCycles),
+          cylinder_score_(scenario.engine.shared.cylinders(), kScoredCycles) {
         plant_.record_steps(&steps_);
         ecu_.record_answers(&heard_);
     }
@@ -34,7 +35,9 @@ class Run {
         result_.stalled = plant_.stalled();
         result_.sync_losses = said_.sync_losses();
         result_.unanswered = answers_.missing();
-        if (scenario_.speed_mode != SpeedMode::prescribed) result_.torque = score_.result();
+        if (scenario_.speed_mode == SpeedMode::prescribed) return result_;
+        result_.torque = score_.result();
+        result_.cylinders = cylinder_score_.result();
         return result_;
     }
 
@@ -90,8 +93,9 @@ class Run {
         result_.false_edges += edge.spurious;
         if (sure && int(s.crank_tooth) != edge.tooth) ++result_.wrong_teeth;
         const double off_deg = std::remainder(double(s.crank_angle_deg) - edge.angle_deg, 720.0);
-        if (sure && int(s.crank_tooth) == edge.tooth && s.crank_phase_known > 0 && std::abs(off_deg) > 180)
+        if (sure && int(s.crank_tooth) == edge.tooth && s.crank_phase_known > 0 && std::abs(off_deg) > kWrongRevolutionDeg)
             ++result_.wrong_revolutions;
+        if (cycle_ended) cylinder_score_.estimate(s, said_.health(SD_OWNER_CYLINDER));
         if (tables_) tables_->tooth(edge, said_);
         if (tables_ && cycle_ended)
             tables_->firmware_cycle_ended(ended_cycle(scenario_.engine.shared, sent.crank_deg), said_);
@@ -105,6 +109,7 @@ class Run {
         while (plant_.next_cycle(cycle)) {
             ++result_.true_cycles;
             result_.misfires += cycle.misfire;
+            cylinder_score_.truth(cycle);
             if (tables_) tables_->true_cycle(cycle);
             if (truth_) truth_->cycle(cycle);
         }
@@ -117,6 +122,7 @@ class Run {
     RunTables *tables_;
     TruthSink *truth_;
     TorqueScore score_;
+    CylinderScore cylinder_score_;
     std::vector<Sent> sent_;
     std::vector<sd_event_t> heard_;
     Answers answers_;

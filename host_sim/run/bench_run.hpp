@@ -6,13 +6,15 @@
 #include <optional>
 
 #include "replay/ecu_bench.hpp"
+#include "run/cylinder_score.hpp"
 #include "run/run_tables.hpp"
 #include "run/torque_score.hpp"
 #include "scenario/scenario.hpp"
 
 namespace sixdeg {
 
-constexpr std::size_t kScoredCycles = 20; ///< The last settled ones go into TorqueFigures.
+constexpr double kWrongRevolutionDeg = 180; ///< Off by more, a right tooth is in the wrong revolution.
+constexpr std::size_t kScoredCycles = 20; ///< The last settled ones go into the figures.
 
 struct RunResult {
     double simulated_s = 0;            ///< To the last edge.
@@ -26,6 +28,7 @@ struct RunResult {
     std::size_t sync_losses = 0;         ///< Times the angle was lost.
     std::size_t unanswered = 0;          ///< Crank edges of which the ecu said nothing; over a bus only.
     std::optional<TorqueFigures> torque; ///< None when the speed is prescribed: torques act on nothing then.
+    std::optional<CylinderFigures> cylinders; ///< The same.
 };
 
 /// Whoever gets the plant's truth as it happens; the ecu does not.

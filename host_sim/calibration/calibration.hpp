@@ -30,9 +30,6 @@ double observer_radius(const EngineFile &engine, const sd_parameters_t &tune);
 /// parameters cannot be initialised together.
 sd_calibration_t calibrate(const EngineFile &engine, const sd_parameters_t &tune, const std::string &tune_name);
 
-/// The page with other parameters, for whoever has no engine file. Throws as calibrate() does.
-sd_calibration_t retune(const sd_calibration_t &page, const sd_parameters_t &tune, const std::string &tune_name);
-
 std::vector<std::uint8_t> page_bytes(const sd_calibration_t &calibration);
 /// The page as a C array `sd_calibration_page`, for a target without files.
 std::string page_source(const std::vector<std::uint8_t> &bytes, const std::string &engine_name);

@@ -7,9 +7,13 @@ namespace sixdeg {
 
 void add_bench(CLI::App &app);
 void add_calibrate(CLI::App &app);
+void add_ecu(CLI::App &app);
+void add_parameter(CLI::App &app);
+void add_plant(CLI::App &app);
 void add_replay(CLI::App &app);
 void add_run(CLI::App &app);
 void add_sweep(CLI::App &app);
+void add_watch(CLI::App &app);
 void add_sensors(CLI::App &app); ///< sensors: which sensors observe which states
 
 } // namespace sixdeg

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// sixdeg run: a scenario's engine and the firmware in one process; summary.json, teeth.csv, cycles.csv.
-#include "run/bench_run.hpp"
+// sixdeg run, sixdeg plant: a scenario's engine and the firmware, in one process or over a bus; summary.json, teeth.csv,
+// cycles.csv.
+#include "bus/bus_run.hpp"
 
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
@@ -14,6 +15,7 @@
 #include "cli/commands.hpp"
 #include "cli/run_figures.hpp"
 #include "cli/tune_options.hpp"
+#include "common/error.hpp"
 #include "common/files.hpp"
 #include "common/stop.hpp"
 #include "log/event_log.hpp"
@@ -27,6 +29,8 @@ struct Options {
     std::string scenario, tune, number, out, json, record;
     std::vector<std::string> set;
     std::optional<std::uint64_t> seed;
+    std::string transport = "inproc";
+    bool real_time = false, start_ecu = true;
     bool nominal = false;
 };
 
@@ -70,12 +74,13 @@ Inputs read_inputs(const Options &options) {
     return inputs;
 }
 
-/// What the event log says of itself; truth is no part of it.
+/// What the event log says of itself. With the engine file other parameters can be tried on it.
 Json about(const Options &options, const Inputs &inputs) {
     const EngineFile &engine = inputs.scenario.engine.shared;
     return {{"sixdeg", SD_VERSION}, {"command", "run"}, {"name", inputs.scenario.name},
             {"engine", {{"name", engine.name}, {"guessed", engine.guessed}}},
-            {"set", options.set}, {"seed", inputs.scenario.seed}, {"files", inputs.files}};
+            {"set", options.set}, {"seed", inputs.scenario.seed}, {"files", inputs.files},
+            {"engine_file", read_file(inputs.scenario.engine_path)}};
 }
 
 /// What the figures rest on beside the parameters.
@@ -95,7 +100,7 @@ Json summarise(const Options &options, const Inputs &inputs, const RunResult &re
     summary["realtime_factor"] = realtime_factor;
     summary["edges"] = result.edges;
     summary["false_edges"] = result.false_edges;
-    summary["sync_losses"] = result.counts.sync_losses;
+    summary["sync_losses"] = result.sync_losses;
     summary["wrong_teeth"] = result.wrong_teeth;
     summary["wrong_revolutions"] = result.wrong_revolutions;
     summary["cylinder_cycles"] = result.true_cycles;
@@ -122,7 +127,7 @@ void print_figures(const Inputs &inputs, const RunResult &result, const std::opt
                inputs.scenario.name.empty() ? inputs.scenario.engine.shared.name : inputs.scenario.name);
     row("simulated", fmt::format("{:.3f} s, {:.0f} times real time", result.simulated_s, realtime_factor));
     row("crank edges", fmt::format("{} ({} false)", result.edges, result.false_edges));
-    row("sync losses", std::to_string(result.counts.sync_losses));
+    row("sync losses", std::to_string(result.sync_losses));
     row("wrong teeth, revolutions", fmt::format("{}, {}", result.wrong_teeth, result.wrong_revolutions));
     row("cylinder cycles", fmt::format("{} ({} misfires)", result.true_cycles, result.misfires));
     if (result.stalled) row("the engine", "stalled");
@@ -146,13 +151,22 @@ void run(const Options &options) {
     EventListener listener;
     if (log) listener = [&](bool out, const sd_event_t &event) { log->add(out, event); };
     stop_on_signals();
+    const bool in_process = options.transport == "inproc";
+    if (in_process && options.real_time) throw InputError("--real-time", "", "is for a bus; give --transport");
+    const BusChoice bus{options.transport, options.real_time ? Pace::real_time : Pace::lock_step, options.start_ecu};
+    BusFigures figures;
+    RunTables *const rows = tables ? &*tables : nullptr;
     const auto start = std::chrono::steady_clock::now();
-    const RunResult result = run_on_bench(inputs.scenario, inputs.calibration, tables ? &*tables : nullptr, listener);
-    const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
-    const double realtime_factor = result.simulated_s / took.count();
+    const RunResult result = in_process ? run_on_bench(inputs.scenario, inputs.calibration, rows, listener)
+                                        : run_on_bus(bus, inputs.scenario, inputs.calibration, rows, listener, figures);
+    const std::chrono::duration<double> since_start = std::chrono::steady_clock::now() - start;
+    const double realtime_factor = result.simulated_s / (in_process ? since_start.count() : figures.took_s);
     std::optional<PerturbedRun> perturbed;
-    if (!options.nominal) perturbed = run_perturbed(inputs);
-    const std::string summary = summarise(options, inputs, result, perturbed, realtime_factor).dump(2) + "\n";
+    if (in_process && !options.nominal) perturbed = run_perturbed(inputs);
+    Json about_run = summarise(options, inputs, result, perturbed, realtime_factor);
+    if (!in_process) about_run["bus"] = bus_json(bus, figures);
+    if (!in_process) about_run["bus"]["edges_unanswered"] = result.unanswered;
+    const std::string summary = about_run.dump(2) + "\n";
     if (log) log->finish();
     if (tables) {
         OutputFolder out(options.out);
@@ -163,14 +177,11 @@ void run(const Options &options) {
     }
     if (!options.json.empty()) write_file(options.json, summary);
     print_figures(inputs, result, perturbed, realtime_factor);
+    if (!in_process) print_bus(figures, result.unanswered);
     end_by_signal();
 }
 
-} // namespace
-
-void add_run(CLI::App &app) {
-    auto options = std::make_shared<Options>();
-    CLI::App *command = app.add_subcommand("run", "a scenario's engine and the firmware in one process");
+void add_options(CLI::App *command, const std::shared_ptr<Options> &options) {
     command->add_option("SCENARIO", options->scenario, "scenario file (docs/scenario.md)")->required();
     command->add_option("--tune", options->tune, "tune file");
     command
@@ -181,9 +192,27 @@ void add_run(CLI::App &app) {
         ->check(CLI::Range(std::uint64_t(0), std::uint64_t(1) << 52));
     command->add_option("--out", options->out, "folder for summary.json, teeth.csv and cycles.csv");
     command->add_option("--json", options->json, "the summary alone");
-    command->add_flag("--nominal", options->nominal, "skip the second run, whose calibration is wrong on purpose");
+    command->add_flag("--nominal", options->nominal, "skip the second run, whose calibration is wrong on purpose; over a bus there is none");
     command->add_option("--record", options->record, "event log of all that goes in and out (docs/log.md)");
+    command->add_flag("--real-time", options->real_time, "at the pace of the clock; without it plant and ecu wait for each other");
     command->callback([options] { run(*options); });
+}
+
+} // namespace
+
+void add_run(CLI::App &app) {
+    auto options = std::make_shared<Options>();
+    CLI::App *command = app.add_subcommand("run", "a scenario's engine and the firmware, in one process or as two over a bus");
+    add_options(command, options);
+    command->add_option("--transport", options->transport, "inproc, can:IFACE, lcm or lcm:URL (docs/bus.md)");
+}
+
+void add_plant(CLI::App &app) {
+    auto options = std::make_shared<Options>();
+    options->start_ecu = false;
+    CLI::App *command = app.add_subcommand("plant", "a scenario's engine on a bus, for an ecu that is there");
+    add_options(command, options);
+    command->add_option("--transport", options->transport, "can:IFACE, lcm or lcm:URL (docs/bus.md)")->required();
 }
 
 } // namespace sixdeg

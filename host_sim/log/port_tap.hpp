@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // A port that tells a listener of every event it moves.
 #pragma once
+#include <cstdint>
 #include <functional>
 
 extern "C" {

@@ -11,25 +11,30 @@
 namespace sixdeg {
 namespace {
 
-/// One run while it lasts.
+/// One run while it lasts. Events go to the ecu at once; what it says of an edge comes when the next time event
+/// has been answered, and waits for nobody's truth to reach it.
 class Run {
   public:
-    Run(const Scenario &scenario, const sd_calibration_t &calibration, RunTables *tables, const EventListener &listener)
-        : scenario_(scenario), calibration_(calibration), plant_(scenario, scenario.seed), ecu_(calibration),
-          tables_(tables),
+    Run(const Scenario &scenario, const sd_calibration_t &calibration, EcuFeed &ecu, RunTables *tables, TruthSink *truth)
+        : scenario_(scenario), calibration_(calibration), plant_(scenario, scenario.seed), ecu_(ecu), tables_(tables),
+          truth_(truth),
           score_(int(calibration.parameters.torque_harmonics), plant_.model().tables().steps, kScoredCycles),
           cylinder_score_(scenario.engine.shared.cylinders(), kScoredCycles) {
         plant_.record_steps(&steps_);
-        if (listener) ecu_.listen(listener);
+        ecu_.record_answers(&heard_);
     }
 
     RunResult finish() {
         EncoderEdge edge;
         while (stop_signal() == 0 && plant_.next_edge(edge)) take(edge);
         take_cycles();
-        if (plant_.stalled()) ecu_.tell_time_until(rest_ends_s());
+        ecu_.finish(plant_.stalled() ? rest_ends_s() : result_.simulated_s);
+        judge_answered();
+        answers_.take_rest(said_);
+        ecu_.record_answers(nullptr);
         result_.stalled = plant_.stalled();
-        result_.counts = ecu_.crank().counts;
+        result_.sync_losses = said_.sync_losses();
+        result_.unanswered = answers_.missing();
         if (scenario_.speed_mode == SpeedMode::prescribed) return result_;
         result_.torque = score_.result();
         result_.cylinders = cylinder_score_.result();
@@ -37,6 +42,11 @@ class Run {
     }
 
   private:
+    struct Sent { // a crank edge whose answer is to come
+        EncoderEdge edge;
+        double crank_deg;
+    };
+
     /// No edge tells of standing still, so the clock must; a run of cycles has no end of its own then.
     double rest_ends_s() const {
         if (scenario_.duration_s > 0) return scenario_.duration_s;
@@ -47,18 +57,25 @@ class Run {
         ecu_.show(SD_INPUT_AIR_INTAKE_PRESSURE, plant_.intake_pressure_pa() / kPaPerBar);
         ecu_.show(SD_INPUT_FUEL_INJECTED, plant_.commanded_fuel_kg() * 1e6);
         ecu_.tell_time_until(edge.time_s);
+        if (ecu_.clock_events() != judged_) judge_answered();
+        judged_ = ecu_.clock_events();
         result_.simulated_s = edge.time_s;
-        if (edge.kind == EdgeKind::cam) {
-            ecu_.exchange(SD_EVENT_CAM_EDGE, edge.tick);
-            return;
-        }
-        const bool cycle_ended = ecu_.exchange(SD_EVENT_CRANK_EDGE, edge.tick);
-        judge(edge);
-        if (cycle_ended) cylinder_score_.estimate(ecu_.signals(), ecu_.health(SD_OWNER_CYLINDER));
-        if (tables_) tables_->tooth(edge, ecu_);
-        if (tables_ && cycle_ended)
-            tables_->firmware_cycle_ended(ended_cycle(scenario_.engine.shared, unwrapped_deg(edge)), ecu_);
+        const bool crank = edge.kind == EdgeKind::crank;
+        ecu_.send({edge.tick, std::uint16_t(crank ? SD_EVENT_CRANK_EDGE : SD_EVENT_CAM_EDGE), 0, 0, 0});
+        for (const StepTruth &step : steps_) score_.step(step);
+        steps_.clear();
+        if (!crank) return;
+        sent_.push_back({edge, unwrapped_deg(edge)});
+        if (truth_) truth_->edge(edge, sent_.back().crank_deg);
         take_cycles();
+    }
+
+    /// Whatever has no answer by now will get none.
+    void judge_answered() {
+        answers_.add(heard_);
+        heard_.clear();
+        for (const Sent &sent : sent_) judge(sent);
+        sent_.clear();
     }
 
     // The plant is less than a revolution ahead of the edges it has handed out.
@@ -67,20 +84,24 @@ class Run {
         return edge.angle_deg + 720 * std::round((ahead_deg - edge.angle_deg) / 720);
     }
 
-    void judge(const EncoderEdge &edge) {
-        const sd_signals_t &s = ecu_.signals();
-        const bool sure = is_placed(s) && ecu_.health(SD_OWNER_CRANK) == SD_VALID;
+    void judge(const Sent &sent) {
+        const EncoderEdge &edge = sent.edge;
+        const bool cycle_ended = answers_.take(edge.tick, said_);
+        const sd_signals_t &s = said_.signals();
+        const bool sure = is_placed(s) && said_.health(SD_OWNER_CRANK) == SD_VALID;
         ++result_.edges;
         result_.false_edges += edge.spurious;
         if (sure && int(s.crank_tooth) != edge.tooth) ++result_.wrong_teeth;
         const double off_deg = std::remainder(double(s.crank_angle_deg) - edge.angle_deg, 720.0);
         if (sure && int(s.crank_tooth) == edge.tooth && s.crank_phase_known > 0 && std::abs(off_deg) > kWrongRevolutionDeg)
             ++result_.wrong_revolutions;
-        for (const StepTruth &step : steps_) score_.step(step);
-        steps_.clear();
+        if (cycle_ended) cylinder_score_.estimate(s, said_.health(SD_OWNER_CYLINDER));
+        if (tables_) tables_->tooth(edge, said_);
+        if (tables_ && cycle_ended)
+            tables_->firmware_cycle_ended(ended_cycle(scenario_.engine.shared, sent.crank_deg), said_);
         if (s.crank_edge_class == SD_EDGE_SPURIOUS) return; // left out, so the estimate did not move
-        const bool settled = is_placed(s) && ecu_.health(SD_OWNER_TORQUE) == SD_VALID && !edge.backward;
-        score_.edge(unwrapped_deg(edge), edge.net_torque_nm, double(s.torque_mass_nm), settled);
+        const bool settled = is_placed(s) && said_.health(SD_OWNER_TORQUE) == SD_VALID && !edge.backward;
+        score_.edge(sent.crank_deg, edge.net_torque_nm, double(s.torque_mass_nm), settled);
     }
 
     void take_cycles() {
@@ -90,25 +111,39 @@ class Run {
             result_.misfires += cycle.misfire;
             cylinder_score_.truth(cycle);
             if (tables_) tables_->true_cycle(cycle);
+            if (truth_) truth_->cycle(cycle);
         }
     }
 
     const Scenario &scenario_;
     const sd_calibration_t &calibration_;
     Plant plant_;
-    EcuBench ecu_;
+    EcuFeed &ecu_;
     RunTables *tables_;
+    TruthSink *truth_;
     TorqueScore score_;
     CylinderScore cylinder_score_;
+    std::vector<Sent> sent_;
+    std::vector<sd_event_t> heard_;
+    Answers answers_;
+    EcuSaid said_;
+    std::size_t judged_ = 0;
     std::vector<StepTruth> steps_;
     RunResult result_;
 };
 
 } // namespace
 
+RunResult run_scenario(const Scenario &scenario, const sd_calibration_t &calibration, EcuFeed &ecu, RunTables *tables,
+                       TruthSink *truth) {
+    return std::make_unique<Run>(scenario, calibration, ecu, tables, truth)->finish();
+}
+
 RunResult run_on_bench(const Scenario &scenario, const sd_calibration_t &calibration, RunTables *tables,
                        const EventListener &listener) {
-    return std::make_unique<Run>(scenario, calibration, tables, listener)->finish();
+    const auto bench = std::make_unique<EcuBench>(calibration);
+    if (listener) bench->listen(listener);
+    return run_scenario(scenario, calibration, *bench, tables);
 }
 
 } // namespace sixdeg

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
-// Plant and firmware in one process. The firmware gets edges and time through the in-process port and nothing
-// else; truth goes past it to whoever scores.
+// Plant and firmware together. The firmware gets edges and time through a port and nothing else; truth goes past it
+// to whoever scores.
 #pragma once
 #include <cstdint>
 #include <optional>
 
+#include "replay/ecu_bench.hpp"
 #include "run/cylinder_score.hpp"
 #include "run/run_tables.hpp"
 #include "run/torque_score.hpp"
@@ -24,10 +25,24 @@ struct RunResult {
     std::size_t true_cycles = 0;       ///< Of single cylinders, complete.
     std::size_t misfires = 0;          ///< Of those.
     bool stalled = false;
-    sd_crank_counts_t counts{};          ///< The decoder's own.
+    std::size_t sync_losses = 0;         ///< Times the angle was lost.
+    std::size_t unanswered = 0;          ///< Crank edges of which the ecu said nothing; over a bus only.
     std::optional<TorqueFigures> torque; ///< None when the speed is prescribed: torques act on nothing then.
     std::optional<CylinderFigures> cylinders; ///< The same.
 };
+
+/// Whoever gets the plant's truth as it happens; the ecu does not.
+class TruthSink {
+  public:
+    virtual ~TruthSink() = default;
+    /// `crank_deg` is the true crank angle, never wrapping.
+    virtual void edge(const EncoderEdge &edge, double crank_deg) = 0;
+    virtual void cycle(const CycleTruth &cycle) = 0;
+};
+
+/// Runs the scenario to its end with the ecu behind `ecu`, which has the page `calibration`. The rest as below.
+RunResult run_scenario(const Scenario &scenario, const sd_calibration_t &calibration, EcuFeed &ecu, RunTables *tables,
+                       TruthSink *truth = nullptr);
 
 /// Runs the scenario to its end. `calibration` comes from calibrate() and need not be of the scenario's
 /// engine. `tables` (nullptr: nothing is kept per tooth) takes the rows, `listener` (may be empty) every event in and

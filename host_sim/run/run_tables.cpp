@@ -21,7 +21,7 @@ std::int64_t ended_cycle(const EngineFile &engine, double crank_deg) {
     return std::int64_t(std::floor((crank_deg - engine.position_0_deg + 180) / 720)) - 1;
 }
 
-void RunTables::tooth(const EncoderEdge &truth, const EcuBench &ecu) {
+void RunTables::tooth(const EncoderEdge &truth, const EcuSaid &ecu) {
     const sd_signals_t &s = ecu.signals();
     const bool placed = is_placed(s);
     const std::uint8_t torque_health = ecu.health(SD_OWNER_TORQUE);
@@ -38,7 +38,7 @@ void RunTables::tooth(const EncoderEdge &truth, const EcuBench &ecu) {
     fmt::format_to(out, ",{},{}\n", health_name(ecu.health(SD_OWNER_CRANK)), health_name(torque_health));
 }
 
-void RunTables::firmware_cycle_ended(std::int64_t number, const EcuBench &ecu) {
+void RunTables::firmware_cycle_ended(std::int64_t number, const EcuSaid &ecu) {
     firmware_[number] = {ecu.signals(), ecu.health(SD_OWNER_CYLINDER)};
 }
 

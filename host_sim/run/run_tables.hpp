@@ -8,7 +8,7 @@
 
 #include "common/engine_file.hpp"
 #include "engine/engine_model.hpp"
-#include "replay/ecu_bench.hpp"
+#include "replay/ecu_feed.hpp"
 #include "sensors/pickup.hpp"
 
 namespace sixdeg {
@@ -26,9 +26,9 @@ class RunTables {
     explicit RunTables(const EngineFile &engine) : engine_(engine) {}
 
     /// A crank edge, and what the firmware said of it.
-    void tooth(const EncoderEdge &truth, const EcuBench &ecu);
+    void tooth(const EncoderEdge &truth, const EcuSaid &ecu);
     /// The firmware ended its cycle `number`.
-    void firmware_cycle_ended(std::int64_t number, const EcuBench &ecu);
+    void firmware_cycle_ended(std::int64_t number, const EcuSaid &ecu);
     void true_cycle(const CycleTruth &truth) { truths_.push_back(truth); }
 
     const std::string &teeth_csv() const { return teeth_; }

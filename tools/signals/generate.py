@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: MIT
 """Makes hal/generated/sd_signals.{h,c}, the bus files of bus.py and docs/signals.md from hal/signals.toml.
 
-Without arguments it rewrites the files that differ; with --check it only compares and fails on a difference.
+Without arguments it rewrites the files that differ, and has bus_code.py do the same; with --check it only compares and
+fails on a difference.
 """
 import pathlib
 import sys
@@ -10,6 +11,7 @@ import tomllib
 import zlib
 
 import bus
+import bus_code
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 TABLE = ROOT / "hal" / "signals.toml"
@@ -147,7 +149,7 @@ def main():
         path.parent.mkdir(exist_ok=True)
         path.write_text(files[path])
         print(f"wrote {path.relative_to(ROOT)}")
-    return 0
+    return bus_code.main()
 
 
 if __name__ == "__main__":

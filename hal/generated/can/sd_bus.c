@@ -827,6 +827,410 @@ bool sd_bus_time_session_is_in_phys_range(double value)
     return ((value >= 0.0) && (value <= 255.0));
 }
 
+int sd_bus_input_air_intake_pressure_pack(
+    uint8_t *dst_p,
+    const struct sd_bus_input_air_intake_pressure_t *src_p,
+    size_t size)
+{
+    uint32_t value;
+
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    memset(&dst_p[0], 0, 8);
+
+    dst_p[0] |= pack_left_shift_u32(src_p->tick, 0u, 0xffu);
+    dst_p[1] |= pack_right_shift_u32(src_p->tick, 8u, 0xffu);
+    dst_p[2] |= pack_right_shift_u32(src_p->tick, 16u, 0xffu);
+    dst_p[3] |= pack_right_shift_u32(src_p->tick, 24u, 0xffu);
+    memcpy(&value, &src_p->value, sizeof(value));
+    dst_p[4] |= pack_left_shift_u32(value, 0u, 0xffu);
+    dst_p[5] |= pack_right_shift_u32(value, 8u, 0xffu);
+    dst_p[6] |= pack_right_shift_u32(value, 16u, 0xffu);
+    dst_p[7] |= pack_right_shift_u32(value, 24u, 0xffu);
+
+    return (8);
+}
+
+int sd_bus_input_air_intake_pressure_unpack(
+    struct sd_bus_input_air_intake_pressure_t *dst_p,
+    const uint8_t *src_p,
+    size_t size)
+{
+    uint32_t value;
+
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    dst_p->tick = unpack_right_shift_u32(src_p[0], 0u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[1], 8u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[2], 16u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[3], 24u, 0xffu);
+    value = unpack_right_shift_u32(src_p[4], 0u, 0xffu);
+    value |= unpack_left_shift_u32(src_p[5], 8u, 0xffu);
+    value |= unpack_left_shift_u32(src_p[6], 16u, 0xffu);
+    value |= unpack_left_shift_u32(src_p[7], 24u, 0xffu);
+    memcpy(&dst_p->value, &value, sizeof(dst_p->value));
+
+    return (0);
+}
+
+int sd_bus_input_air_intake_pressure_init(struct sd_bus_input_air_intake_pressure_t *msg_p)
+{
+    if (msg_p == NULL) return -1;
+
+    memset(msg_p, 0, sizeof(struct sd_bus_input_air_intake_pressure_t));
+
+    return 0;
+}
+
+uint32_t sd_bus_input_air_intake_pressure_tick_encode(double value)
+{
+    return (uint32_t)(cantools_unsigned_from_double(round(value)));
+}
+
+double sd_bus_input_air_intake_pressure_tick_decode(uint32_t value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_input_air_intake_pressure_tick_is_in_range(uint32_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool sd_bus_input_air_intake_pressure_tick_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 4294967295.0));
+}
+
+float sd_bus_input_air_intake_pressure_value_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_input_air_intake_pressure_value_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_input_air_intake_pressure_value_is_in_range(float value)
+{
+    return ((value >= 0.05f) && (value <= 6.0f));
+}
+
+bool sd_bus_input_air_intake_pressure_value_is_in_phys_range(double value)
+{
+    return ((value >= 0.05) && (value <= 6.0));
+}
+
+int sd_bus_input_fuel_injected_pack(
+    uint8_t *dst_p,
+    const struct sd_bus_input_fuel_injected_t *src_p,
+    size_t size)
+{
+    uint32_t value;
+
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    memset(&dst_p[0], 0, 8);
+
+    dst_p[0] |= pack_left_shift_u32(src_p->tick, 0u, 0xffu);
+    dst_p[1] |= pack_right_shift_u32(src_p->tick, 8u, 0xffu);
+    dst_p[2] |= pack_right_shift_u32(src_p->tick, 16u, 0xffu);
+    dst_p[3] |= pack_right_shift_u32(src_p->tick, 24u, 0xffu);
+    memcpy(&value, &src_p->value, sizeof(value));
+    dst_p[4] |= pack_left_shift_u32(value, 0u, 0xffu);
+    dst_p[5] |= pack_right_shift_u32(value, 8u, 0xffu);
+    dst_p[6] |= pack_right_shift_u32(value, 16u, 0xffu);
+    dst_p[7] |= pack_right_shift_u32(value, 24u, 0xffu);
+
+    return (8);
+}
+
+int sd_bus_input_fuel_injected_unpack(
+    struct sd_bus_input_fuel_injected_t *dst_p,
+    const uint8_t *src_p,
+    size_t size)
+{
+    uint32_t value;
+
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    dst_p->tick = unpack_right_shift_u32(src_p[0], 0u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[1], 8u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[2], 16u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[3], 24u, 0xffu);
+    value = unpack_right_shift_u32(src_p[4], 0u, 0xffu);
+    value |= unpack_left_shift_u32(src_p[5], 8u, 0xffu);
+    value |= unpack_left_shift_u32(src_p[6], 16u, 0xffu);
+    value |= unpack_left_shift_u32(src_p[7], 24u, 0xffu);
+    memcpy(&dst_p->value, &value, sizeof(dst_p->value));
+
+    return (0);
+}
+
+int sd_bus_input_fuel_injected_init(struct sd_bus_input_fuel_injected_t *msg_p)
+{
+    if (msg_p == NULL) return -1;
+
+    memset(msg_p, 0, sizeof(struct sd_bus_input_fuel_injected_t));
+
+    return 0;
+}
+
+uint32_t sd_bus_input_fuel_injected_tick_encode(double value)
+{
+    return (uint32_t)(cantools_unsigned_from_double(round(value)));
+}
+
+double sd_bus_input_fuel_injected_tick_decode(uint32_t value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_input_fuel_injected_tick_is_in_range(uint32_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool sd_bus_input_fuel_injected_tick_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 4294967295.0));
+}
+
+float sd_bus_input_fuel_injected_value_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_input_fuel_injected_value_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_input_fuel_injected_value_is_in_range(float value)
+{
+    return ((value >= 0.0f) && (value <= 1000.0f));
+}
+
+bool sd_bus_input_fuel_injected_value_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 1000.0));
+}
+
+int sd_bus_input_exhaust_lambda_pack(
+    uint8_t *dst_p,
+    const struct sd_bus_input_exhaust_lambda_t *src_p,
+    size_t size)
+{
+    uint32_t value;
+
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    memset(&dst_p[0], 0, 8);
+
+    dst_p[0] |= pack_left_shift_u32(src_p->tick, 0u, 0xffu);
+    dst_p[1] |= pack_right_shift_u32(src_p->tick, 8u, 0xffu);
+    dst_p[2] |= pack_right_shift_u32(src_p->tick, 16u, 0xffu);
+    dst_p[3] |= pack_right_shift_u32(src_p->tick, 24u, 0xffu);
+    memcpy(&value, &src_p->value, sizeof(value));
+    dst_p[4] |= pack_left_shift_u32(value, 0u, 0xffu);
+    dst_p[5] |= pack_right_shift_u32(value, 8u, 0xffu);
+    dst_p[6] |= pack_right_shift_u32(value, 16u, 0xffu);
+    dst_p[7] |= pack_right_shift_u32(value, 24u, 0xffu);
+
+    return (8);
+}
+
+int sd_bus_input_exhaust_lambda_unpack(
+    struct sd_bus_input_exhaust_lambda_t *dst_p,
+    const uint8_t *src_p,
+    size_t size)
+{
+    uint32_t value;
+
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    dst_p->tick = unpack_right_shift_u32(src_p[0], 0u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[1], 8u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[2], 16u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[3], 24u, 0xffu);
+    value = unpack_right_shift_u32(src_p[4], 0u, 0xffu);
+    value |= unpack_left_shift_u32(src_p[5], 8u, 0xffu);
+    value |= unpack_left_shift_u32(src_p[6], 16u, 0xffu);
+    value |= unpack_left_shift_u32(src_p[7], 24u, 0xffu);
+    memcpy(&dst_p->value, &value, sizeof(dst_p->value));
+
+    return (0);
+}
+
+int sd_bus_input_exhaust_lambda_init(struct sd_bus_input_exhaust_lambda_t *msg_p)
+{
+    if (msg_p == NULL) return -1;
+
+    memset(msg_p, 0, sizeof(struct sd_bus_input_exhaust_lambda_t));
+
+    return 0;
+}
+
+uint32_t sd_bus_input_exhaust_lambda_tick_encode(double value)
+{
+    return (uint32_t)(cantools_unsigned_from_double(round(value)));
+}
+
+double sd_bus_input_exhaust_lambda_tick_decode(uint32_t value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_input_exhaust_lambda_tick_is_in_range(uint32_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool sd_bus_input_exhaust_lambda_tick_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 4294967295.0));
+}
+
+float sd_bus_input_exhaust_lambda_value_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_input_exhaust_lambda_value_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_input_exhaust_lambda_value_is_in_range(float value)
+{
+    return ((value >= 0.5f) && (value <= 20.0f));
+}
+
+bool sd_bus_input_exhaust_lambda_value_is_in_phys_range(double value)
+{
+    return ((value >= 0.5) && (value <= 20.0));
+}
+
+int sd_bus_input_exhaust_pressure_pack(
+    uint8_t *dst_p,
+    const struct sd_bus_input_exhaust_pressure_t *src_p,
+    size_t size)
+{
+    uint32_t value;
+
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    memset(&dst_p[0], 0, 8);
+
+    dst_p[0] |= pack_left_shift_u32(src_p->tick, 0u, 0xffu);
+    dst_p[1] |= pack_right_shift_u32(src_p->tick, 8u, 0xffu);
+    dst_p[2] |= pack_right_shift_u32(src_p->tick, 16u, 0xffu);
+    dst_p[3] |= pack_right_shift_u32(src_p->tick, 24u, 0xffu);
+    memcpy(&value, &src_p->value, sizeof(value));
+    dst_p[4] |= pack_left_shift_u32(value, 0u, 0xffu);
+    dst_p[5] |= pack_right_shift_u32(value, 8u, 0xffu);
+    dst_p[6] |= pack_right_shift_u32(value, 16u, 0xffu);
+    dst_p[7] |= pack_right_shift_u32(value, 24u, 0xffu);
+
+    return (8);
+}
+
+int sd_bus_input_exhaust_pressure_unpack(
+    struct sd_bus_input_exhaust_pressure_t *dst_p,
+    const uint8_t *src_p,
+    size_t size)
+{
+    uint32_t value;
+
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    dst_p->tick = unpack_right_shift_u32(src_p[0], 0u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[1], 8u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[2], 16u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[3], 24u, 0xffu);
+    value = unpack_right_shift_u32(src_p[4], 0u, 0xffu);
+    value |= unpack_left_shift_u32(src_p[5], 8u, 0xffu);
+    value |= unpack_left_shift_u32(src_p[6], 16u, 0xffu);
+    value |= unpack_left_shift_u32(src_p[7], 24u, 0xffu);
+    memcpy(&dst_p->value, &value, sizeof(dst_p->value));
+
+    return (0);
+}
+
+int sd_bus_input_exhaust_pressure_init(struct sd_bus_input_exhaust_pressure_t *msg_p)
+{
+    if (msg_p == NULL) return -1;
+
+    memset(msg_p, 0, sizeof(struct sd_bus_input_exhaust_pressure_t));
+
+    return 0;
+}
+
+uint32_t sd_bus_input_exhaust_pressure_tick_encode(double value)
+{
+    return (uint32_t)(cantools_unsigned_from_double(round(value)));
+}
+
+double sd_bus_input_exhaust_pressure_tick_decode(uint32_t value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_input_exhaust_pressure_tick_is_in_range(uint32_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool sd_bus_input_exhaust_pressure_tick_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 4294967295.0));
+}
+
+float sd_bus_input_exhaust_pressure_value_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_input_exhaust_pressure_value_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_input_exhaust_pressure_value_is_in_range(float value)
+{
+    return ((value >= 0.05f) && (value <= 10.0f));
+}
+
+bool sd_bus_input_exhaust_pressure_value_is_in_phys_range(double value)
+{
+    return ((value >= 0.05) && (value <= 10.0));
+}
+
 int sd_bus_edge_pack(
     uint8_t *dst_p,
     const struct sd_bus_edge_t *src_p,
@@ -1244,11 +1648,16 @@ bool sd_bus_edge_torque_innovation_is_in_phys_range(double value)
     return ((value >= -1000000.0) && (value <= 1000000.0));
 }
 
-int sd_bus_cycle_pack(
+int sd_bus_cycle_1_pack(
     uint8_t *dst_p,
-    const struct sd_bus_cycle_t *src_p,
+    const struct sd_bus_cycle_1_t *src_p,
     size_t size)
 {
+    uint32_t cycle_cylinder_sd_1;
+    uint32_t cycle_cylinder_sd_2;
+    uint32_t cycle_cylinder_sd_3;
+    uint32_t cycle_cylinder_sd_4;
+    uint32_t cycle_cylinder_sd_5;
     uint32_t cycle_cylinder_torque_1;
     uint32_t cycle_cylinder_torque_2;
     uint32_t cycle_cylinder_torque_3;
@@ -1259,11 +1668,11 @@ int sd_bus_cycle_pack(
     uint32_t cycle_cylinder_torque_8;
     uint32_t cycle_speed;
 
-    if (size < 48u) {
+    if (size < 64u) {
         return (-EINVAL);
     }
 
-    memset(&dst_p[0], 0, 48);
+    memset(&dst_p[0], 0, 64);
 
     dst_p[0] |= pack_left_shift_u32(src_p->tick, 0u, 0xffu);
     dst_p[1] |= pack_right_shift_u32(src_p->tick, 8u, 0xffu);
@@ -1318,15 +1727,45 @@ int sd_bus_cycle_pack(
     dst_p[41] |= pack_right_shift_u32(cycle_cylinder_torque_8, 8u, 0xffu);
     dst_p[42] |= pack_right_shift_u32(cycle_cylinder_torque_8, 16u, 0xffu);
     dst_p[43] |= pack_right_shift_u32(cycle_cylinder_torque_8, 24u, 0xffu);
+    memcpy(&cycle_cylinder_sd_1, &src_p->cycle_cylinder_sd_1, sizeof(cycle_cylinder_sd_1));
+    dst_p[44] |= pack_left_shift_u32(cycle_cylinder_sd_1, 0u, 0xffu);
+    dst_p[45] |= pack_right_shift_u32(cycle_cylinder_sd_1, 8u, 0xffu);
+    dst_p[46] |= pack_right_shift_u32(cycle_cylinder_sd_1, 16u, 0xffu);
+    dst_p[47] |= pack_right_shift_u32(cycle_cylinder_sd_1, 24u, 0xffu);
+    memcpy(&cycle_cylinder_sd_2, &src_p->cycle_cylinder_sd_2, sizeof(cycle_cylinder_sd_2));
+    dst_p[48] |= pack_left_shift_u32(cycle_cylinder_sd_2, 0u, 0xffu);
+    dst_p[49] |= pack_right_shift_u32(cycle_cylinder_sd_2, 8u, 0xffu);
+    dst_p[50] |= pack_right_shift_u32(cycle_cylinder_sd_2, 16u, 0xffu);
+    dst_p[51] |= pack_right_shift_u32(cycle_cylinder_sd_2, 24u, 0xffu);
+    memcpy(&cycle_cylinder_sd_3, &src_p->cycle_cylinder_sd_3, sizeof(cycle_cylinder_sd_3));
+    dst_p[52] |= pack_left_shift_u32(cycle_cylinder_sd_3, 0u, 0xffu);
+    dst_p[53] |= pack_right_shift_u32(cycle_cylinder_sd_3, 8u, 0xffu);
+    dst_p[54] |= pack_right_shift_u32(cycle_cylinder_sd_3, 16u, 0xffu);
+    dst_p[55] |= pack_right_shift_u32(cycle_cylinder_sd_3, 24u, 0xffu);
+    memcpy(&cycle_cylinder_sd_4, &src_p->cycle_cylinder_sd_4, sizeof(cycle_cylinder_sd_4));
+    dst_p[56] |= pack_left_shift_u32(cycle_cylinder_sd_4, 0u, 0xffu);
+    dst_p[57] |= pack_right_shift_u32(cycle_cylinder_sd_4, 8u, 0xffu);
+    dst_p[58] |= pack_right_shift_u32(cycle_cylinder_sd_4, 16u, 0xffu);
+    dst_p[59] |= pack_right_shift_u32(cycle_cylinder_sd_4, 24u, 0xffu);
+    memcpy(&cycle_cylinder_sd_5, &src_p->cycle_cylinder_sd_5, sizeof(cycle_cylinder_sd_5));
+    dst_p[60] |= pack_left_shift_u32(cycle_cylinder_sd_5, 0u, 0xffu);
+    dst_p[61] |= pack_right_shift_u32(cycle_cylinder_sd_5, 8u, 0xffu);
+    dst_p[62] |= pack_right_shift_u32(cycle_cylinder_sd_5, 16u, 0xffu);
+    dst_p[63] |= pack_right_shift_u32(cycle_cylinder_sd_5, 24u, 0xffu);
 
-    return (48);
+    return (64);
 }
 
-int sd_bus_cycle_unpack(
-    struct sd_bus_cycle_t *dst_p,
+int sd_bus_cycle_1_unpack(
+    struct sd_bus_cycle_1_t *dst_p,
     const uint8_t *src_p,
     size_t size)
 {
+    uint32_t cycle_cylinder_sd_1;
+    uint32_t cycle_cylinder_sd_2;
+    uint32_t cycle_cylinder_sd_3;
+    uint32_t cycle_cylinder_sd_4;
+    uint32_t cycle_cylinder_sd_5;
     uint32_t cycle_cylinder_torque_1;
     uint32_t cycle_cylinder_torque_2;
     uint32_t cycle_cylinder_torque_3;
@@ -1337,7 +1776,7 @@ int sd_bus_cycle_unpack(
     uint32_t cycle_cylinder_torque_8;
     uint32_t cycle_speed;
 
-    if (size < 48u) {
+    if (size < 64u) {
         return (-EINVAL);
     }
 
@@ -1394,303 +1833,639 @@ int sd_bus_cycle_unpack(
     cycle_cylinder_torque_8 |= unpack_left_shift_u32(src_p[42], 16u, 0xffu);
     cycle_cylinder_torque_8 |= unpack_left_shift_u32(src_p[43], 24u, 0xffu);
     memcpy(&dst_p->cycle_cylinder_torque_8, &cycle_cylinder_torque_8, sizeof(dst_p->cycle_cylinder_torque_8));
+    cycle_cylinder_sd_1 = unpack_right_shift_u32(src_p[44], 0u, 0xffu);
+    cycle_cylinder_sd_1 |= unpack_left_shift_u32(src_p[45], 8u, 0xffu);
+    cycle_cylinder_sd_1 |= unpack_left_shift_u32(src_p[46], 16u, 0xffu);
+    cycle_cylinder_sd_1 |= unpack_left_shift_u32(src_p[47], 24u, 0xffu);
+    memcpy(&dst_p->cycle_cylinder_sd_1, &cycle_cylinder_sd_1, sizeof(dst_p->cycle_cylinder_sd_1));
+    cycle_cylinder_sd_2 = unpack_right_shift_u32(src_p[48], 0u, 0xffu);
+    cycle_cylinder_sd_2 |= unpack_left_shift_u32(src_p[49], 8u, 0xffu);
+    cycle_cylinder_sd_2 |= unpack_left_shift_u32(src_p[50], 16u, 0xffu);
+    cycle_cylinder_sd_2 |= unpack_left_shift_u32(src_p[51], 24u, 0xffu);
+    memcpy(&dst_p->cycle_cylinder_sd_2, &cycle_cylinder_sd_2, sizeof(dst_p->cycle_cylinder_sd_2));
+    cycle_cylinder_sd_3 = unpack_right_shift_u32(src_p[52], 0u, 0xffu);
+    cycle_cylinder_sd_3 |= unpack_left_shift_u32(src_p[53], 8u, 0xffu);
+    cycle_cylinder_sd_3 |= unpack_left_shift_u32(src_p[54], 16u, 0xffu);
+    cycle_cylinder_sd_3 |= unpack_left_shift_u32(src_p[55], 24u, 0xffu);
+    memcpy(&dst_p->cycle_cylinder_sd_3, &cycle_cylinder_sd_3, sizeof(dst_p->cycle_cylinder_sd_3));
+    cycle_cylinder_sd_4 = unpack_right_shift_u32(src_p[56], 0u, 0xffu);
+    cycle_cylinder_sd_4 |= unpack_left_shift_u32(src_p[57], 8u, 0xffu);
+    cycle_cylinder_sd_4 |= unpack_left_shift_u32(src_p[58], 16u, 0xffu);
+    cycle_cylinder_sd_4 |= unpack_left_shift_u32(src_p[59], 24u, 0xffu);
+    memcpy(&dst_p->cycle_cylinder_sd_4, &cycle_cylinder_sd_4, sizeof(dst_p->cycle_cylinder_sd_4));
+    cycle_cylinder_sd_5 = unpack_right_shift_u32(src_p[60], 0u, 0xffu);
+    cycle_cylinder_sd_5 |= unpack_left_shift_u32(src_p[61], 8u, 0xffu);
+    cycle_cylinder_sd_5 |= unpack_left_shift_u32(src_p[62], 16u, 0xffu);
+    cycle_cylinder_sd_5 |= unpack_left_shift_u32(src_p[63], 24u, 0xffu);
+    memcpy(&dst_p->cycle_cylinder_sd_5, &cycle_cylinder_sd_5, sizeof(dst_p->cycle_cylinder_sd_5));
 
     return (0);
 }
 
-int sd_bus_cycle_init(struct sd_bus_cycle_t *msg_p)
+int sd_bus_cycle_1_init(struct sd_bus_cycle_1_t *msg_p)
 {
     if (msg_p == NULL) return -1;
 
-    memset(msg_p, 0, sizeof(struct sd_bus_cycle_t));
+    memset(msg_p, 0, sizeof(struct sd_bus_cycle_1_t));
 
     return 0;
 }
 
-uint32_t sd_bus_cycle_tick_encode(double value)
+uint32_t sd_bus_cycle_1_tick_encode(double value)
 {
     return (uint32_t)(cantools_unsigned_from_double(round(value)));
 }
 
-double sd_bus_cycle_tick_decode(uint32_t value)
+double sd_bus_cycle_1_tick_decode(uint32_t value)
 {
     return ((double)value);
 }
 
-bool sd_bus_cycle_tick_is_in_range(uint32_t value)
+bool sd_bus_cycle_1_tick_is_in_range(uint32_t value)
 {
     (void)value;
 
     return (true);
 }
 
-bool sd_bus_cycle_tick_is_in_phys_range(double value)
+bool sd_bus_cycle_1_tick_is_in_phys_range(double value)
 {
     return ((value >= 0.0) && (value <= 4294967295.0));
 }
 
-uint8_t sd_bus_cycle_crank_health_encode(double value)
+uint8_t sd_bus_cycle_1_crank_health_encode(double value)
 {
     return (uint8_t)(cantools_unsigned_from_double(round(value)));
 }
 
-double sd_bus_cycle_crank_health_decode(uint8_t value)
+double sd_bus_cycle_1_crank_health_decode(uint8_t value)
 {
     return ((double)value);
 }
 
-bool sd_bus_cycle_crank_health_is_in_range(uint8_t value)
+bool sd_bus_cycle_1_crank_health_is_in_range(uint8_t value)
 {
     return (value <= 2u);
 }
 
-bool sd_bus_cycle_crank_health_is_in_phys_range(double value)
+bool sd_bus_cycle_1_crank_health_is_in_phys_range(double value)
 {
     return ((value >= 0.0) && (value <= 2.0));
 }
 
-uint8_t sd_bus_cycle_crank_why_encode(double value)
+uint8_t sd_bus_cycle_1_crank_why_encode(double value)
 {
     return (uint8_t)(cantools_unsigned_from_double(round(value)));
 }
 
-double sd_bus_cycle_crank_why_decode(uint8_t value)
+double sd_bus_cycle_1_crank_why_decode(uint8_t value)
 {
     return ((double)value);
 }
 
-bool sd_bus_cycle_crank_why_is_in_range(uint8_t value)
+bool sd_bus_cycle_1_crank_why_is_in_range(uint8_t value)
 {
     (void)value;
 
     return (true);
 }
 
-bool sd_bus_cycle_crank_why_is_in_phys_range(double value)
+bool sd_bus_cycle_1_crank_why_is_in_phys_range(double value)
 {
     return ((value >= 0.0) && (value <= 255.0));
 }
 
-uint8_t sd_bus_cycle_cylinder_health_encode(double value)
+uint8_t sd_bus_cycle_1_cylinder_health_encode(double value)
 {
     return (uint8_t)(cantools_unsigned_from_double(round(value)));
 }
 
-double sd_bus_cycle_cylinder_health_decode(uint8_t value)
+double sd_bus_cycle_1_cylinder_health_decode(uint8_t value)
 {
     return ((double)value);
 }
 
-bool sd_bus_cycle_cylinder_health_is_in_range(uint8_t value)
+bool sd_bus_cycle_1_cylinder_health_is_in_range(uint8_t value)
 {
     return (value <= 2u);
 }
 
-bool sd_bus_cycle_cylinder_health_is_in_phys_range(double value)
+bool sd_bus_cycle_1_cylinder_health_is_in_phys_range(double value)
 {
     return ((value >= 0.0) && (value <= 2.0));
 }
 
-uint8_t sd_bus_cycle_cylinder_why_encode(double value)
+uint8_t sd_bus_cycle_1_cylinder_why_encode(double value)
 {
     return (uint8_t)(cantools_unsigned_from_double(round(value)));
 }
 
-double sd_bus_cycle_cylinder_why_decode(uint8_t value)
+double sd_bus_cycle_1_cylinder_why_decode(uint8_t value)
 {
     return ((double)value);
 }
 
-bool sd_bus_cycle_cylinder_why_is_in_range(uint8_t value)
+bool sd_bus_cycle_1_cylinder_why_is_in_range(uint8_t value)
 {
     (void)value;
 
     return (true);
 }
 
-bool sd_bus_cycle_cylinder_why_is_in_phys_range(double value)
+bool sd_bus_cycle_1_cylinder_why_is_in_phys_range(double value)
 {
     return ((value >= 0.0) && (value <= 255.0));
 }
 
-float sd_bus_cycle_cycle_speed_encode(double value)
+float sd_bus_cycle_1_cycle_speed_encode(double value)
 {
     return (float)(value);
 }
 
-double sd_bus_cycle_cycle_speed_decode(float value)
+double sd_bus_cycle_1_cycle_speed_decode(float value)
 {
     return ((double)value);
 }
 
-bool sd_bus_cycle_cycle_speed_is_in_range(float value)
+bool sd_bus_cycle_1_cycle_speed_is_in_range(float value)
 {
     return ((value >= 0.0f) && (value <= 20000.0f));
 }
 
-bool sd_bus_cycle_cycle_speed_is_in_phys_range(double value)
+bool sd_bus_cycle_1_cycle_speed_is_in_phys_range(double value)
 {
     return ((value >= 0.0) && (value <= 20000.0));
 }
 
-float sd_bus_cycle_cycle_cylinder_torque_1_encode(double value)
+float sd_bus_cycle_1_cycle_cylinder_torque_1_encode(double value)
 {
     return (float)(value);
 }
 
-double sd_bus_cycle_cycle_cylinder_torque_1_decode(float value)
+double sd_bus_cycle_1_cycle_cylinder_torque_1_decode(float value)
 {
     return ((double)value);
 }
 
-bool sd_bus_cycle_cycle_cylinder_torque_1_is_in_range(float value)
+bool sd_bus_cycle_1_cycle_cylinder_torque_1_is_in_range(float value)
 {
     return ((value >= -20000.0f) && (value <= 20000.0f));
 }
 
-bool sd_bus_cycle_cycle_cylinder_torque_1_is_in_phys_range(double value)
+bool sd_bus_cycle_1_cycle_cylinder_torque_1_is_in_phys_range(double value)
 {
     return ((value >= -20000.0) && (value <= 20000.0));
 }
 
-float sd_bus_cycle_cycle_cylinder_torque_2_encode(double value)
+float sd_bus_cycle_1_cycle_cylinder_torque_2_encode(double value)
 {
     return (float)(value);
 }
 
-double sd_bus_cycle_cycle_cylinder_torque_2_decode(float value)
+double sd_bus_cycle_1_cycle_cylinder_torque_2_decode(float value)
 {
     return ((double)value);
 }
 
-bool sd_bus_cycle_cycle_cylinder_torque_2_is_in_range(float value)
+bool sd_bus_cycle_1_cycle_cylinder_torque_2_is_in_range(float value)
 {
     return ((value >= -20000.0f) && (value <= 20000.0f));
 }
 
-bool sd_bus_cycle_cycle_cylinder_torque_2_is_in_phys_range(double value)
+bool sd_bus_cycle_1_cycle_cylinder_torque_2_is_in_phys_range(double value)
 {
     return ((value >= -20000.0) && (value <= 20000.0));
 }
 
-float sd_bus_cycle_cycle_cylinder_torque_3_encode(double value)
+float sd_bus_cycle_1_cycle_cylinder_torque_3_encode(double value)
 {
     return (float)(value);
 }
 
-double sd_bus_cycle_cycle_cylinder_torque_3_decode(float value)
+double sd_bus_cycle_1_cycle_cylinder_torque_3_decode(float value)
 {
     return ((double)value);
 }
 
-bool sd_bus_cycle_cycle_cylinder_torque_3_is_in_range(float value)
+bool sd_bus_cycle_1_cycle_cylinder_torque_3_is_in_range(float value)
 {
     return ((value >= -20000.0f) && (value <= 20000.0f));
 }
 
-bool sd_bus_cycle_cycle_cylinder_torque_3_is_in_phys_range(double value)
+bool sd_bus_cycle_1_cycle_cylinder_torque_3_is_in_phys_range(double value)
 {
     return ((value >= -20000.0) && (value <= 20000.0));
 }
 
-float sd_bus_cycle_cycle_cylinder_torque_4_encode(double value)
+float sd_bus_cycle_1_cycle_cylinder_torque_4_encode(double value)
 {
     return (float)(value);
 }
 
-double sd_bus_cycle_cycle_cylinder_torque_4_decode(float value)
+double sd_bus_cycle_1_cycle_cylinder_torque_4_decode(float value)
 {
     return ((double)value);
 }
 
-bool sd_bus_cycle_cycle_cylinder_torque_4_is_in_range(float value)
+bool sd_bus_cycle_1_cycle_cylinder_torque_4_is_in_range(float value)
 {
     return ((value >= -20000.0f) && (value <= 20000.0f));
 }
 
-bool sd_bus_cycle_cycle_cylinder_torque_4_is_in_phys_range(double value)
+bool sd_bus_cycle_1_cycle_cylinder_torque_4_is_in_phys_range(double value)
 {
     return ((value >= -20000.0) && (value <= 20000.0));
 }
 
-float sd_bus_cycle_cycle_cylinder_torque_5_encode(double value)
+float sd_bus_cycle_1_cycle_cylinder_torque_5_encode(double value)
 {
     return (float)(value);
 }
 
-double sd_bus_cycle_cycle_cylinder_torque_5_decode(float value)
+double sd_bus_cycle_1_cycle_cylinder_torque_5_decode(float value)
 {
     return ((double)value);
 }
 
-bool sd_bus_cycle_cycle_cylinder_torque_5_is_in_range(float value)
+bool sd_bus_cycle_1_cycle_cylinder_torque_5_is_in_range(float value)
 {
     return ((value >= -20000.0f) && (value <= 20000.0f));
 }
 
-bool sd_bus_cycle_cycle_cylinder_torque_5_is_in_phys_range(double value)
+bool sd_bus_cycle_1_cycle_cylinder_torque_5_is_in_phys_range(double value)
 {
     return ((value >= -20000.0) && (value <= 20000.0));
 }
 
-float sd_bus_cycle_cycle_cylinder_torque_6_encode(double value)
+float sd_bus_cycle_1_cycle_cylinder_torque_6_encode(double value)
 {
     return (float)(value);
 }
 
-double sd_bus_cycle_cycle_cylinder_torque_6_decode(float value)
+double sd_bus_cycle_1_cycle_cylinder_torque_6_decode(float value)
 {
     return ((double)value);
 }
 
-bool sd_bus_cycle_cycle_cylinder_torque_6_is_in_range(float value)
+bool sd_bus_cycle_1_cycle_cylinder_torque_6_is_in_range(float value)
 {
     return ((value >= -20000.0f) && (value <= 20000.0f));
 }
 
-bool sd_bus_cycle_cycle_cylinder_torque_6_is_in_phys_range(double value)
+bool sd_bus_cycle_1_cycle_cylinder_torque_6_is_in_phys_range(double value)
 {
     return ((value >= -20000.0) && (value <= 20000.0));
 }
 
-float sd_bus_cycle_cycle_cylinder_torque_7_encode(double value)
+float sd_bus_cycle_1_cycle_cylinder_torque_7_encode(double value)
 {
     return (float)(value);
 }
 
-double sd_bus_cycle_cycle_cylinder_torque_7_decode(float value)
+double sd_bus_cycle_1_cycle_cylinder_torque_7_decode(float value)
 {
     return ((double)value);
 }
 
-bool sd_bus_cycle_cycle_cylinder_torque_7_is_in_range(float value)
+bool sd_bus_cycle_1_cycle_cylinder_torque_7_is_in_range(float value)
 {
     return ((value >= -20000.0f) && (value <= 20000.0f));
 }
 
-bool sd_bus_cycle_cycle_cylinder_torque_7_is_in_phys_range(double value)
+bool sd_bus_cycle_1_cycle_cylinder_torque_7_is_in_phys_range(double value)
 {
     return ((value >= -20000.0) && (value <= 20000.0));
 }
 
-float sd_bus_cycle_cycle_cylinder_torque_8_encode(double value)
+float sd_bus_cycle_1_cycle_cylinder_torque_8_encode(double value)
 {
     return (float)(value);
 }
 
-double sd_bus_cycle_cycle_cylinder_torque_8_decode(float value)
+double sd_bus_cycle_1_cycle_cylinder_torque_8_decode(float value)
 {
     return ((double)value);
 }
 
-bool sd_bus_cycle_cycle_cylinder_torque_8_is_in_range(float value)
+bool sd_bus_cycle_1_cycle_cylinder_torque_8_is_in_range(float value)
 {
     return ((value >= -20000.0f) && (value <= 20000.0f));
 }
 
-bool sd_bus_cycle_cycle_cylinder_torque_8_is_in_phys_range(double value)
+bool sd_bus_cycle_1_cycle_cylinder_torque_8_is_in_phys_range(double value)
 {
     return ((value >= -20000.0) && (value <= 20000.0));
+}
+
+float sd_bus_cycle_1_cycle_cylinder_sd_1_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_cycle_1_cycle_cylinder_sd_1_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_cycle_1_cycle_cylinder_sd_1_is_in_range(float value)
+{
+    return ((value >= 0.0f) && (value <= 20000.0f));
+}
+
+bool sd_bus_cycle_1_cycle_cylinder_sd_1_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 20000.0));
+}
+
+float sd_bus_cycle_1_cycle_cylinder_sd_2_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_cycle_1_cycle_cylinder_sd_2_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_cycle_1_cycle_cylinder_sd_2_is_in_range(float value)
+{
+    return ((value >= 0.0f) && (value <= 20000.0f));
+}
+
+bool sd_bus_cycle_1_cycle_cylinder_sd_2_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 20000.0));
+}
+
+float sd_bus_cycle_1_cycle_cylinder_sd_3_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_cycle_1_cycle_cylinder_sd_3_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_cycle_1_cycle_cylinder_sd_3_is_in_range(float value)
+{
+    return ((value >= 0.0f) && (value <= 20000.0f));
+}
+
+bool sd_bus_cycle_1_cycle_cylinder_sd_3_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 20000.0));
+}
+
+float sd_bus_cycle_1_cycle_cylinder_sd_4_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_cycle_1_cycle_cylinder_sd_4_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_cycle_1_cycle_cylinder_sd_4_is_in_range(float value)
+{
+    return ((value >= 0.0f) && (value <= 20000.0f));
+}
+
+bool sd_bus_cycle_1_cycle_cylinder_sd_4_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 20000.0));
+}
+
+float sd_bus_cycle_1_cycle_cylinder_sd_5_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_cycle_1_cycle_cylinder_sd_5_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_cycle_1_cycle_cylinder_sd_5_is_in_range(float value)
+{
+    return ((value >= 0.0f) && (value <= 20000.0f));
+}
+
+bool sd_bus_cycle_1_cycle_cylinder_sd_5_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 20000.0));
+}
+
+int sd_bus_cycle_2_pack(
+    uint8_t *dst_p,
+    const struct sd_bus_cycle_2_t *src_p,
+    size_t size)
+{
+    uint32_t cycle_cylinder_sd_6;
+    uint32_t cycle_cylinder_sd_7;
+    uint32_t cycle_cylinder_sd_8;
+
+    if (size < 20u) {
+        return (-EINVAL);
+    }
+
+    memset(&dst_p[0], 0, 20);
+
+    dst_p[0] |= pack_left_shift_u32(src_p->tick, 0u, 0xffu);
+    dst_p[1] |= pack_right_shift_u32(src_p->tick, 8u, 0xffu);
+    dst_p[2] |= pack_right_shift_u32(src_p->tick, 16u, 0xffu);
+    dst_p[3] |= pack_right_shift_u32(src_p->tick, 24u, 0xffu);
+    dst_p[4] |= pack_left_shift_u8(src_p->cylinder_health, 0u, 0xffu);
+    dst_p[5] |= pack_left_shift_u8(src_p->cylinder_why, 0u, 0xffu);
+    memcpy(&cycle_cylinder_sd_6, &src_p->cycle_cylinder_sd_6, sizeof(cycle_cylinder_sd_6));
+    dst_p[6] |= pack_left_shift_u32(cycle_cylinder_sd_6, 0u, 0xffu);
+    dst_p[7] |= pack_right_shift_u32(cycle_cylinder_sd_6, 8u, 0xffu);
+    dst_p[8] |= pack_right_shift_u32(cycle_cylinder_sd_6, 16u, 0xffu);
+    dst_p[9] |= pack_right_shift_u32(cycle_cylinder_sd_6, 24u, 0xffu);
+    memcpy(&cycle_cylinder_sd_7, &src_p->cycle_cylinder_sd_7, sizeof(cycle_cylinder_sd_7));
+    dst_p[10] |= pack_left_shift_u32(cycle_cylinder_sd_7, 0u, 0xffu);
+    dst_p[11] |= pack_right_shift_u32(cycle_cylinder_sd_7, 8u, 0xffu);
+    dst_p[12] |= pack_right_shift_u32(cycle_cylinder_sd_7, 16u, 0xffu);
+    dst_p[13] |= pack_right_shift_u32(cycle_cylinder_sd_7, 24u, 0xffu);
+    memcpy(&cycle_cylinder_sd_8, &src_p->cycle_cylinder_sd_8, sizeof(cycle_cylinder_sd_8));
+    dst_p[14] |= pack_left_shift_u32(cycle_cylinder_sd_8, 0u, 0xffu);
+    dst_p[15] |= pack_right_shift_u32(cycle_cylinder_sd_8, 8u, 0xffu);
+    dst_p[16] |= pack_right_shift_u32(cycle_cylinder_sd_8, 16u, 0xffu);
+    dst_p[17] |= pack_right_shift_u32(cycle_cylinder_sd_8, 24u, 0xffu);
+
+    return (20);
+}
+
+int sd_bus_cycle_2_unpack(
+    struct sd_bus_cycle_2_t *dst_p,
+    const uint8_t *src_p,
+    size_t size)
+{
+    uint32_t cycle_cylinder_sd_6;
+    uint32_t cycle_cylinder_sd_7;
+    uint32_t cycle_cylinder_sd_8;
+
+    if (size < 20u) {
+        return (-EINVAL);
+    }
+
+    dst_p->tick = unpack_right_shift_u32(src_p[0], 0u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[1], 8u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[2], 16u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[3], 24u, 0xffu);
+    dst_p->cylinder_health = unpack_right_shift_u8(src_p[4], 0u, 0xffu);
+    dst_p->cylinder_why = unpack_right_shift_u8(src_p[5], 0u, 0xffu);
+    cycle_cylinder_sd_6 = unpack_right_shift_u32(src_p[6], 0u, 0xffu);
+    cycle_cylinder_sd_6 |= unpack_left_shift_u32(src_p[7], 8u, 0xffu);
+    cycle_cylinder_sd_6 |= unpack_left_shift_u32(src_p[8], 16u, 0xffu);
+    cycle_cylinder_sd_6 |= unpack_left_shift_u32(src_p[9], 24u, 0xffu);
+    memcpy(&dst_p->cycle_cylinder_sd_6, &cycle_cylinder_sd_6, sizeof(dst_p->cycle_cylinder_sd_6));
+    cycle_cylinder_sd_7 = unpack_right_shift_u32(src_p[10], 0u, 0xffu);
+    cycle_cylinder_sd_7 |= unpack_left_shift_u32(src_p[11], 8u, 0xffu);
+    cycle_cylinder_sd_7 |= unpack_left_shift_u32(src_p[12], 16u, 0xffu);
+    cycle_cylinder_sd_7 |= unpack_left_shift_u32(src_p[13], 24u, 0xffu);
+    memcpy(&dst_p->cycle_cylinder_sd_7, &cycle_cylinder_sd_7, sizeof(dst_p->cycle_cylinder_sd_7));
+    cycle_cylinder_sd_8 = unpack_right_shift_u32(src_p[14], 0u, 0xffu);
+    cycle_cylinder_sd_8 |= unpack_left_shift_u32(src_p[15], 8u, 0xffu);
+    cycle_cylinder_sd_8 |= unpack_left_shift_u32(src_p[16], 16u, 0xffu);
+    cycle_cylinder_sd_8 |= unpack_left_shift_u32(src_p[17], 24u, 0xffu);
+    memcpy(&dst_p->cycle_cylinder_sd_8, &cycle_cylinder_sd_8, sizeof(dst_p->cycle_cylinder_sd_8));
+
+    return (0);
+}
+
+int sd_bus_cycle_2_init(struct sd_bus_cycle_2_t *msg_p)
+{
+    if (msg_p == NULL) return -1;
+
+    memset(msg_p, 0, sizeof(struct sd_bus_cycle_2_t));
+
+    return 0;
+}
+
+uint32_t sd_bus_cycle_2_tick_encode(double value)
+{
+    return (uint32_t)(cantools_unsigned_from_double(round(value)));
+}
+
+double sd_bus_cycle_2_tick_decode(uint32_t value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_cycle_2_tick_is_in_range(uint32_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool sd_bus_cycle_2_tick_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 4294967295.0));
+}
+
+uint8_t sd_bus_cycle_2_cylinder_health_encode(double value)
+{
+    return (uint8_t)(cantools_unsigned_from_double(round(value)));
+}
+
+double sd_bus_cycle_2_cylinder_health_decode(uint8_t value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_cycle_2_cylinder_health_is_in_range(uint8_t value)
+{
+    return (value <= 2u);
+}
+
+bool sd_bus_cycle_2_cylinder_health_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 2.0));
+}
+
+uint8_t sd_bus_cycle_2_cylinder_why_encode(double value)
+{
+    return (uint8_t)(cantools_unsigned_from_double(round(value)));
+}
+
+double sd_bus_cycle_2_cylinder_why_decode(uint8_t value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_cycle_2_cylinder_why_is_in_range(uint8_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool sd_bus_cycle_2_cylinder_why_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 255.0));
+}
+
+float sd_bus_cycle_2_cycle_cylinder_sd_6_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_cycle_2_cycle_cylinder_sd_6_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_cycle_2_cycle_cylinder_sd_6_is_in_range(float value)
+{
+    return ((value >= 0.0f) && (value <= 20000.0f));
+}
+
+bool sd_bus_cycle_2_cycle_cylinder_sd_6_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 20000.0));
+}
+
+float sd_bus_cycle_2_cycle_cylinder_sd_7_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_cycle_2_cycle_cylinder_sd_7_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_cycle_2_cycle_cylinder_sd_7_is_in_range(float value)
+{
+    return ((value >= 0.0f) && (value <= 20000.0f));
+}
+
+bool sd_bus_cycle_2_cycle_cylinder_sd_7_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 20000.0));
+}
+
+float sd_bus_cycle_2_cycle_cylinder_sd_8_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_cycle_2_cycle_cylinder_sd_8_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_cycle_2_cycle_cylinder_sd_8_is_in_range(float value)
+{
+    return ((value >= 0.0f) && (value <= 20000.0f));
+}
+
+bool sd_bus_cycle_2_cycle_cylinder_sd_8_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 20000.0));
 }
 
 int sd_bus_done_pack(

@@ -49,8 +49,13 @@ extern "C" {
 /* Frame ids. */
 #define SD_BUS_TEETH_FRAME_ID (0xa0u)
 #define SD_BUS_TIME_FRAME_ID (0xa1u)
+#define SD_BUS_INPUT_AIR_INTAKE_PRESSURE_FRAME_ID (0xa8u)
+#define SD_BUS_INPUT_FUEL_INJECTED_FRAME_ID (0xa9u)
+#define SD_BUS_INPUT_EXHAUST_LAMBDA_FRAME_ID (0xaau)
+#define SD_BUS_INPUT_EXHAUST_PRESSURE_FRAME_ID (0xabu)
 #define SD_BUS_EDGE_FRAME_ID (0xb0u)
-#define SD_BUS_CYCLE_FRAME_ID (0xb1u)
+#define SD_BUS_CYCLE_1_FRAME_ID (0xb1u)
+#define SD_BUS_CYCLE_2_FRAME_ID (0xb2u)
 #define SD_BUS_DONE_FRAME_ID (0xb8u)
 #define SD_BUS_PARAMETER_REQUEST_FRAME_ID (0xc0u)
 #define SD_BUS_PARAMETER_FRAME_ID (0xc1u)
@@ -62,8 +67,13 @@ extern "C" {
 /* Frame lengths in bytes. */
 #define SD_BUS_TEETH_LENGTH (64u)
 #define SD_BUS_TIME_LENGTH (8u)
+#define SD_BUS_INPUT_AIR_INTAKE_PRESSURE_LENGTH (8u)
+#define SD_BUS_INPUT_FUEL_INJECTED_LENGTH (8u)
+#define SD_BUS_INPUT_EXHAUST_LAMBDA_LENGTH (8u)
+#define SD_BUS_INPUT_EXHAUST_PRESSURE_LENGTH (8u)
 #define SD_BUS_EDGE_LENGTH (48u)
-#define SD_BUS_CYCLE_LENGTH (48u)
+#define SD_BUS_CYCLE_1_LENGTH (64u)
+#define SD_BUS_CYCLE_2_LENGTH (20u)
 #define SD_BUS_DONE_LENGTH (8u)
 #define SD_BUS_PARAMETER_REQUEST_LENGTH (8u)
 #define SD_BUS_PARAMETER_LENGTH (8u)
@@ -75,8 +85,13 @@ extern "C" {
 /* Extended or standard frame types. */
 #define SD_BUS_TEETH_IS_EXTENDED (0)
 #define SD_BUS_TIME_IS_EXTENDED (0)
+#define SD_BUS_INPUT_AIR_INTAKE_PRESSURE_IS_EXTENDED (0)
+#define SD_BUS_INPUT_FUEL_INJECTED_IS_EXTENDED (0)
+#define SD_BUS_INPUT_EXHAUST_LAMBDA_IS_EXTENDED (0)
+#define SD_BUS_INPUT_EXHAUST_PRESSURE_IS_EXTENDED (0)
 #define SD_BUS_EDGE_IS_EXTENDED (0)
-#define SD_BUS_CYCLE_IS_EXTENDED (0)
+#define SD_BUS_CYCLE_1_IS_EXTENDED (0)
+#define SD_BUS_CYCLE_2_IS_EXTENDED (0)
 #define SD_BUS_DONE_IS_EXTENDED (0)
 #define SD_BUS_PARAMETER_REQUEST_IS_EXTENDED (0)
 #define SD_BUS_PARAMETER_IS_EXTENDED (0)
@@ -87,6 +102,10 @@ extern "C" {
 
 /* Frame cycle times in milliseconds. */
 #define SD_BUS_TIME_CYCLE_TIME_MS (10u)
+#define SD_BUS_INPUT_AIR_INTAKE_PRESSURE_CYCLE_TIME_MS (10u)
+#define SD_BUS_INPUT_FUEL_INJECTED_CYCLE_TIME_MS (10u)
+#define SD_BUS_INPUT_EXHAUST_LAMBDA_CYCLE_TIME_MS (10u)
+#define SD_BUS_INPUT_EXHAUST_PRESSURE_CYCLE_TIME_MS (10u)
 #define SD_BUS_DONE_CYCLE_TIME_MS (10u)
 
 /* Signal choices. */
@@ -98,13 +117,17 @@ extern "C" {
 #define SD_BUS_EDGE_TORQUE_HEALTH_DEGRADED_CHOICE (1u)
 #define SD_BUS_EDGE_TORQUE_HEALTH_INVALID_CHOICE (2u)
 
-#define SD_BUS_CYCLE_CRANK_HEALTH_VALID_CHOICE (0u)
-#define SD_BUS_CYCLE_CRANK_HEALTH_DEGRADED_CHOICE (1u)
-#define SD_BUS_CYCLE_CRANK_HEALTH_INVALID_CHOICE (2u)
+#define SD_BUS_CYCLE_1_CRANK_HEALTH_VALID_CHOICE (0u)
+#define SD_BUS_CYCLE_1_CRANK_HEALTH_DEGRADED_CHOICE (1u)
+#define SD_BUS_CYCLE_1_CRANK_HEALTH_INVALID_CHOICE (2u)
 
-#define SD_BUS_CYCLE_CYLINDER_HEALTH_VALID_CHOICE (0u)
-#define SD_BUS_CYCLE_CYLINDER_HEALTH_DEGRADED_CHOICE (1u)
-#define SD_BUS_CYCLE_CYLINDER_HEALTH_INVALID_CHOICE (2u)
+#define SD_BUS_CYCLE_1_CYLINDER_HEALTH_VALID_CHOICE (0u)
+#define SD_BUS_CYCLE_1_CYLINDER_HEALTH_DEGRADED_CHOICE (1u)
+#define SD_BUS_CYCLE_1_CYLINDER_HEALTH_INVALID_CHOICE (2u)
+
+#define SD_BUS_CYCLE_2_CYLINDER_HEALTH_VALID_CHOICE (0u)
+#define SD_BUS_CYCLE_2_CYLINDER_HEALTH_DEGRADED_CHOICE (1u)
+#define SD_BUS_CYCLE_2_CYLINDER_HEALTH_INVALID_CHOICE (2u)
 
 #define SD_BUS_PARAMETER_REQUEST_COMMAND_READ_CHOICE (0u)
 #define SD_BUS_PARAMETER_REQUEST_COMMAND_READ_REFERENCE_CHOICE (1u)
@@ -118,9 +141,10 @@ extern "C" {
 #define SD_BUS_PARAMETER_REQUEST_INDEX_TORQUE_GAIN_REFERENCE_CHOICE (4u)
 #define SD_BUS_PARAMETER_REQUEST_INDEX_TORQUE_REJECT_ENERGY_CHOICE (5u)
 #define SD_BUS_PARAMETER_REQUEST_INDEX_TORQUE_SETTLE_CHOICE (6u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_TORQUE_SPEED_BASE_CHOICE (7u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_TORQUE_TORQUE_BASE_CHOICE (8u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_TORQUE_FIXED_POINT_CHOICE (9u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_TORQUE_TOOTH_SD_CHOICE (7u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_TORQUE_SPEED_BASE_CHOICE (8u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_TORQUE_TORQUE_BASE_CHOICE (9u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_TORQUE_FIXED_POINT_CHOICE (10u)
 
 #define SD_BUS_PARAMETER_COMMAND_READ_CHOICE (0u)
 #define SD_BUS_PARAMETER_COMMAND_READ_REFERENCE_CHOICE (1u)
@@ -134,9 +158,10 @@ extern "C" {
 #define SD_BUS_PARAMETER_INDEX_TORQUE_GAIN_REFERENCE_CHOICE (4u)
 #define SD_BUS_PARAMETER_INDEX_TORQUE_REJECT_ENERGY_CHOICE (5u)
 #define SD_BUS_PARAMETER_INDEX_TORQUE_SETTLE_CHOICE (6u)
-#define SD_BUS_PARAMETER_INDEX_TORQUE_SPEED_BASE_CHOICE (7u)
-#define SD_BUS_PARAMETER_INDEX_TORQUE_TORQUE_BASE_CHOICE (8u)
-#define SD_BUS_PARAMETER_INDEX_TORQUE_FIXED_POINT_CHOICE (9u)
+#define SD_BUS_PARAMETER_INDEX_TORQUE_TOOTH_SD_CHOICE (7u)
+#define SD_BUS_PARAMETER_INDEX_TORQUE_SPEED_BASE_CHOICE (8u)
+#define SD_BUS_PARAMETER_INDEX_TORQUE_TORQUE_BASE_CHOICE (9u)
+#define SD_BUS_PARAMETER_INDEX_TORQUE_FIXED_POINT_CHOICE (10u)
 
 #define SD_BUS_PARAMETER_RESULT_OK_CHOICE (0u)
 #define SD_BUS_PARAMETER_RESULT_UNKNOWN_CHOICE (1u)
@@ -146,8 +171,13 @@ extern "C" {
 /* Frame Names. */
 #define SD_BUS_TEETH_NAME "teeth"
 #define SD_BUS_TIME_NAME "time"
+#define SD_BUS_INPUT_AIR_INTAKE_PRESSURE_NAME "input_air_intake_pressure"
+#define SD_BUS_INPUT_FUEL_INJECTED_NAME "input_fuel_injected"
+#define SD_BUS_INPUT_EXHAUST_LAMBDA_NAME "input_exhaust_lambda"
+#define SD_BUS_INPUT_EXHAUST_PRESSURE_NAME "input_exhaust_pressure"
 #define SD_BUS_EDGE_NAME "edge"
-#define SD_BUS_CYCLE_NAME "cycle"
+#define SD_BUS_CYCLE_1_NAME "cycle_1"
+#define SD_BUS_CYCLE_2_NAME "cycle_2"
 #define SD_BUS_DONE_NAME "done"
 #define SD_BUS_PARAMETER_REQUEST_NAME "parameter_request"
 #define SD_BUS_PARAMETER_NAME "parameter"
@@ -178,6 +208,14 @@ extern "C" {
 #define SD_BUS_TIME_TICK_NAME "tick"
 #define SD_BUS_TIME_SEQUENCE_NAME "sequence"
 #define SD_BUS_TIME_SESSION_NAME "session"
+#define SD_BUS_INPUT_AIR_INTAKE_PRESSURE_TICK_NAME "tick"
+#define SD_BUS_INPUT_AIR_INTAKE_PRESSURE_VALUE_NAME "value"
+#define SD_BUS_INPUT_FUEL_INJECTED_TICK_NAME "tick"
+#define SD_BUS_INPUT_FUEL_INJECTED_VALUE_NAME "value"
+#define SD_BUS_INPUT_EXHAUST_LAMBDA_TICK_NAME "tick"
+#define SD_BUS_INPUT_EXHAUST_LAMBDA_VALUE_NAME "value"
+#define SD_BUS_INPUT_EXHAUST_PRESSURE_TICK_NAME "tick"
+#define SD_BUS_INPUT_EXHAUST_PRESSURE_VALUE_NAME "value"
 #define SD_BUS_EDGE_TICK_NAME "tick"
 #define SD_BUS_EDGE_CRANK_HEALTH_NAME "crank_health"
 #define SD_BUS_EDGE_CRANK_WHY_NAME "crank_why"
@@ -191,20 +229,31 @@ extern "C" {
 #define SD_BUS_EDGE_CRANK_ACCELERATION_NAME "crank_acceleration"
 #define SD_BUS_EDGE_TORQUE_MASS_NAME "torque_mass"
 #define SD_BUS_EDGE_TORQUE_INNOVATION_NAME "torque_innovation"
-#define SD_BUS_CYCLE_TICK_NAME "tick"
-#define SD_BUS_CYCLE_CRANK_HEALTH_NAME "crank_health"
-#define SD_BUS_CYCLE_CRANK_WHY_NAME "crank_why"
-#define SD_BUS_CYCLE_CYLINDER_HEALTH_NAME "cylinder_health"
-#define SD_BUS_CYCLE_CYLINDER_WHY_NAME "cylinder_why"
-#define SD_BUS_CYCLE_CYCLE_SPEED_NAME "cycle_speed"
-#define SD_BUS_CYCLE_CYCLE_CYLINDER_TORQUE_1_NAME "cycle_cylinder_torque_1"
-#define SD_BUS_CYCLE_CYCLE_CYLINDER_TORQUE_2_NAME "cycle_cylinder_torque_2"
-#define SD_BUS_CYCLE_CYCLE_CYLINDER_TORQUE_3_NAME "cycle_cylinder_torque_3"
-#define SD_BUS_CYCLE_CYCLE_CYLINDER_TORQUE_4_NAME "cycle_cylinder_torque_4"
-#define SD_BUS_CYCLE_CYCLE_CYLINDER_TORQUE_5_NAME "cycle_cylinder_torque_5"
-#define SD_BUS_CYCLE_CYCLE_CYLINDER_TORQUE_6_NAME "cycle_cylinder_torque_6"
-#define SD_BUS_CYCLE_CYCLE_CYLINDER_TORQUE_7_NAME "cycle_cylinder_torque_7"
-#define SD_BUS_CYCLE_CYCLE_CYLINDER_TORQUE_8_NAME "cycle_cylinder_torque_8"
+#define SD_BUS_CYCLE_1_TICK_NAME "tick"
+#define SD_BUS_CYCLE_1_CRANK_HEALTH_NAME "crank_health"
+#define SD_BUS_CYCLE_1_CRANK_WHY_NAME "crank_why"
+#define SD_BUS_CYCLE_1_CYLINDER_HEALTH_NAME "cylinder_health"
+#define SD_BUS_CYCLE_1_CYLINDER_WHY_NAME "cylinder_why"
+#define SD_BUS_CYCLE_1_CYCLE_SPEED_NAME "cycle_speed"
+#define SD_BUS_CYCLE_1_CYCLE_CYLINDER_TORQUE_1_NAME "cycle_cylinder_torque_1"
+#define SD_BUS_CYCLE_1_CYCLE_CYLINDER_TORQUE_2_NAME "cycle_cylinder_torque_2"
+#define SD_BUS_CYCLE_1_CYCLE_CYLINDER_TORQUE_3_NAME "cycle_cylinder_torque_3"
+#define SD_BUS_CYCLE_1_CYCLE_CYLINDER_TORQUE_4_NAME "cycle_cylinder_torque_4"
+#define SD_BUS_CYCLE_1_CYCLE_CYLINDER_TORQUE_5_NAME "cycle_cylinder_torque_5"
+#define SD_BUS_CYCLE_1_CYCLE_CYLINDER_TORQUE_6_NAME "cycle_cylinder_torque_6"
+#define SD_BUS_CYCLE_1_CYCLE_CYLINDER_TORQUE_7_NAME "cycle_cylinder_torque_7"
+#define SD_BUS_CYCLE_1_CYCLE_CYLINDER_TORQUE_8_NAME "cycle_cylinder_torque_8"
+#define SD_BUS_CYCLE_1_CYCLE_CYLINDER_SD_1_NAME "cycle_cylinder_sd_1"
+#define SD_BUS_CYCLE_1_CYCLE_CYLINDER_SD_2_NAME "cycle_cylinder_sd_2"
+#define SD_BUS_CYCLE_1_CYCLE_CYLINDER_SD_3_NAME "cycle_cylinder_sd_3"
+#define SD_BUS_CYCLE_1_CYCLE_CYLINDER_SD_4_NAME "cycle_cylinder_sd_4"
+#define SD_BUS_CYCLE_1_CYCLE_CYLINDER_SD_5_NAME "cycle_cylinder_sd_5"
+#define SD_BUS_CYCLE_2_TICK_NAME "tick"
+#define SD_BUS_CYCLE_2_CYLINDER_HEALTH_NAME "cylinder_health"
+#define SD_BUS_CYCLE_2_CYLINDER_WHY_NAME "cylinder_why"
+#define SD_BUS_CYCLE_2_CYCLE_CYLINDER_SD_6_NAME "cycle_cylinder_sd_6"
+#define SD_BUS_CYCLE_2_CYCLE_CYLINDER_SD_7_NAME "cycle_cylinder_sd_7"
+#define SD_BUS_CYCLE_2_CYCLE_CYLINDER_SD_8_NAME "cycle_cylinder_sd_8"
 #define SD_BUS_DONE_TICK_NAME "tick"
 #define SD_BUS_DONE_IGNORED_NAME "ignored"
 #define SD_BUS_DONE_SESSION_NAME "session"
@@ -412,6 +461,106 @@ struct sd_bus_time_t {
 };
 
 /**
+ * Signals in message input_air_intake_pressure.
+ *
+ * Absolute pressure in the intake manifold.
+ *
+ * All signal values are as on the CAN bus.
+ */
+struct sd_bus_input_air_intake_pressure_t {
+    /**
+     * Range: 0..4294967295 (0..4294967295 tick)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint32_t tick;
+
+    /**
+     * Absolute pressure in the intake manifold.
+     *
+     * Range: 0.05..6.0 (0.05..6 bar)
+     * Scale: 1
+     * Offset: 0
+     */
+    float value;
+};
+
+/**
+ * Signals in message input_fuel_injected.
+ *
+ * The controller's own command, a stroke and cylinder; 0 in fuel cut.
+ *
+ * All signal values are as on the CAN bus.
+ */
+struct sd_bus_input_fuel_injected_t {
+    /**
+     * Range: 0..4294967295 (0..4294967295 tick)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint32_t tick;
+
+    /**
+     * The controller's own command, a stroke and cylinder; 0 in fuel cut.
+     *
+     * Range: 0.0..1000.0 (0..1000 mg)
+     * Scale: 1
+     * Offset: 0
+     */
+    float value;
+};
+
+/**
+ * Signals in message input_exhaust_lambda.
+ *
+ * Air to fuel, over stoichiometric, as the wide-range oxygen sensor (UEGO) reads it.
+ *
+ * All signal values are as on the CAN bus.
+ */
+struct sd_bus_input_exhaust_lambda_t {
+    /**
+     * Range: 0..4294967295 (0..4294967295 tick)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint32_t tick;
+
+    /**
+     * Air to fuel, over stoichiometric, as the wide-range oxygen sensor (UEGO) reads it.
+     *
+     * Range: 0.5..20.0 (0.5..20 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    float value;
+};
+
+/**
+ * Signals in message input_exhaust_pressure.
+ *
+ * Absolute pressure in the exhaust manifold.
+ *
+ * All signal values are as on the CAN bus.
+ */
+struct sd_bus_input_exhaust_pressure_t {
+    /**
+     * Range: 0..4294967295 (0..4294967295 tick)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint32_t tick;
+
+    /**
+     * Absolute pressure in the exhaust manifold.
+     *
+     * Range: 0.05..10.0 (0.05..10 bar)
+     * Scale: 1
+     * Offset: 0
+     */
+    float value;
+};
+
+/**
  * Signals in message edge.
  *
  * Signals of rate edge, one row a tick.
@@ -538,13 +687,13 @@ struct sd_bus_edge_t {
 };
 
 /**
- * Signals in message cycle.
+ * Signals in message cycle_1.
  *
  * Signals of rate cycle, one row a tick.
  *
  * All signal values are as on the CAN bus.
  */
-struct sd_bus_cycle_t {
+struct sd_bus_cycle_1_t {
     /**
      * Capture tick of the event that caused it.
      *
@@ -600,7 +749,7 @@ struct sd_bus_cycle_t {
     float cycle_speed;
 
     /**
-     * Mean of torque.mass over the cylinder's firing interval, by physical cylinder number. With few harmonics it is no measure of cylinder work: truncation biases it.
+     * Combustion torque of a cylinder over the 180 deg after its TDC, mean of the last cycles, by physical number; from the harmonics, the known pulse shape and the intake pressure.
      *
      * Range: -20000.0..20000.0 (-20000..20000 Nm)
      * Scale: 1
@@ -609,7 +758,7 @@ struct sd_bus_cycle_t {
     float cycle_cylinder_torque_1;
 
     /**
-     * Mean of torque.mass over the cylinder's firing interval, by physical cylinder number. With few harmonics it is no measure of cylinder work: truncation biases it.
+     * Combustion torque of a cylinder over the 180 deg after its TDC, mean of the last cycles, by physical number; from the harmonics, the known pulse shape and the intake pressure.
      *
      * Range: -20000.0..20000.0 (-20000..20000 Nm)
      * Scale: 1
@@ -618,7 +767,7 @@ struct sd_bus_cycle_t {
     float cycle_cylinder_torque_2;
 
     /**
-     * Mean of torque.mass over the cylinder's firing interval, by physical cylinder number. With few harmonics it is no measure of cylinder work: truncation biases it.
+     * Combustion torque of a cylinder over the 180 deg after its TDC, mean of the last cycles, by physical number; from the harmonics, the known pulse shape and the intake pressure.
      *
      * Range: -20000.0..20000.0 (-20000..20000 Nm)
      * Scale: 1
@@ -627,7 +776,7 @@ struct sd_bus_cycle_t {
     float cycle_cylinder_torque_3;
 
     /**
-     * Mean of torque.mass over the cylinder's firing interval, by physical cylinder number. With few harmonics it is no measure of cylinder work: truncation biases it.
+     * Combustion torque of a cylinder over the 180 deg after its TDC, mean of the last cycles, by physical number; from the harmonics, the known pulse shape and the intake pressure.
      *
      * Range: -20000.0..20000.0 (-20000..20000 Nm)
      * Scale: 1
@@ -636,7 +785,7 @@ struct sd_bus_cycle_t {
     float cycle_cylinder_torque_4;
 
     /**
-     * Mean of torque.mass over the cylinder's firing interval, by physical cylinder number. With few harmonics it is no measure of cylinder work: truncation biases it.
+     * Combustion torque of a cylinder over the 180 deg after its TDC, mean of the last cycles, by physical number; from the harmonics, the known pulse shape and the intake pressure.
      *
      * Range: -20000.0..20000.0 (-20000..20000 Nm)
      * Scale: 1
@@ -645,7 +794,7 @@ struct sd_bus_cycle_t {
     float cycle_cylinder_torque_5;
 
     /**
-     * Mean of torque.mass over the cylinder's firing interval, by physical cylinder number. With few harmonics it is no measure of cylinder work: truncation biases it.
+     * Combustion torque of a cylinder over the 180 deg after its TDC, mean of the last cycles, by physical number; from the harmonics, the known pulse shape and the intake pressure.
      *
      * Range: -20000.0..20000.0 (-20000..20000 Nm)
      * Scale: 1
@@ -654,7 +803,7 @@ struct sd_bus_cycle_t {
     float cycle_cylinder_torque_6;
 
     /**
-     * Mean of torque.mass over the cylinder's firing interval, by physical cylinder number. With few harmonics it is no measure of cylinder work: truncation biases it.
+     * Combustion torque of a cylinder over the 180 deg after its TDC, mean of the last cycles, by physical number; from the harmonics, the known pulse shape and the intake pressure.
      *
      * Range: -20000.0..20000.0 (-20000..20000 Nm)
      * Scale: 1
@@ -663,13 +812,121 @@ struct sd_bus_cycle_t {
     float cycle_cylinder_torque_7;
 
     /**
-     * Mean of torque.mass over the cylinder's firing interval, by physical cylinder number. With few harmonics it is no measure of cylinder work: truncation biases it.
+     * Combustion torque of a cylinder over the 180 deg after its TDC, mean of the last cycles, by physical number; from the harmonics, the known pulse shape and the intake pressure.
      *
      * Range: -20000.0..20000.0 (-20000..20000 Nm)
      * Scale: 1
      * Offset: 0
      */
     float cycle_cylinder_torque_8;
+
+    /**
+     * Standard deviation of cycle.cylinder_torque from errors of the tooth times (torque.tooth_sd, timer); errors of the engine model are not in it.
+     *
+     * Range: 0.0..20000.0 (0..20000 Nm)
+     * Scale: 1
+     * Offset: 0
+     */
+    float cycle_cylinder_sd_1;
+
+    /**
+     * Standard deviation of cycle.cylinder_torque from errors of the tooth times (torque.tooth_sd, timer); errors of the engine model are not in it.
+     *
+     * Range: 0.0..20000.0 (0..20000 Nm)
+     * Scale: 1
+     * Offset: 0
+     */
+    float cycle_cylinder_sd_2;
+
+    /**
+     * Standard deviation of cycle.cylinder_torque from errors of the tooth times (torque.tooth_sd, timer); errors of the engine model are not in it.
+     *
+     * Range: 0.0..20000.0 (0..20000 Nm)
+     * Scale: 1
+     * Offset: 0
+     */
+    float cycle_cylinder_sd_3;
+
+    /**
+     * Standard deviation of cycle.cylinder_torque from errors of the tooth times (torque.tooth_sd, timer); errors of the engine model are not in it.
+     *
+     * Range: 0.0..20000.0 (0..20000 Nm)
+     * Scale: 1
+     * Offset: 0
+     */
+    float cycle_cylinder_sd_4;
+
+    /**
+     * Standard deviation of cycle.cylinder_torque from errors of the tooth times (torque.tooth_sd, timer); errors of the engine model are not in it.
+     *
+     * Range: 0.0..20000.0 (0..20000 Nm)
+     * Scale: 1
+     * Offset: 0
+     */
+    float cycle_cylinder_sd_5;
+};
+
+/**
+ * Signals in message cycle_2.
+ *
+ * Signals of rate cycle, one row a tick.
+ *
+ * All signal values are as on the CAN bus.
+ */
+struct sd_bus_cycle_2_t {
+    /**
+     * Capture tick of the event that caused it.
+     *
+     * Range: 0..4294967295 (0..4294967295 tick)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint32_t tick;
+
+    /**
+     * How far the values of cylinder may be trusted.
+     *
+     * Range: 0..2 (0..2 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t cylinder_health;
+
+    /**
+     * Why not, bits: sd_why_t.
+     *
+     * Range: 0..255 (0..255 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t cylinder_why;
+
+    /**
+     * Standard deviation of cycle.cylinder_torque from errors of the tooth times (torque.tooth_sd, timer); errors of the engine model are not in it.
+     *
+     * Range: 0.0..20000.0 (0..20000 Nm)
+     * Scale: 1
+     * Offset: 0
+     */
+    float cycle_cylinder_sd_6;
+
+    /**
+     * Standard deviation of cycle.cylinder_torque from errors of the tooth times (torque.tooth_sd, timer); errors of the engine model are not in it.
+     *
+     * Range: 0.0..20000.0 (0..20000 Nm)
+     * Scale: 1
+     * Offset: 0
+     */
+    float cycle_cylinder_sd_7;
+
+    /**
+     * Standard deviation of cycle.cylinder_torque from errors of the tooth times (torque.tooth_sd, timer); errors of the engine model are not in it.
+     *
+     * Range: 0.0..20000.0 (0..20000 Nm)
+     * Scale: 1
+     * Offset: 0
+     */
+    float cycle_cylinder_sd_8;
 };
 
 /**
@@ -1882,6 +2139,474 @@ bool sd_bus_time_session_is_in_range(uint8_t value);
 bool sd_bus_time_session_is_in_phys_range(double value);
 
 /**
+ * Pack message input_air_intake_pressure.
+ *
+ * @param[out] dst_p Buffer to pack the message into.
+ * @param[in] src_p Data to pack.
+ * @param[in] size Size of dst_p.
+ *
+ * @return Size of packed data, or negative error code.
+ */
+int sd_bus_input_air_intake_pressure_pack(
+    uint8_t *dst_p,
+    const struct sd_bus_input_air_intake_pressure_t *src_p,
+    size_t size);
+
+/**
+ * Unpack message input_air_intake_pressure.
+ *
+ * @param[out] dst_p Object to unpack the message into.
+ * @param[in] src_p Message to unpack.
+ * @param[in] size Size of src_p.
+ *
+ * @return zero(0) or negative error code.
+ */
+int sd_bus_input_air_intake_pressure_unpack(
+    struct sd_bus_input_air_intake_pressure_t *dst_p,
+    const uint8_t *src_p,
+    size_t size);
+
+/**
+ * Init message fields to default values from input_air_intake_pressure.
+ *
+ * @param[in] msg_p Message to init.
+ *
+ * @return zero(0) on success or (-1) in case of nullptr argument.
+ */
+int sd_bus_input_air_intake_pressure_init(struct sd_bus_input_air_intake_pressure_t *msg_p);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint32_t sd_bus_input_air_intake_pressure_tick_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_input_air_intake_pressure_tick_decode(uint32_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_air_intake_pressure_tick_is_in_range(uint32_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_air_intake_pressure_tick_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_input_air_intake_pressure_value_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_input_air_intake_pressure_value_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_air_intake_pressure_value_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_air_intake_pressure_value_is_in_phys_range(double value);
+
+/**
+ * Pack message input_fuel_injected.
+ *
+ * @param[out] dst_p Buffer to pack the message into.
+ * @param[in] src_p Data to pack.
+ * @param[in] size Size of dst_p.
+ *
+ * @return Size of packed data, or negative error code.
+ */
+int sd_bus_input_fuel_injected_pack(
+    uint8_t *dst_p,
+    const struct sd_bus_input_fuel_injected_t *src_p,
+    size_t size);
+
+/**
+ * Unpack message input_fuel_injected.
+ *
+ * @param[out] dst_p Object to unpack the message into.
+ * @param[in] src_p Message to unpack.
+ * @param[in] size Size of src_p.
+ *
+ * @return zero(0) or negative error code.
+ */
+int sd_bus_input_fuel_injected_unpack(
+    struct sd_bus_input_fuel_injected_t *dst_p,
+    const uint8_t *src_p,
+    size_t size);
+
+/**
+ * Init message fields to default values from input_fuel_injected.
+ *
+ * @param[in] msg_p Message to init.
+ *
+ * @return zero(0) on success or (-1) in case of nullptr argument.
+ */
+int sd_bus_input_fuel_injected_init(struct sd_bus_input_fuel_injected_t *msg_p);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint32_t sd_bus_input_fuel_injected_tick_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_input_fuel_injected_tick_decode(uint32_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_fuel_injected_tick_is_in_range(uint32_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_fuel_injected_tick_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_input_fuel_injected_value_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_input_fuel_injected_value_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_fuel_injected_value_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_fuel_injected_value_is_in_phys_range(double value);
+
+/**
+ * Pack message input_exhaust_lambda.
+ *
+ * @param[out] dst_p Buffer to pack the message into.
+ * @param[in] src_p Data to pack.
+ * @param[in] size Size of dst_p.
+ *
+ * @return Size of packed data, or negative error code.
+ */
+int sd_bus_input_exhaust_lambda_pack(
+    uint8_t *dst_p,
+    const struct sd_bus_input_exhaust_lambda_t *src_p,
+    size_t size);
+
+/**
+ * Unpack message input_exhaust_lambda.
+ *
+ * @param[out] dst_p Object to unpack the message into.
+ * @param[in] src_p Message to unpack.
+ * @param[in] size Size of src_p.
+ *
+ * @return zero(0) or negative error code.
+ */
+int sd_bus_input_exhaust_lambda_unpack(
+    struct sd_bus_input_exhaust_lambda_t *dst_p,
+    const uint8_t *src_p,
+    size_t size);
+
+/**
+ * Init message fields to default values from input_exhaust_lambda.
+ *
+ * @param[in] msg_p Message to init.
+ *
+ * @return zero(0) on success or (-1) in case of nullptr argument.
+ */
+int sd_bus_input_exhaust_lambda_init(struct sd_bus_input_exhaust_lambda_t *msg_p);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint32_t sd_bus_input_exhaust_lambda_tick_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_input_exhaust_lambda_tick_decode(uint32_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_exhaust_lambda_tick_is_in_range(uint32_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_exhaust_lambda_tick_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_input_exhaust_lambda_value_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_input_exhaust_lambda_value_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_exhaust_lambda_value_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_exhaust_lambda_value_is_in_phys_range(double value);
+
+/**
+ * Pack message input_exhaust_pressure.
+ *
+ * @param[out] dst_p Buffer to pack the message into.
+ * @param[in] src_p Data to pack.
+ * @param[in] size Size of dst_p.
+ *
+ * @return Size of packed data, or negative error code.
+ */
+int sd_bus_input_exhaust_pressure_pack(
+    uint8_t *dst_p,
+    const struct sd_bus_input_exhaust_pressure_t *src_p,
+    size_t size);
+
+/**
+ * Unpack message input_exhaust_pressure.
+ *
+ * @param[out] dst_p Object to unpack the message into.
+ * @param[in] src_p Message to unpack.
+ * @param[in] size Size of src_p.
+ *
+ * @return zero(0) or negative error code.
+ */
+int sd_bus_input_exhaust_pressure_unpack(
+    struct sd_bus_input_exhaust_pressure_t *dst_p,
+    const uint8_t *src_p,
+    size_t size);
+
+/**
+ * Init message fields to default values from input_exhaust_pressure.
+ *
+ * @param[in] msg_p Message to init.
+ *
+ * @return zero(0) on success or (-1) in case of nullptr argument.
+ */
+int sd_bus_input_exhaust_pressure_init(struct sd_bus_input_exhaust_pressure_t *msg_p);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint32_t sd_bus_input_exhaust_pressure_tick_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_input_exhaust_pressure_tick_decode(uint32_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_exhaust_pressure_tick_is_in_range(uint32_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_exhaust_pressure_tick_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_input_exhaust_pressure_value_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_input_exhaust_pressure_value_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_exhaust_pressure_value_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_exhaust_pressure_value_is_in_phys_range(double value);
+
+/**
  * Pack message edge.
  *
  * @param[out] dst_p Buffer to pack the message into.
@@ -2439,7 +3164,7 @@ bool sd_bus_edge_torque_innovation_is_in_range(float value);
 bool sd_bus_edge_torque_innovation_is_in_phys_range(double value);
 
 /**
- * Pack message cycle.
+ * Pack message cycle_1.
  *
  * @param[out] dst_p Buffer to pack the message into.
  * @param[in] src_p Data to pack.
@@ -2447,13 +3172,13 @@ bool sd_bus_edge_torque_innovation_is_in_phys_range(double value);
  *
  * @return Size of packed data, or negative error code.
  */
-int sd_bus_cycle_pack(
+int sd_bus_cycle_1_pack(
     uint8_t *dst_p,
-    const struct sd_bus_cycle_t *src_p,
+    const struct sd_bus_cycle_1_t *src_p,
     size_t size);
 
 /**
- * Unpack message cycle.
+ * Unpack message cycle_1.
  *
  * @param[out] dst_p Object to unpack the message into.
  * @param[in] src_p Message to unpack.
@@ -2461,19 +3186,19 @@ int sd_bus_cycle_pack(
  *
  * @return zero(0) or negative error code.
  */
-int sd_bus_cycle_unpack(
-    struct sd_bus_cycle_t *dst_p,
+int sd_bus_cycle_1_unpack(
+    struct sd_bus_cycle_1_t *dst_p,
     const uint8_t *src_p,
     size_t size);
 
 /**
- * Init message fields to default values from cycle.
+ * Init message fields to default values from cycle_1.
  *
  * @param[in] msg_p Message to init.
  *
  * @return zero(0) on success or (-1) in case of nullptr argument.
  */
-int sd_bus_cycle_init(struct sd_bus_cycle_t *msg_p);
+int sd_bus_cycle_1_init(struct sd_bus_cycle_1_t *msg_p);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -2482,7 +3207,7 @@ int sd_bus_cycle_init(struct sd_bus_cycle_t *msg_p);
  *
  * @return Encoded signal.
  */
-uint32_t sd_bus_cycle_tick_encode(double value);
+uint32_t sd_bus_cycle_1_tick_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -2491,7 +3216,7 @@ uint32_t sd_bus_cycle_tick_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_cycle_tick_decode(uint32_t value);
+double sd_bus_cycle_1_tick_decode(uint32_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -2500,7 +3225,7 @@ double sd_bus_cycle_tick_decode(uint32_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_tick_is_in_range(uint32_t value);
+bool sd_bus_cycle_1_tick_is_in_range(uint32_t value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -2513,7 +3238,7 @@ bool sd_bus_cycle_tick_is_in_range(uint32_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_tick_is_in_phys_range(double value);
+bool sd_bus_cycle_1_tick_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -2522,7 +3247,7 @@ bool sd_bus_cycle_tick_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-uint8_t sd_bus_cycle_crank_health_encode(double value);
+uint8_t sd_bus_cycle_1_crank_health_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -2531,7 +3256,7 @@ uint8_t sd_bus_cycle_crank_health_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_cycle_crank_health_decode(uint8_t value);
+double sd_bus_cycle_1_crank_health_decode(uint8_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -2540,7 +3265,7 @@ double sd_bus_cycle_crank_health_decode(uint8_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_crank_health_is_in_range(uint8_t value);
+bool sd_bus_cycle_1_crank_health_is_in_range(uint8_t value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -2553,7 +3278,7 @@ bool sd_bus_cycle_crank_health_is_in_range(uint8_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_crank_health_is_in_phys_range(double value);
+bool sd_bus_cycle_1_crank_health_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -2562,7 +3287,7 @@ bool sd_bus_cycle_crank_health_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-uint8_t sd_bus_cycle_crank_why_encode(double value);
+uint8_t sd_bus_cycle_1_crank_why_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -2571,7 +3296,7 @@ uint8_t sd_bus_cycle_crank_why_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_cycle_crank_why_decode(uint8_t value);
+double sd_bus_cycle_1_crank_why_decode(uint8_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -2580,7 +3305,7 @@ double sd_bus_cycle_crank_why_decode(uint8_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_crank_why_is_in_range(uint8_t value);
+bool sd_bus_cycle_1_crank_why_is_in_range(uint8_t value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -2593,7 +3318,7 @@ bool sd_bus_cycle_crank_why_is_in_range(uint8_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_crank_why_is_in_phys_range(double value);
+bool sd_bus_cycle_1_crank_why_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -2602,7 +3327,7 @@ bool sd_bus_cycle_crank_why_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-uint8_t sd_bus_cycle_cylinder_health_encode(double value);
+uint8_t sd_bus_cycle_1_cylinder_health_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -2611,7 +3336,7 @@ uint8_t sd_bus_cycle_cylinder_health_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_cycle_cylinder_health_decode(uint8_t value);
+double sd_bus_cycle_1_cylinder_health_decode(uint8_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -2620,7 +3345,7 @@ double sd_bus_cycle_cylinder_health_decode(uint8_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_cylinder_health_is_in_range(uint8_t value);
+bool sd_bus_cycle_1_cylinder_health_is_in_range(uint8_t value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -2633,7 +3358,7 @@ bool sd_bus_cycle_cylinder_health_is_in_range(uint8_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_cylinder_health_is_in_phys_range(double value);
+bool sd_bus_cycle_1_cylinder_health_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -2642,7 +3367,7 @@ bool sd_bus_cycle_cylinder_health_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-uint8_t sd_bus_cycle_cylinder_why_encode(double value);
+uint8_t sd_bus_cycle_1_cylinder_why_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -2651,7 +3376,7 @@ uint8_t sd_bus_cycle_cylinder_why_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_cycle_cylinder_why_decode(uint8_t value);
+double sd_bus_cycle_1_cylinder_why_decode(uint8_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -2660,7 +3385,7 @@ double sd_bus_cycle_cylinder_why_decode(uint8_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_cylinder_why_is_in_range(uint8_t value);
+bool sd_bus_cycle_1_cylinder_why_is_in_range(uint8_t value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -2673,7 +3398,7 @@ bool sd_bus_cycle_cylinder_why_is_in_range(uint8_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_cylinder_why_is_in_phys_range(double value);
+bool sd_bus_cycle_1_cylinder_why_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -2682,7 +3407,7 @@ bool sd_bus_cycle_cylinder_why_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-float sd_bus_cycle_cycle_speed_encode(double value);
+float sd_bus_cycle_1_cycle_speed_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -2691,7 +3416,7 @@ float sd_bus_cycle_cycle_speed_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_cycle_cycle_speed_decode(float value);
+double sd_bus_cycle_1_cycle_speed_decode(float value);
 
 /**
  * Check that given signal is in allowed range.
@@ -2700,7 +3425,7 @@ double sd_bus_cycle_cycle_speed_decode(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_cycle_speed_is_in_range(float value);
+bool sd_bus_cycle_1_cycle_speed_is_in_range(float value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -2713,7 +3438,7 @@ bool sd_bus_cycle_cycle_speed_is_in_range(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_cycle_speed_is_in_phys_range(double value);
+bool sd_bus_cycle_1_cycle_speed_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -2722,7 +3447,7 @@ bool sd_bus_cycle_cycle_speed_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-float sd_bus_cycle_cycle_cylinder_torque_1_encode(double value);
+float sd_bus_cycle_1_cycle_cylinder_torque_1_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -2731,7 +3456,7 @@ float sd_bus_cycle_cycle_cylinder_torque_1_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_cycle_cycle_cylinder_torque_1_decode(float value);
+double sd_bus_cycle_1_cycle_cylinder_torque_1_decode(float value);
 
 /**
  * Check that given signal is in allowed range.
@@ -2740,7 +3465,7 @@ double sd_bus_cycle_cycle_cylinder_torque_1_decode(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_cycle_cylinder_torque_1_is_in_range(float value);
+bool sd_bus_cycle_1_cycle_cylinder_torque_1_is_in_range(float value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -2753,7 +3478,7 @@ bool sd_bus_cycle_cycle_cylinder_torque_1_is_in_range(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_cycle_cylinder_torque_1_is_in_phys_range(double value);
+bool sd_bus_cycle_1_cycle_cylinder_torque_1_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -2762,7 +3487,7 @@ bool sd_bus_cycle_cycle_cylinder_torque_1_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-float sd_bus_cycle_cycle_cylinder_torque_2_encode(double value);
+float sd_bus_cycle_1_cycle_cylinder_torque_2_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -2771,7 +3496,7 @@ float sd_bus_cycle_cycle_cylinder_torque_2_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_cycle_cycle_cylinder_torque_2_decode(float value);
+double sd_bus_cycle_1_cycle_cylinder_torque_2_decode(float value);
 
 /**
  * Check that given signal is in allowed range.
@@ -2780,7 +3505,7 @@ double sd_bus_cycle_cycle_cylinder_torque_2_decode(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_cycle_cylinder_torque_2_is_in_range(float value);
+bool sd_bus_cycle_1_cycle_cylinder_torque_2_is_in_range(float value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -2793,7 +3518,7 @@ bool sd_bus_cycle_cycle_cylinder_torque_2_is_in_range(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_cycle_cylinder_torque_2_is_in_phys_range(double value);
+bool sd_bus_cycle_1_cycle_cylinder_torque_2_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -2802,7 +3527,7 @@ bool sd_bus_cycle_cycle_cylinder_torque_2_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-float sd_bus_cycle_cycle_cylinder_torque_3_encode(double value);
+float sd_bus_cycle_1_cycle_cylinder_torque_3_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -2811,7 +3536,7 @@ float sd_bus_cycle_cycle_cylinder_torque_3_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_cycle_cycle_cylinder_torque_3_decode(float value);
+double sd_bus_cycle_1_cycle_cylinder_torque_3_decode(float value);
 
 /**
  * Check that given signal is in allowed range.
@@ -2820,7 +3545,7 @@ double sd_bus_cycle_cycle_cylinder_torque_3_decode(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_cycle_cylinder_torque_3_is_in_range(float value);
+bool sd_bus_cycle_1_cycle_cylinder_torque_3_is_in_range(float value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -2833,7 +3558,7 @@ bool sd_bus_cycle_cycle_cylinder_torque_3_is_in_range(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_cycle_cylinder_torque_3_is_in_phys_range(double value);
+bool sd_bus_cycle_1_cycle_cylinder_torque_3_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -2842,7 +3567,7 @@ bool sd_bus_cycle_cycle_cylinder_torque_3_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-float sd_bus_cycle_cycle_cylinder_torque_4_encode(double value);
+float sd_bus_cycle_1_cycle_cylinder_torque_4_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -2851,7 +3576,7 @@ float sd_bus_cycle_cycle_cylinder_torque_4_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_cycle_cycle_cylinder_torque_4_decode(float value);
+double sd_bus_cycle_1_cycle_cylinder_torque_4_decode(float value);
 
 /**
  * Check that given signal is in allowed range.
@@ -2860,7 +3585,7 @@ double sd_bus_cycle_cycle_cylinder_torque_4_decode(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_cycle_cylinder_torque_4_is_in_range(float value);
+bool sd_bus_cycle_1_cycle_cylinder_torque_4_is_in_range(float value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -2873,7 +3598,7 @@ bool sd_bus_cycle_cycle_cylinder_torque_4_is_in_range(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_cycle_cylinder_torque_4_is_in_phys_range(double value);
+bool sd_bus_cycle_1_cycle_cylinder_torque_4_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -2882,7 +3607,7 @@ bool sd_bus_cycle_cycle_cylinder_torque_4_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-float sd_bus_cycle_cycle_cylinder_torque_5_encode(double value);
+float sd_bus_cycle_1_cycle_cylinder_torque_5_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -2891,7 +3616,7 @@ float sd_bus_cycle_cycle_cylinder_torque_5_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_cycle_cycle_cylinder_torque_5_decode(float value);
+double sd_bus_cycle_1_cycle_cylinder_torque_5_decode(float value);
 
 /**
  * Check that given signal is in allowed range.
@@ -2900,7 +3625,7 @@ double sd_bus_cycle_cycle_cylinder_torque_5_decode(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_cycle_cylinder_torque_5_is_in_range(float value);
+bool sd_bus_cycle_1_cycle_cylinder_torque_5_is_in_range(float value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -2913,7 +3638,7 @@ bool sd_bus_cycle_cycle_cylinder_torque_5_is_in_range(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_cycle_cylinder_torque_5_is_in_phys_range(double value);
+bool sd_bus_cycle_1_cycle_cylinder_torque_5_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -2922,7 +3647,7 @@ bool sd_bus_cycle_cycle_cylinder_torque_5_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-float sd_bus_cycle_cycle_cylinder_torque_6_encode(double value);
+float sd_bus_cycle_1_cycle_cylinder_torque_6_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -2931,7 +3656,7 @@ float sd_bus_cycle_cycle_cylinder_torque_6_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_cycle_cycle_cylinder_torque_6_decode(float value);
+double sd_bus_cycle_1_cycle_cylinder_torque_6_decode(float value);
 
 /**
  * Check that given signal is in allowed range.
@@ -2940,7 +3665,7 @@ double sd_bus_cycle_cycle_cylinder_torque_6_decode(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_cycle_cylinder_torque_6_is_in_range(float value);
+bool sd_bus_cycle_1_cycle_cylinder_torque_6_is_in_range(float value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -2953,7 +3678,7 @@ bool sd_bus_cycle_cycle_cylinder_torque_6_is_in_range(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_cycle_cylinder_torque_6_is_in_phys_range(double value);
+bool sd_bus_cycle_1_cycle_cylinder_torque_6_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -2962,7 +3687,7 @@ bool sd_bus_cycle_cycle_cylinder_torque_6_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-float sd_bus_cycle_cycle_cylinder_torque_7_encode(double value);
+float sd_bus_cycle_1_cycle_cylinder_torque_7_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -2971,7 +3696,7 @@ float sd_bus_cycle_cycle_cylinder_torque_7_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_cycle_cycle_cylinder_torque_7_decode(float value);
+double sd_bus_cycle_1_cycle_cylinder_torque_7_decode(float value);
 
 /**
  * Check that given signal is in allowed range.
@@ -2980,7 +3705,7 @@ double sd_bus_cycle_cycle_cylinder_torque_7_decode(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_cycle_cylinder_torque_7_is_in_range(float value);
+bool sd_bus_cycle_1_cycle_cylinder_torque_7_is_in_range(float value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -2993,7 +3718,7 @@ bool sd_bus_cycle_cycle_cylinder_torque_7_is_in_range(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_cycle_cylinder_torque_7_is_in_phys_range(double value);
+bool sd_bus_cycle_1_cycle_cylinder_torque_7_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -3002,7 +3727,7 @@ bool sd_bus_cycle_cycle_cylinder_torque_7_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-float sd_bus_cycle_cycle_cylinder_torque_8_encode(double value);
+float sd_bus_cycle_1_cycle_cylinder_torque_8_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -3011,7 +3736,7 @@ float sd_bus_cycle_cycle_cylinder_torque_8_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_cycle_cycle_cylinder_torque_8_decode(float value);
+double sd_bus_cycle_1_cycle_cylinder_torque_8_decode(float value);
 
 /**
  * Check that given signal is in allowed range.
@@ -3020,7 +3745,7 @@ double sd_bus_cycle_cycle_cylinder_torque_8_decode(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_cycle_cylinder_torque_8_is_in_range(float value);
+bool sd_bus_cycle_1_cycle_cylinder_torque_8_is_in_range(float value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -3033,7 +3758,484 @@ bool sd_bus_cycle_cycle_cylinder_torque_8_is_in_range(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_cycle_cylinder_torque_8_is_in_phys_range(double value);
+bool sd_bus_cycle_1_cycle_cylinder_torque_8_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_cycle_1_cycle_cylinder_sd_1_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_1_cycle_cylinder_sd_1_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_1_cycle_cylinder_sd_1_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_1_cycle_cylinder_sd_1_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_cycle_1_cycle_cylinder_sd_2_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_1_cycle_cylinder_sd_2_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_1_cycle_cylinder_sd_2_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_1_cycle_cylinder_sd_2_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_cycle_1_cycle_cylinder_sd_3_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_1_cycle_cylinder_sd_3_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_1_cycle_cylinder_sd_3_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_1_cycle_cylinder_sd_3_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_cycle_1_cycle_cylinder_sd_4_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_1_cycle_cylinder_sd_4_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_1_cycle_cylinder_sd_4_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_1_cycle_cylinder_sd_4_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_cycle_1_cycle_cylinder_sd_5_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_1_cycle_cylinder_sd_5_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_1_cycle_cylinder_sd_5_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_1_cycle_cylinder_sd_5_is_in_phys_range(double value);
+
+/**
+ * Pack message cycle_2.
+ *
+ * @param[out] dst_p Buffer to pack the message into.
+ * @param[in] src_p Data to pack.
+ * @param[in] size Size of dst_p.
+ *
+ * @return Size of packed data, or negative error code.
+ */
+int sd_bus_cycle_2_pack(
+    uint8_t *dst_p,
+    const struct sd_bus_cycle_2_t *src_p,
+    size_t size);
+
+/**
+ * Unpack message cycle_2.
+ *
+ * @param[out] dst_p Object to unpack the message into.
+ * @param[in] src_p Message to unpack.
+ * @param[in] size Size of src_p.
+ *
+ * @return zero(0) or negative error code.
+ */
+int sd_bus_cycle_2_unpack(
+    struct sd_bus_cycle_2_t *dst_p,
+    const uint8_t *src_p,
+    size_t size);
+
+/**
+ * Init message fields to default values from cycle_2.
+ *
+ * @param[in] msg_p Message to init.
+ *
+ * @return zero(0) on success or (-1) in case of nullptr argument.
+ */
+int sd_bus_cycle_2_init(struct sd_bus_cycle_2_t *msg_p);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint32_t sd_bus_cycle_2_tick_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_2_tick_decode(uint32_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_2_tick_is_in_range(uint32_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_2_tick_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint8_t sd_bus_cycle_2_cylinder_health_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_2_cylinder_health_decode(uint8_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_2_cylinder_health_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_2_cylinder_health_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint8_t sd_bus_cycle_2_cylinder_why_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_2_cylinder_why_decode(uint8_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_2_cylinder_why_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_2_cylinder_why_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_cycle_2_cycle_cylinder_sd_6_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_2_cycle_cylinder_sd_6_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_2_cycle_cylinder_sd_6_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_2_cycle_cylinder_sd_6_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_cycle_2_cycle_cylinder_sd_7_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_2_cycle_cylinder_sd_7_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_2_cycle_cylinder_sd_7_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_2_cycle_cylinder_sd_7_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_cycle_2_cycle_cylinder_sd_8_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_2_cycle_cylinder_sd_8_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_2_cycle_cylinder_sd_8_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_2_cycle_cylinder_sd_8_is_in_phys_range(double value);
 
 /**
  * Pack message done.

@@ -23,12 +23,20 @@ uint64_t __sixdeg_cycle_t_hash_recursive(const __lcm_hash_ptr *p)
     cp.v = (void*)__sixdeg_cycle_t_get_hash;
     (void) cp;
 
-    uint64_t hash = (uint64_t)0x1b8e511813605ffeLL
+    uint64_t hash = (uint64_t)0x1f27a85e17d0fdaeLL
          + __int32_t_hash_recursive(&cp)
          + __int8_t_hash_recursive(&cp)
          + __int8_t_hash_recursive(&cp)
          + __int8_t_hash_recursive(&cp)
          + __int8_t_hash_recursive(&cp)
+         + __float_hash_recursive(&cp)
+         + __float_hash_recursive(&cp)
+         + __float_hash_recursive(&cp)
+         + __float_hash_recursive(&cp)
+         + __float_hash_recursive(&cp)
+         + __float_hash_recursive(&cp)
+         + __float_hash_recursive(&cp)
+         + __float_hash_recursive(&cp)
          + __float_hash_recursive(&cp)
          + __float_hash_recursive(&cp)
          + __float_hash_recursive(&cp)
@@ -102,6 +110,30 @@ int __sixdeg_cycle_t_encode_array(void *buf, int offset, int maxlen, const sixde
         thislen = __float_encode_array(buf, offset + pos, maxlen - pos, &(p[element].cycle_cylinder_torque_8), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
+        thislen = __float_encode_array(buf, offset + pos, maxlen - pos, &(p[element].cycle_cylinder_sd_1), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_encode_array(buf, offset + pos, maxlen - pos, &(p[element].cycle_cylinder_sd_2), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_encode_array(buf, offset + pos, maxlen - pos, &(p[element].cycle_cylinder_sd_3), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_encode_array(buf, offset + pos, maxlen - pos, &(p[element].cycle_cylinder_sd_4), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_encode_array(buf, offset + pos, maxlen - pos, &(p[element].cycle_cylinder_sd_5), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_encode_array(buf, offset + pos, maxlen - pos, &(p[element].cycle_cylinder_sd_6), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_encode_array(buf, offset + pos, maxlen - pos, &(p[element].cycle_cylinder_sd_7), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_encode_array(buf, offset + pos, maxlen - pos, &(p[element].cycle_cylinder_sd_8), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
     }
     return pos;
 }
@@ -152,6 +184,22 @@ int __sixdeg_cycle_t_encoded_array_size(const sixdeg_cycle_t *p, int elements)
         size += __float_encoded_array_size(&(p[element].cycle_cylinder_torque_7), 1);
 
         size += __float_encoded_array_size(&(p[element].cycle_cylinder_torque_8), 1);
+
+        size += __float_encoded_array_size(&(p[element].cycle_cylinder_sd_1), 1);
+
+        size += __float_encoded_array_size(&(p[element].cycle_cylinder_sd_2), 1);
+
+        size += __float_encoded_array_size(&(p[element].cycle_cylinder_sd_3), 1);
+
+        size += __float_encoded_array_size(&(p[element].cycle_cylinder_sd_4), 1);
+
+        size += __float_encoded_array_size(&(p[element].cycle_cylinder_sd_5), 1);
+
+        size += __float_encoded_array_size(&(p[element].cycle_cylinder_sd_6), 1);
+
+        size += __float_encoded_array_size(&(p[element].cycle_cylinder_sd_7), 1);
+
+        size += __float_encoded_array_size(&(p[element].cycle_cylinder_sd_8), 1);
 
     }
     return size;
@@ -210,6 +258,30 @@ int __sixdeg_cycle_t_decode_array(const void *buf, int offset, int maxlen, sixde
         thislen = __float_decode_array(buf, offset + pos, maxlen - pos, &(p[element].cycle_cylinder_torque_8), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
+        thislen = __float_decode_array(buf, offset + pos, maxlen - pos, &(p[element].cycle_cylinder_sd_1), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_decode_array(buf, offset + pos, maxlen - pos, &(p[element].cycle_cylinder_sd_2), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_decode_array(buf, offset + pos, maxlen - pos, &(p[element].cycle_cylinder_sd_3), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_decode_array(buf, offset + pos, maxlen - pos, &(p[element].cycle_cylinder_sd_4), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_decode_array(buf, offset + pos, maxlen - pos, &(p[element].cycle_cylinder_sd_5), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_decode_array(buf, offset + pos, maxlen - pos, &(p[element].cycle_cylinder_sd_6), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_decode_array(buf, offset + pos, maxlen - pos, &(p[element].cycle_cylinder_sd_7), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_decode_array(buf, offset + pos, maxlen - pos, &(p[element].cycle_cylinder_sd_8), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
     }
     return pos;
 }
@@ -246,6 +318,22 @@ int __sixdeg_cycle_t_decode_array_cleanup(sixdeg_cycle_t *p, int elements)
         __float_decode_array_cleanup(&(p[element].cycle_cylinder_torque_7), 1);
 
         __float_decode_array_cleanup(&(p[element].cycle_cylinder_torque_8), 1);
+
+        __float_decode_array_cleanup(&(p[element].cycle_cylinder_sd_1), 1);
+
+        __float_decode_array_cleanup(&(p[element].cycle_cylinder_sd_2), 1);
+
+        __float_decode_array_cleanup(&(p[element].cycle_cylinder_sd_3), 1);
+
+        __float_decode_array_cleanup(&(p[element].cycle_cylinder_sd_4), 1);
+
+        __float_decode_array_cleanup(&(p[element].cycle_cylinder_sd_5), 1);
+
+        __float_decode_array_cleanup(&(p[element].cycle_cylinder_sd_6), 1);
+
+        __float_decode_array_cleanup(&(p[element].cycle_cylinder_sd_7), 1);
+
+        __float_decode_array_cleanup(&(p[element].cycle_cylinder_sd_8), 1);
 
     }
     return 0;
@@ -304,6 +392,22 @@ int __sixdeg_cycle_t_clone_array(const sixdeg_cycle_t *p, sixdeg_cycle_t *q, int
         __float_clone_array(&(p[element].cycle_cylinder_torque_7), &(q[element].cycle_cylinder_torque_7), 1);
 
         __float_clone_array(&(p[element].cycle_cylinder_torque_8), &(q[element].cycle_cylinder_torque_8), 1);
+
+        __float_clone_array(&(p[element].cycle_cylinder_sd_1), &(q[element].cycle_cylinder_sd_1), 1);
+
+        __float_clone_array(&(p[element].cycle_cylinder_sd_2), &(q[element].cycle_cylinder_sd_2), 1);
+
+        __float_clone_array(&(p[element].cycle_cylinder_sd_3), &(q[element].cycle_cylinder_sd_3), 1);
+
+        __float_clone_array(&(p[element].cycle_cylinder_sd_4), &(q[element].cycle_cylinder_sd_4), 1);
+
+        __float_clone_array(&(p[element].cycle_cylinder_sd_5), &(q[element].cycle_cylinder_sd_5), 1);
+
+        __float_clone_array(&(p[element].cycle_cylinder_sd_6), &(q[element].cycle_cylinder_sd_6), 1);
+
+        __float_clone_array(&(p[element].cycle_cylinder_sd_7), &(q[element].cycle_cylinder_sd_7), 1);
+
+        __float_clone_array(&(p[element].cycle_cylinder_sd_8), &(q[element].cycle_cylinder_sd_8), 1);
 
     }
     return 0;

@@ -34,6 +34,14 @@ struct _sixdeg_cycle_t
     float      cycle_cylinder_torque_6;
     float      cycle_cylinder_torque_7;
     float      cycle_cylinder_torque_8;
+    float      cycle_cylinder_sd_1;
+    float      cycle_cylinder_sd_2;
+    float      cycle_cylinder_sd_3;
+    float      cycle_cylinder_sd_4;
+    float      cycle_cylinder_sd_5;
+    float      cycle_cylinder_sd_6;
+    float      cycle_cylinder_sd_7;
+    float      cycle_cylinder_sd_8;
 };
 
 /**

@@ -88,7 +88,8 @@ static uint8_t verdict_of(const sd_misfire_t *self, float index, float limit, sd
     return weak ? SD_PARTIAL_BURN : SD_HEALTHY;
 }
 
-/* Only a healthy firing moves the expectation. Scatter is seen above it, where no misfire comes. */
+/* Only a healthy firing near the expectation moves it (and any but a misfire while nothing is known of that cylinder).
+ * Scatter is seen above it, where no misfire comes. */
 static void learn(sd_misfire_t *self, uint32_t firing, float index, uint8_t verdict, sd_spread_t spread) {
     const float off = index - 1.0f;
     self->innovation = off;
@@ -97,7 +98,10 @@ static void learn(sd_misfire_t *self, uint32_t firing, float index, uint8_t verd
         const float seen = self->scatter * (1.0f + LEARN_SCATTER * (ratio * ratio - 1.0f));
         self->scatter = clamp(seen, SCATTER_MIN, SCATTER_MAX);
     }
-    if (verdict == SD_HEALTHY) {
+    const bool unknown = self->learned[firing] < LEARNED_ENOUGH;
+    const float near = larger(0.25f, 2.0f * spread.healthy); /* an overlooked misfire is not */
+    const bool teaches = (off > -near) && (off < near) && (verdict == SD_HEALTHY);
+    if (teaches || (unknown && (verdict != SD_MISFIRE))) {
         const float weight = 1.0f / (4.0f + (float)self->learned[firing]);
         const float factor = self->factor[firing] * (1.0f + weight * clamp(off, -0.5f, 0.5f));
         if (self->learned[firing] < LEARN_FIRINGS) { self->learned[firing]++; }

@@ -3,7 +3,8 @@
 ///
 /// Index of a firing = torque it gave / torque expected of its fuel: 1 healthy, 0 misfire. The expectation is
 ///     expected = fuel x work_per_fuel / pi x factor of the cylinder            (mean over the 180 deg after TDC)
-/// and the factor learns slowly from firings that were found healthy, within limits. No firing is ever compared with its
+/// and the factor learns slowly from firings that were found healthy (and from weak ones in a cylinder's first 16, when
+/// the expectation itself may be wrong), within 0.6 to 1.5. No firing is ever compared with its
 /// neighbours, so two cylinders missing together, or all, are seen like one.
 ///
 /// The healthy index scatters by sd_0 (combustion and estimate), that of a misfire by sd_1 (estimate alone):

@@ -6,8 +6,9 @@
 #define PI 3.14159265f
 #define FACTOR_MIN 0.6f    /* the expectation may learn no further than this, or a misfire could become normal */
 #define FACTOR_MAX 1.5f
-#define SCATTER_MIN 0.5f
-#define SCATTER_MAX 1000.0f
+#define SCATTER_START 0.25f
+#define SCATTER_MIN 0.01f
+#define SCATTER_MAX 1e6f
 #define LEARN_FIRINGS  64u /* the factor is a mean of so many, fewer after init */
 #define LEARNED_ENOUGH 16u /* firings of a cylinder before its scatter says anything */
 #define LEARN_SCATTER (1.0f / 32.0f)
@@ -71,8 +72,7 @@ typedef struct sd_spread { float healthy, missed; } sd_spread_t; /* sd_0, sd_1 *
 
 static sd_spread_t spread_of(const sd_misfire_t *self, float relative_sd) {
     const float cyclic = self->config.cyclic * self->config.cyclic, noise = relative_sd * relative_sd;
-    const float healthy = self->scatter * (cyclic + noise);
-    return (sd_spread_t){ root(healthy), root(larger(noise, healthy - cyclic)) };
+    return (sd_spread_t){ root(self->scatter * cyclic + noise), root(larger(self->scatter - 1.0f, 0.0f) * cyclic + noise) };
 }
 
 static float limit_of(sd_misfire_t *self, sd_spread_t spread) {
@@ -90,18 +90,19 @@ static uint8_t verdict_of(const sd_misfire_t *self, float index, float limit, sd
 
 /* Only a healthy firing near the expectation moves it (and any but a misfire while nothing is known of that cylinder).
  * Scatter is seen above it, where no misfire comes. */
-static void learn(sd_misfire_t *self, uint32_t firing, float index, uint8_t verdict, sd_spread_t spread) {
-    const float off = index - 1.0f;
+static void learn(sd_misfire_t *self, const sd_misfire_verdict_t *v, float relative_sd, sd_spread_t spread) {
+    const uint32_t firing = v->firing;
+    const float off = v->index - 1.0f;
     self->innovation = off;
     if ((off > 0.0f) && (self->learned[firing] >= LEARNED_ENOUGH)) {
-        const float ratio = clamp(off / spread.healthy, 0.0f, 10.0f);
-        const float seen = self->scatter * (1.0f + LEARN_SCATTER * (ratio * ratio - 1.0f));
-        self->scatter = clamp(seen, SCATTER_MIN, SCATTER_MAX);
+        const float size = clamp(off, 0.0f, 10.0f * spread.healthy), cyclic = self->config.cyclic;
+        const float seen = (size * size - relative_sd * relative_sd) / (cyclic * cyclic);
+        self->scatter = clamp(self->scatter + LEARN_SCATTER * (seen - self->scatter), SCATTER_MIN, SCATTER_MAX);
     }
     const bool unknown = self->learned[firing] < LEARNED_ENOUGH;
     const float near = larger(0.25f, 2.0f * spread.healthy); /* an overlooked misfire is not */
-    const bool teaches = (off > -near) && (off < near) && (verdict == SD_HEALTHY);
-    if (teaches || (unknown && (verdict != SD_MISFIRE))) {
+    const bool teaches = (off > -near) && (off < near) && (v->verdict == (uint8_t)SD_HEALTHY);
+    if (teaches || (unknown && (v->verdict != (uint8_t)SD_MISFIRE))) {
         const float weight = 1.0f / (4.0f + (float)self->learned[firing]);
         const float factor = self->factor[firing] * (1.0f + weight * clamp(off, -0.5f, 0.5f));
         if (self->learned[firing] < LEARN_FIRINGS) { self->learned[firing]++; }
@@ -194,12 +195,13 @@ sd_misfire_verdict_t sd_misfire_judge(sd_misfire_t *self, const sd_misfire_firin
     }
     if (v.inhibit == 0u) {
         const float expected = expected_torque(self, f);
-        const sd_spread_t spread = spread_of(self, f->torque_sd_nm / expected);
+        const float relative_sd = clamp(f->torque_sd_nm / expected, 0.0f, 10.0f);
+        const sd_spread_t spread = spread_of(self, relative_sd);
         v.index = clamp(f->torque_nm / expected, -10.0f, 10.0f);
         v.index_sd = spread.healthy;
         v.limit = limit_of(self, spread);
         v.verdict = verdict_of(self, v.index, v.limit, spread);
-        learn(self, v.firing, v.index, v.verdict, spread);
+        learn(self, &v, relative_sd, spread);
         count(self, &v);
     } else {
         self->rejected = count_up_16(self->rejected);
@@ -267,7 +269,7 @@ sd_result_t sd_misfire_init(sd_misfire_t *self, const sd_misfire_config_t *c) {
     if (!fine) { return SD_ERR_CONFIG; }
     memset(self, 0, sizeof *self);
     self->config = *c;
-    self->scatter = 1.0f;
+    self->scatter = SCATTER_START;
     for (uint32_t i = 0; i < SD_MISFIRE_CYLINDERS_MAX; ++i) { self->factor[i] = 1.0f; }
     sd_misfire_start(self);
     return SD_OK;

@@ -8,8 +8,9 @@
 /// neighbours, so two cylinders missing together, or all, are seen like one.
 ///
 /// The healthy index scatters by sd_0 (combustion and estimate), that of a misfire by sd_1 (estimate alone):
-///     sd_0^2 = r (cyclic^2 + (torque_sd / expected)^2),   sd_1^2 = max((torque_sd / expected)^2, sd_0^2 - cyclic^2)
-/// r is learned from the upper half of the scatter, which no misfire reaches: this is the adaptation to rough roads.
+///     sd_0^2 = r cyclic^2 + (torque_sd / expected)^2,   sd_1^2 = max(r - 1, 0) cyclic^2 + (torque_sd / expected)^2
+/// r is learned from the upper half of the scatter, which no misfire reaches. Up to 1 it is combustion; what is beyond
+/// is disturbance that a misfire has too: this is the adaptation to rough roads.
 /// A misfire is less than `definition` of the work expected. Where that would break the wanted error rates, the limit
 /// moves to the nearest that keeps both, limit in [z_missed sd_1, 1 - z_false sd_0]; where none does, it shares the
 /// shortage between both in proportion: z_missed sd_1 / (z_missed sd_1 + z_false sd_0). Status is degraded then.
@@ -32,7 +33,7 @@ typedef struct sd_misfire_config {
     uint8_t  cylinders;                              ///< 1 to SD_MISFIRE_CYLINDERS_MAX.
     uint8_t  firing_order[SD_MISFIRE_CYLINDERS_MAX]; ///< Physical cylinder, 1 to cylinders, of each firing; each once.
     float    work_per_fuel_jpmg; ///< Work of combustion of a healthy firing, [0.001, 100].
-    float    cyclic;             ///< Standard deviation of a healthy firing's work over its mean, (0, 0.5].
+    float    cyclic;             ///< Largest usual standard deviation of a healthy firing's work over its mean, [0.001, 0.5].
     float    z_false, z_missed;  ///< Wanted distances in deviations: 3.54 is 2 in 10,000, 2.58 is 5 in 1000; [1, 6].
     float    definition;         ///< Share of the work below which it is a misfire, [0.2, 0.8].
     float    partial;            ///< Share below which it is a partial burn, [definition, 1].

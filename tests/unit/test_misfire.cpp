@@ -24,7 +24,7 @@ sd_misfire_config_t config() {
     const std::uint8_t order[] = {1, 3, 4, 2};
     std::copy(order, order + 4, c.firing_order);
     c.work_per_fuel_jpmg = 18;
-    c.cyclic = 0.05f;
+    c.cyclic = 0.2f;
     c.z_false = 3.54f;
     c.z_missed = 2.58f;
     c.definition = 0.5f;

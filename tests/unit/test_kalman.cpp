@@ -1,0 +1,308 @@
+// SPDX-License-Identifier: MIT
+// The filter on tooth times against a torque in closed form, whose tooth times come from quadrature in double precision.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <functional>
+#include <random>
+
+#include "calibration/kalman_tables.hpp"
+#include "support/torque_signal.hpp"
+
+namespace sixdeg {
+namespace {
+
+using test::TorqueSignal;
+
+constexpr int kPositions = 60, kCycle = 120;
+
+EngineFile engine_file() {
+    EngineFile engine;
+    engine.name = "test";
+    engine.firing_order = {1, 3, 4, 2};
+    engine.firing_tdc_deg = {0, 180, 360, 540};
+    engine.stroke_m = 0.092, engine.rod_m = 0.1445;
+    engine.inertia_kgm2 = 0.25, engine.reciprocating_mass_kg = 0.95;
+    engine.wheel = {kPositions, {58, 59}};
+    engine.tick_hz = 1e8; // as good as ideal; tests of noise bring their own
+    return engine;
+}
+
+/// Torque of one firing of a signal whose others do not burn, and how much of it is the mean over its half turn.
+double pulse_of(std::size_t lane, double alpha) {
+    TorqueSignal one;
+    one.fuel = {0, 0, 0, 0};
+    one.compression_nm = 0;
+    one.fuel[lane] = 1;
+    return one.raw(alpha);
+}
+
+double pulse_mean() {
+    double sum = 0;
+    for (int i = 0; i < 3600; ++i) sum += pulse_of(0, M_PI * (i + 0.5) / 3600) / 3600;
+    return sum;
+}
+
+KnownTorque known_torque() {
+    KnownTorque known;
+    const double mean = pulse_mean();
+    for (std::size_t lane = 0; lane < 4; ++lane) known.basis.push_back([=](double a) { return pulse_of(lane, a) / mean; });
+    TorqueSignal motored;
+    motored.fuel = {0, 0, 0, 0};
+    known.motored_per_bar = [=](double a) { return motored.raw(a); };
+    known.motored = [](double) { return 0.0; };
+    return known;
+}
+
+/// The edges of a signal that repeats, each with an error of its own and one of its tooth's.
+class Edges {
+  public:
+    Edges(const TorqueSignal &signal, double jitter_deg, double pattern_deg, unsigned seed)
+        : times_(signal.tooth_times(kPositions, kCycle)), random_(seed) {
+        const double s_per_deg = times_.back() / 720;
+        jitter_s_ = jitter_deg * s_per_deg;
+        std::normal_distribution<double> normal(0, pattern_deg * M_PI / 180);
+        for (double &late : pattern_rad_) late = normal(random_);
+    }
+    double at(int k) {
+        const double ideal = times_.back() * (k / kCycle) + times_[std::size_t(k % kCycle)];
+        const std::size_t at = std::size_t(k % kCycle), before = at > 0 ? at - 1 : at, after = at + 1;
+        const double s_per_rad = (times_[after] - times_[before]) / double(after - before) * kPositions / (2 * M_PI);
+        return ideal + late_rad(k) * s_per_rad + jitter_s_ * normal_(random_);
+    }
+    double late_rad(int k) const { return pattern_rad_[k % kPositions]; }
+
+  private:
+    std::vector<double> times_;
+    std::mt19937_64 random_;
+    std::normal_distribution<double> normal_;
+    double jitter_s_, pattern_rad_[kPositions];
+};
+
+struct Firing {
+    int cycle;
+    sd_firing_t said;
+};
+
+/// Filter and edges together.
+struct Bench {
+    Bench(const sd_kalman_tables_t &with, Edges from) : tables(with), edges(std::move(from)) {
+        EXPECT_EQ(sd_kalman_init(&filter, &tables), SD_OK);
+        tooth.trusted = 1, tooth.intake_bar = 1;
+    }
+    /// Teeth up to the end of a number of cycles from the start.
+    void run(int cycles) {
+        for (; k < cycles * kCycle; ++k) {
+            if (k % kPositions >= 58) continue;
+            if (before_tooth) before_tooth();
+            const std::int64_t tick = std::llround((edges.at(k) + 1) * double(tables.tick_hz));
+            tooth.cycle_position = std::uint16_t(k % kCycle);
+            tooth.advance = std::uint16_t(k - last_k);
+            tooth.period_ticks = std::uint32_t(tick - last_tick);
+            sd_firing_t firing;
+            if (sd_kalman_step(&filter, &tables, &tooth, &firing)) firings.push_back({k / kCycle, firing});
+            last_k = k, last_tick = tick;
+            if (on_tooth) on_tooth();
+        }
+    }
+    const sd_kalman_tables_t &tables;
+    Edges edges;
+    sd_kalman_t filter;
+    sd_kalman_tooth_t tooth{};
+    std::function<void()> before_tooth, on_tooth;
+    std::vector<Firing> firings;
+    int k = 1, last_k = 0;
+    std::int64_t last_tick = 0;
+};
+
+const KalmanTables &pulse_tables() {
+    static const KalmanTables tables = kalman_tables(engine_file(), known_torque(), {});
+    return tables;
+}
+
+TEST(Kalman, FindsEveryFiringAndTheWaveform) {
+    for (double rpm : {600.0, 1000.0, 3000.0, 6000.0}) {
+        TorqueSignal signal;
+        signal.rpm = rpm;
+        Bench bench(pulse_tables().tables, Edges(signal, 0, 0, 1));
+        bench.run(30);
+        ASSERT_EQ(bench.firings.size(), 4u * 30 - 2) << "two are read in the first revolution, before their pulses were seen";
+        for (std::size_t i = 100; i < bench.firings.size(); ++i) {
+            const sd_firing_t &firing = bench.firings[i].said;
+            const double truth = signal.fuel[firing.index] * pulse_mean();
+            EXPECT_NEAR(double(firing.torque_nm), truth, 2e-3 * truth) << rpm << " rpm, firing " << int(firing.index);
+            EXPECT_NEAR(double(firing.mean_nm), truth, 2e-3 * truth);
+        }
+        double worst = 0;
+        bench.on_tooth = [&] {
+            const double alpha = 2 * M_PI * bench.k / kPositions;
+            worst = std::max(worst, std::abs(double(bench.filter.torque_nm) - signal.torque(alpha)));
+        };
+        bench.run(32);
+        EXPECT_LT(worst, 5e-3 * signal.peak_to_peak()) << rpm;
+    }
+}
+
+TEST(Kalman, FourierBasisFollowsTheSameTorque) {
+    KnownTorque known = known_torque();
+    known.basis = fourier_basis(12);
+    known.firings = false;
+    KalmanTune tune;
+    tune.speeds_rpm = {1000};
+    const KalmanTables made = kalman_tables(engine_file(), known, tune);
+    EXPECT_LT(made.gains[0].radius, 1);
+    TorqueSignal signal;
+    Bench bench(made.tables, Edges(signal, 0, 0, 1));
+    bench.run(20);
+    double square = 0;
+    int count = 0;
+    bench.on_tooth = [&] { square += std::pow(double(bench.filter.torque_nm) - signal.torque(2 * M_PI * bench.k / kPositions), 2), ++count; };
+    bench.run(22);
+    EXPECT_LT(std::sqrt(square / count), 0.03 * signal.peak_to_peak()) << "12 harmonics leave out 2.6 %";
+    EXPECT_TRUE(bench.firings.empty());
+}
+
+TEST(Kalman, GainsAreStableAndZeroWhereNoToothIs) {
+    for (const PeriodicGains &gains : pulse_tables().gains) {
+        EXPECT_LT(gains.radius, 0.9);
+        for (int k : {58, 59, 118, 119}) EXPECT_EQ(gains.gain.row(k).cwiseAbs().maxCoeff(), 0);
+        EXPECT_GE(gains.innovation, 1);
+    }
+    EXPECT_LT(pulse_tables().radius_between, 0.9);
+}
+
+/// Statistics of the filter's errors against what it said of them.
+TEST(Kalman, StatedDeviationsAreHonest) {
+    const auto ratios = [](double rpm, double jitter_deg, double pattern_deg, double &single, double &mean) {
+        TorqueSignal signal;
+        signal.rpm = rpm;
+        double errors[2] = {}, stated[2] = {};
+        for (unsigned seed = 1; seed <= 12; ++seed) {
+            Bench bench(pulse_tables().tables, Edges(signal, jitter_deg, pattern_deg, seed));
+            bench.tooth.pattern_rad = float(pattern_deg * M_PI / 180);
+            bench.run(60);
+            const std::size_t first = 4 * 40; // the firings read in a cycle
+            for (std::size_t i = first; i + 4 <= bench.firings.size(); i += 4) {
+                double torque[4], average[4], torque_sum = 0, average_sum = 0, fuel_sum = 0;
+                for (std::size_t c = 0; c < 4; ++c) {
+                    const sd_firing_t &said = bench.firings[i + c].said;
+                    const double fuel = signal.fuel[said.index] * pulse_mean();
+                    torque[c] = double(said.torque_nm) - fuel, average[c] = double(said.mean_nm) - fuel;
+                    torque_sum += torque[c] / 4, average_sum += average[c] / 4, fuel_sum += fuel;
+                    stated[0] += std::pow(double(said.sd_nm), 2), stated[1] += std::pow(double(said.mean_sd_nm), 2);
+                }
+                for (std::size_t c = 0; c < 4; ++c)
+                    errors[0] += std::pow(torque[c] - torque_sum, 2), errors[1] += std::pow(average[c] - average_sum, 2);
+            }
+        }
+        single = std::sqrt(errors[0] / stated[0]), mean = std::sqrt(errors[1] / stated[1]);
+    };
+    for (double rpm : {1000.0, 3000.0, 6000.0}) {
+        double single, mean;
+        ratios(rpm, 0.02, 0, single, mean);
+        EXPECT_NEAR(single, 1, 0.3) << rpm;
+        EXPECT_NEAR(mean, 1, 0.3) << rpm;
+        ratios(rpm, 0.005, 0.02, single, mean);
+        EXPECT_NEAR(single, 1, 0.3) << rpm << " with a pattern";
+        EXPECT_NEAR(mean, 1, 0.3) << rpm << " with a pattern";
+    }
+}
+
+TEST(Kalman, LearnedPatternIsTakenOut) {
+    TorqueSignal signal;
+    signal.rpm = 3000;
+    const auto worst = [&](bool learned) {
+        Bench bench(pulse_tables().tables, Edges(signal, 0, 0.1, 1));
+        bench.before_tooth = [&] { bench.tooth.late_rad = learned ? float(bench.edges.late_rad(bench.k)) : 0.f; };
+        bench.run(40);
+        double error = 0;
+        for (std::size_t i = bench.firings.size() - 4; i < bench.firings.size(); ++i) {
+            const sd_firing_t &said = bench.firings[i].said;
+            const double truth = signal.fuel[said.index] * pulse_mean();
+            error = std::max(error, std::abs(double(said.torque_nm) / truth - 1));
+        }
+        return error;
+    };
+    EXPECT_LT(worst(true), 3e-3);
+    EXPECT_GT(worst(false), 1e-2);
+}
+
+TEST(Kalman, BadInputsNeverGiveNan) {
+    TorqueSignal signal;
+    Bench bench(pulse_tables().tables, Edges(signal, 0.01, 0, 3));
+    std::mt19937 random(7);
+    const auto sane = [&] {
+        ASSERT_TRUE(std::isfinite(bench.filter.torque_nm));
+        ASSERT_TRUE(std::isfinite(bench.filter.energy_j));
+        for (float x : bench.filter.coefficient_nm) ASSERT_TRUE(std::isfinite(x));
+    };
+    bench.on_tooth = [&] {
+        sane();
+        bench.tooth.trusted = random() % 5 != 0;
+        bench.tooth.intake_bar = random() % 7 == 0 ? NAN : random() % 7 == 0 ? -3.f : 1.f;
+    };
+    bench.run(20);
+    sd_firing_t firing{};
+    for (int i = 0; i < 20000; ++i) {
+        sd_kalman_tooth_t tooth{};
+        tooth.cycle_position = std::uint16_t(random() % 130);
+        tooth.advance = std::uint16_t(random() % 5);
+        tooth.period_ticks = random() % 3 == 0 ? std::uint32_t(random()) : random() % 200000;
+        tooth.trusted = random() % 2;
+        tooth.intake_bar = float(random() % 12);
+        sd_kalman_step(&bench.filter, &bench.tables, &tooth, &firing);
+        sane();
+        ASSERT_TRUE(std::isfinite(firing.torque_nm) && std::isfinite(firing.sd_nm) && std::isfinite(firing.mean_sd_nm));
+    }
+    // And it recovers without a restart from outside.
+    bench.on_tooth = nullptr;
+    bench.tooth.trusted = 1, bench.tooth.intake_bar = 1;
+    bench.firings.clear();
+    bench.run(50);
+    EXPECT_EQ(sd_kalman_status(&bench.filter, &bench.tables).health, SD_VALID);
+    const double truth = signal.fuel[bench.firings.back().said.index] * pulse_mean();
+    EXPECT_NEAR(double(bench.firings.back().said.torque_nm), truth, 0.02 * truth);
+}
+
+TEST(Kalman, SaysWhenItCannotBeTrusted) {
+    TorqueSignal signal;
+    Bench bench(pulse_tables().tables, Edges(signal, 0, 0, 1));
+    EXPECT_EQ(sd_kalman_status(&bench.filter, &bench.tables).health, SD_INVALID);
+    bench.run(1);
+    EXPECT_EQ(sd_kalman_status(&bench.filter, &bench.tables).why, SD_WHY_CONVERGING);
+    bench.run(10);
+    EXPECT_EQ(sd_kalman_status(&bench.filter, &bench.tables).health, SD_VALID);
+    bench.tooth.intake_bar = NAN;
+    bench.run(11);
+    EXPECT_EQ(sd_kalman_status(&bench.filter, &bench.tables).health, SD_DEGRADED);
+    sd_kalman_restart(&bench.filter);
+    EXPECT_EQ(sd_kalman_status(&bench.filter, &bench.tables).health, SD_INVALID);
+}
+
+TEST(Kalman, RefusesTablesOutOfRange) {
+    sd_kalman_t filter{}, before{};
+    const auto refused = [&](auto change) {
+        sd_kalman_tables_t tables = pulse_tables().tables;
+        change(tables);
+        return sd_kalman_init(&filter, &tables) == SD_ERR_CONFIG && std::memcmp(&filter, &before, sizeof filter) == 0;
+    };
+    EXPECT_TRUE(refused([](auto &t) { t.positions = 61; }));
+    EXPECT_TRUE(refused([](auto &t) { t.coefficients = 0; }));
+    EXPECT_TRUE(refused([](auto &t) { t.speeds = 5; }));
+    EXPECT_TRUE(refused([](auto &t) { t.firings = 5; }));
+    EXPECT_TRUE(refused([](auto &t) { t.read_position[2] = 120; }));
+    EXPECT_TRUE(refused([](auto &t) { t.speed_radps[1] = t.speed_radps[0]; }));
+    EXPECT_TRUE(refused([](auto &t) { t.pool[17] = NAN; }));
+    EXPECT_TRUE(refused([](auto &t) { t.known[1][5] = INFINITY; }));
+    EXPECT_TRUE(refused([](auto &t) { t.inertia_tooth_kgm2[59] = 0; }));
+    EXPECT_FALSE(refused([](auto &) {}));
+}
+
+TEST(Kalman, ReciprocalRootWithinThreeInTenMillion) {
+    for (float x = 1e-20f; x < 1e20f; x *= 1.37f)
+        ASSERT_NEAR(double(sd_rsqrt_f32(x)) * std::sqrt(double(x)), 1, 3e-7) << x;
+}
+
+} // namespace
+} // namespace sixdeg

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: MIT
+#include <map>
+
 #include "support/kalman_bench.hpp"
 
 namespace sixdeg {
@@ -163,6 +165,38 @@ TEST(Kalman, SaysWhenItCannotBeTrusted) {
     EXPECT_EQ(sd_kalman_status(&bench.filter, &bench.tables).health, SD_DEGRADED);
     sd_kalman_restart(&bench.filter);
     EXPECT_EQ(sd_kalman_status(&bench.filter, &bench.tables).health, SD_INVALID);
+}
+
+/// Mean square error of a firing less the mean of its cycle, share of the mean torque, for each cycle read whole.
+std::vector<double> imbalance_square(const Bench &bench, const TorqueSignal &signal) {
+    std::map<int, std::vector<double>> errors;
+    for (const Firing &firing : bench.firings)
+        errors[firing.cycle].push_back(double(firing.said.torque_nm) / pulse_mean() - signal.fuel[firing.said.index]);
+    std::vector<double> squares;
+    for (const auto &[cycle, error] : errors) {
+        if (error.size() < 4) continue;
+        const double mean = (error[0] + error[1] + error[2] + error[3]) / 4;
+        squares.push_back(0);
+        for (double e : error) squares.back() += (e - mean) * (e - mean) / 4;
+    }
+    return squares;
+}
+
+TEST(Kalman, ColdStartTakesTwoCycles) {
+    constexpr int kSeeds = 8;
+    for (double rpm : {1000.0, 3000.0}) {
+        TorqueSignal signal;
+        signal.rpm = rpm;
+        std::vector<double> sum(30, 0.0);
+        for (unsigned seed = 1; seed <= kSeeds; ++seed) {
+            Bench bench(pulse_tables().tables, Edges(signal, 0.01, 0.002, seed));
+            bench.run(30);
+            const auto squares = imbalance_square(bench, signal);
+            for (std::size_t i = 0; i < squares.size(); ++i) sum[i] += squares[i] / kSeeds;
+        }
+        // The first group is complete when two cycles have passed from the first tooth.
+        for (std::size_t i = 0; i < sum.size(); ++i) EXPECT_LT(100 * std::sqrt(sum[i]), 2) << rpm << " rpm, cycle " << i + 2;
+    }
 }
 
 TEST(Kalman, RefusesTablesOutOfRange) {

@@ -7,7 +7,16 @@
 #include <stdint.h>
 
 /// Changes whenever the table does; calibration pages and logs carry it.
-#define SD_SIGNALS_SIGNATURE 0x5f497effu
+#define SD_SIGNALS_SIGNATURE 0xac8acf8cu
+
+/// Channel of an SD_EVENT_SAMPLE.
+typedef enum sd_input {
+    SD_INPUT_AIR_INTAKE_PRESSURE = 0, ///< Absolute pressure in the intake manifold. [bar]
+    SD_INPUT_FUEL_INJECTED = 1, ///< The controller's own command, a stroke and cylinder; 0 in fuel cut. [mg]
+    SD_INPUT_EXHAUST_LAMBDA = 2, ///< Air to fuel, over stoichiometric, as the wide-range oxygen sensor (UEGO) reads it. [-]
+    SD_INPUT_EXHAUST_PRESSURE = 3, ///< Absolute pressure in the exhaust manifold. [bar]
+} sd_input_t;
+#define SD_INPUT_COUNT 4u
 
 /// Channel of an SD_EVENT_SIGNAL.
 typedef enum sd_signal {
@@ -20,9 +29,18 @@ typedef enum sd_signal {
     SD_SIGNAL_TORQUE_MASS = 6, ///< Adaptive Fourier estimate at the tooth: combustion torque less load and friction (document 004, equation 2). [Nm]
     SD_SIGNAL_TORQUE_INNOVATION = 7, ///< Measured less predicted kinetic energy at the last corrected tooth. [J]
     SD_SIGNAL_CYCLE_SPEED = 8, ///< Mean speed of the cycle just ended. [rpm]
-    SD_SIGNAL_CYCLE_CYLINDER_TORQUE = 9, ///< Mean of torque.mass over the cylinder's firing interval, by physical cylinder number. With few harmonics it is no measure of cylinder work: truncation biases it. [Nm, 8 channels]
+    SD_SIGNAL_CYCLE_CYLINDER_TORQUE = 9, ///< Combustion torque of a cylinder over the 180 deg after its TDC, mean of the last cycles, by physical number; from the harmonics, the known pulse shape and the intake pressure. [Nm, 8 channels]
+    SD_SIGNAL_CYCLE_CYLINDER_SD = 17, ///< Standard deviation of cycle.cylinder_torque from errors of the tooth times (torque.tooth_sd, timer); errors of the engine model are not in it. [Nm, 8 channels]
+    SD_SIGNAL_FIRING_WAVEFORM = 25, ///< Torque at the tooth from the filter on tooth times: combustion and motored torque less load. [Nm]
+    SD_SIGNAL_WHEEL_PATTERN_SD = 26, ///< Standard deviation of the learned error of a tooth; 0: nothing learned. [deg]
+    SD_SIGNAL_WHEEL_LEARNED_CYCLES = 27, ///< Motored cycles the tooth pattern was learned from. [-]
+    SD_SIGNAL_FIRING_CYLINDER = 28, ///< Physical cylinder of the firing read. [-]
+    SD_SIGNAL_FIRING_TORQUE = 29, ///< Its mean combustion torque over the 180 deg after its TDC. [Nm]
+    SD_SIGNAL_FIRING_SD = 30, ///< Standard deviation of firing.torque less the mean of all cylinders, from timing noise as met. [Nm]
+    SD_SIGNAL_FIRING_MEAN = 31, ///< Mean of the cylinder's last 10 firings. [Nm]
+    SD_SIGNAL_FIRING_MEAN_SD = 32, ///< Standard deviation of firing.mean less that of all cylinders: of the imbalance. [Nm]
 } sd_signal_t;
-#define SD_SIGNAL_COUNT 17u
+#define SD_SIGNAL_COUNT 33u
 
 /// Present values, in channel order.
 typedef struct sd_signals {
@@ -36,25 +54,43 @@ typedef struct sd_signals {
     float torque_innovation_j;
     float cycle_speed_rpm;
     float cycle_cylinder_torque_nm[8];
+    float cycle_cylinder_sd_nm[8];
+    float firing_waveform_nm;
+    float wheel_pattern_sd_deg;
+    float wheel_learned_cycles;
+    float firing_cylinder;
+    float firing_torque_nm;
+    float firing_sd_nm;
+    float firing_mean_nm;
+    float firing_mean_sd_nm;
 } sd_signals_t;
 
 /// Parameters of the working page; names, ranges and defaults in sd_parameter_infos.
 typedef struct sd_parameters {
     float crank_stall_s; ///< Longest time between two edges; beyond it the engine stands still.
-    float torque_harmonics; ///< n_h, harmonics of the cycle in the torque estimate.
+    float torque_harmonics; ///< n_h, harmonics of the cycle in the torque estimate; 0: 5, or as many as cylinders where these are more.
     float torque_gain_energy_per_rad; ///< L_ke, how fast the kinetic energy follows its measurement.
     float torque_gain_mean_per_rad2; ///< L_a0, adaptation of the mean torque.
     float torque_gain_reference_per_rad2; ///< L_ref; harmonic i adapts with i L_ref. `sixdeg calibrate` refuses a set that does not converge.
     float torque_reject_energy; ///< Share of the kinetic energy by which a tooth may miss its prediction before it is left out.
     float torque_settle_cycles; ///< Cycles after a start during which the estimate is flagged as converging.
+    float torque_tooth_sd_deg; ///< Random error of a tooth edge, standard deviation, beside the timer's rounding; scales cycle.cylinder_sd.
     float torque_speed_base_rpm; ///< Highest speed; base of the fixed-point variant.
     float torque_torque_base_nm; ///< Highest instantaneous torque; base of the fixed-point variant.
     float torque_fixed_point; ///< 1 runs the q31 variant, 0 the float one.
+    float firing_enabled; ///< 1 runs the filter on tooth times beside the Fourier observer; it needs the engine file's heat release.
+    float firing_harmonics; ///< 0: the filter's basis is the known pulse of each cylinder. Otherwise harmonics of the cycle: a waveform, but no single firings.
+    float firing_edge_sd_deg; ///< Timing error of an edge that the gains are made for, the timer's rounding not included.
+    float firing_pattern_deg; ///< Standard deviation of a tooth's own error while it is not learned.
+    float firing_load_walk_nm; ///< Change of load and friction from tooth to tooth; 3 to 8 on a rough road.
+    float firing_change_nm; ///< Change of a cylinder's torque from one firing to the next.
+    float firing_reject_deg; ///< Lateness of a tooth beyond which it is left out, besides what torque.torque_base explains.
+    float firing_settle_cycles; ///< Cycles after a start during which firings are flagged as converging.
 } sd_parameters_t;
-#define SD_PARAMETER_COUNT 10u
+#define SD_PARAMETER_COUNT 19u
 
-typedef enum sd_rate { SD_RATE_EDGE, SD_RATE_CYCLE } sd_rate_t;
-typedef enum sd_owner { SD_OWNER_CRANK, SD_OWNER_TORQUE, SD_OWNER_CYLINDER, SD_OWNER_COUNT } sd_owner_t;
+typedef enum sd_rate { SD_RATE_EDGE, SD_RATE_CYCLE, SD_RATE_FIRING } sd_rate_t;
+typedef enum sd_owner { SD_OWNER_CRANK, SD_OWNER_TORQUE, SD_OWNER_CYLINDER, SD_OWNER_FIRING, SD_OWNER_COUNT } sd_owner_t;
 
 /// One row of the table. `value` is the default of a parameter.
 typedef struct sd_signal_info {
@@ -64,6 +100,7 @@ typedef struct sd_signal_info {
 } sd_signal_info_t;
 
 extern const sd_signal_info_t sd_signal_infos[SD_SIGNAL_COUNT];       ///< By channel; an array has a row an element.
+extern const sd_signal_info_t sd_input_infos[SD_INPUT_COUNT];         ///< By channel; rate and owner say nothing.
 extern const sd_signal_info_t sd_parameter_infos[SD_PARAMETER_COUNT]; ///< In the order of sd_parameters_t.
 
 #endif

@@ -176,11 +176,12 @@ bool Plant::fuel_is_cut(double time_s) const {
 void Plant::set_charge(const Event &event) {
     const StepTruth &truth = model_.truth();
     const int cylinder = scenario_.engine.shared.firing_order[std::size_t(event.lane)];
-    const double fuel = fuel_is_cut(truth.time_s) ? 0 : fuel_map_.fuel_kg(mean_speed_, demand_pa_);
+    commanded_fuel_kg_ = fuel_is_cut(truth.time_s) ? 0 : fuel_map_.fuel_kg(mean_speed_, demand_pa_);
     const std::int64_t tdc_step = model_.cycle() * model_.tables().steps + event.step + steps_to_tdc_;
     const std::int64_t cycle = std::int64_t(std::floor(double(tdc_step) / model_.tables().steps));
     model_.set_charge(
-        event.lane, plan_.draw(event.lane, cycle, fuel * fuel_trim_[std::size_t(cylinder - 1)], demand_pa_));
+        event.lane, plan_.draw(event.lane, cycle,
+                                            commanded_fuel_kg_ * fuel_trim_[std::size_t(cylinder - 1)], demand_pa_));
     // Breathed with the next stroke.
     model_.set_intake_pressure(event.lane, scenario_.engine.intake_pressure_pa.at(demand_pa_) *
                                                scenario_.trapped_factor[std::size_t(cylinder - 1)]);

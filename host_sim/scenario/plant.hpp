@@ -51,6 +51,10 @@ class Plant {
     void record_steps(std::vector<StepTruth> *sink) { step_sink_ = sink; }
     /// Factor on the fuel of a physical cylinder from its next intake closing on, for closed loops. [0, 2].
     void set_fuel_trim(int cylinder, double factor);
+    /// Manifold pressure, Pa, that every nominal cylinder breathes now.
+    double intake_pressure_pa() const { return scenario_.engine.intake_pressure_pa.at(demand_pa_); }
+    /// Fuel commanded at the last intake closing, kg a stroke, before trims and spread.
+    double commanded_fuel_kg() const { return commanded_fuel_kg_; }
     bool stalled() const { return stop_.has_value(); }
     const EngineModel &model() const { return model_; }
     const WheelEdges &wheel() const { return wheel_; }
@@ -86,7 +90,8 @@ class Plant {
     SensorPoint sensor_{};
     std::array<double, kMaxCylinders> fuel_trim_{};
     double next_cam_deg_ = 0, end_angle_rad_ = 1e300, next_control_rad_ = 0, control_time_ = 0;
-    double mean_speed_ = 0, brake_nm_ = 0, demand_pa_ = 0, refresh_at_s_ = 0;
+    double mean_speed_ = 0, brake_nm_ = 0, demand_pa_ = 0, commanded_fuel_kg_ = 0,
+           refresh_at_s_ = 0;
     int steps_to_tdc_ = 0;
     bool running_ = false, ended_ = false;
     std::optional<StopMotion> stop_;

@@ -40,7 +40,9 @@ static bool fuelled(const sd_misfire_t *self, const sd_misfire_firing_t *f) {
 
 static bool shifting(const sd_misfire_t *self, const sd_misfire_firing_t *f) {
     const float change = f->speed_radps - self->last_speed_radps;
-    const float limit = self->config.speed_change * f->speed_radps;
+    /* One firing more or less, of work W, changes the speed by W / 2 E of itself. */
+    const float of_firing = (f->energy_j > 0.0f) ? 0.5f * PI * expected_torque(self, f) / f->energy_j : 0.0f;
+    const float limit = (self->config.speed_change + clamp(of_firing, 0.0f, 1.0f)) * f->speed_radps;
     return (self->last_speed_radps > 0.0f) && ((change > limit) || (change < -limit));
 }
 

@@ -77,6 +77,7 @@ typedef struct sd_misfire_firing {
     float   torque_sd_nm; ///< >= 0.
     float   fuel_mg;      ///< Commanded for this firing.
     float   speed_radps;  ///< > 0.
+    float   energy_j;     ///< Kinetic energy of the crank; widens what counts as a shift by what a misfire does. 0: unknown.
 } sd_misfire_firing_t;
 
 typedef struct sd_misfire_verdict {

@@ -52,12 +52,6 @@ double interval_inertia(const EngineFile &engine, int k) {
     return std::pow((root(0) + 4 * root(0.5) + root(1)) / 6, 2);
 }
 
-double mean_inertia(const EngineFile &engine) {
-    double sum = 0;
-    for (int k = 0; k < engine.wheel.positions; ++k) sum += interval_inertia(engine, k);
-    return sum / engine.wheel.positions;
-}
-
 void fill_angles(const EngineFile &engine, const KnownTorque &torque, sd_kalman_tables_t &t) {
     for (int k = 0; k < t.positions; ++k) {
         t.inertia_tooth_kgm2[k] = float(crank_inertia_kgm2(engine, tooth_angle(engine, k)));
@@ -99,7 +93,7 @@ sd_kalman_tables_t sizes(const EngineFile &engine, const KnownTorque &torque, co
     t.torque_base_nm = float(tune.torque_base_nm);
     t.reject_rad = float(tune.reject_deg * kRadPerDeg);
     t.settle_teeth = std::uint16_t(std::lround(tune.settle_cycles * 2 * engine.wheel.teeth()));
-    t.inertia_mean_kgm2 = float(mean_inertia(engine));
+    t.inertia_mean_kgm2 = float(mean_inertia_kgm2(engine));
     if (sd_kalman_pool_used(&t) > SD_KALMAN_POOL) {
         throw InputError(engine.name, "wheel", fmt::format("{} positions with {} coefficients at {} speeds need {} table entries, allowed {}",
                                                            int(t.positions), int(t.coefficients), int(t.speeds), sd_kalman_pool_used(&t), SD_KALMAN_POOL));
@@ -108,6 +102,12 @@ sd_kalman_tables_t sizes(const EngineFile &engine, const KnownTorque &torque, co
 }
 
 } // namespace
+
+double mean_inertia_kgm2(const EngineFile &engine) {
+    double sum = 0;
+    for (int k = 0; k < engine.wheel.positions; ++k) sum += interval_inertia(engine, k);
+    return sum / engine.wheel.positions;
+}
 
 std::vector<TorqueOverAngle> fourier_basis(int harmonics) {
     std::vector<TorqueOverAngle> basis;
@@ -124,7 +124,7 @@ ToothModel tooth_model(const EngineFile &engine, const KnownTorque &torque) {
     model.positions = n;
     model.present.assign(std::size_t(n), true);
     for (int k : engine.wheel.missing) model.present[std::size_t(k)] = false;
-    const double mean = mean_inertia(engine);
+    const double mean = mean_inertia_kgm2(engine);
     for (int k = 0; k < n; ++k) model.inertia_ratio.push_back(interval_inertia(engine, k) / mean);
     model.mean = Eigen::MatrixXd::Constant(2 * n, m, 1);
     model.moment = Eigen::MatrixXd::Constant(2 * n, m, 0.5);
@@ -142,7 +142,7 @@ ToothModel tooth_model(const EngineFile &engine, const KnownTorque &torque) {
 }
 
 ToothNoise tooth_noise(const EngineFile &engine, const KalmanTune &tune, double speed_radps) {
-    const double scale = mean_inertia(engine) * speed_radps * speed_radps;
+    const double scale = mean_inertia_kgm2(engine) * speed_radps * speed_radps;
     const double edge = tune.edge_deg * kRadPerDeg, timer = speed_radps / engine.tick_hz / std::sqrt(12);
     return {std::hypot(edge, timer), tune.load_walk_nm / scale, tune.firing_change_nm / scale, tune.basis_walk_nm / scale};
 }

@@ -41,6 +41,8 @@ struct KalmanTables {
     double radius_between = 0;        ///< Largest cycle radius of the gains that lie halfway between two speeds.
 };
 
+/// J_mean: what normalised torques are over, times speed squared.
+double mean_inertia_kgm2(const EngineFile &engine);
 /// Basis and inertia over the wheel's teeth, without gains.
 ToothModel tooth_model(const EngineFile &engine, const KnownTorque &torque);
 ToothNoise tooth_noise(const EngineFile &engine, const KalmanTune &tune, double speed_radps);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // sixdeg run: a scenario's engine and the firmware in one process; summary.json, teeth.csv, cycles.csv.
-#include "run/bench_run.hpp"
+#include "run/firing_report.hpp"
+#include "run/misfire_report.hpp"
 
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
@@ -13,6 +14,7 @@
 #include "calibration/calibration.hpp"
 #include "cli/commands.hpp"
 #include "cli/tune_options.hpp"
+#include "common/error.hpp"
 #include "common/files.hpp"
 
 namespace sixdeg {
@@ -21,7 +23,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct Options {
-    std::string scenario, tune, number, out, json;
+    std::string scenario, tune, number, out, json, learned, learn;
     std::vector<std::string> set;
     std::optional<std::uint64_t> seed;
 };
@@ -30,6 +32,7 @@ struct Inputs {
     Scenario scenario;
     sd_parameters_t tune;
     sd_calibration_t calibration;
+    std::optional<sd_pattern_sums_t> learned;
     Json files;
 };
 
@@ -41,8 +44,17 @@ bool is_parameter(const std::string &assignment) {
         [&](const sd_signal_info_t &info) { return std::string(info.name).rfind(table + ".", 0) == 0; });
 }
 
+sd_pattern_sums_t read_learned(const std::string &path, Json &files) {
+    const std::string bytes = read_file(path);
+    sd_pattern_sums_t learned;
+    if (sd_learned_decode(&learned, reinterpret_cast<const std::uint8_t *>(bytes.data()), std::uint32_t(bytes.size())) != SD_OK)
+        throw InputError(path, "learned page", "it is damaged, or of another version of the signal table");
+    files[path] = sha256(bytes);
+    return learned;
+}
+
 Inputs read_inputs(const Options &options) {
-    Inputs inputs;
+    Inputs inputs{};
     std::vector<std::string> of_scenario = options.set;
     const auto first = std::stable_partition(of_scenario.begin(), of_scenario.end(),
                                              [](const auto &a) { return !is_parameter(a); });
@@ -61,7 +73,14 @@ Inputs read_inputs(const Options &options) {
     inputs.tune = read_tune(tune);
     if (!options.tune.empty()) inputs.files[options.tune] = sha256(tune.content());
     inputs.calibration = calibrate(inputs.scenario.engine.shared, inputs.tune, tune.name());
+    if (!options.learned.empty()) inputs.learned = read_learned(options.learned, inputs.files);
     return inputs;
+}
+
+std::string learned_page(const sd_pattern_sums_t &learned) {
+    std::string bytes(SD_LEARNED_BYTES_MAX, '\0');
+    bytes.resize(sd_learned_encode(&learned, reinterpret_cast<std::uint8_t *>(bytes.data())));
+    return bytes;
 }
 
 Json torque_json(const std::optional<TorqueFigures> &torque) {
@@ -90,6 +109,8 @@ Json summarise(const Options &options, const Inputs &inputs, const RunResult &re
     summary["misfires_true"] = result.misfires;
     summary["stalled"] = result.stalled;
     summary["torque"] = torque_json(result.torque);
+    summary["misfire"] = misfire_json(result.misfire);
+    summary["firing"] = firing_json(result, firing_bounds(inputs.scenario, inputs.tune, result));
     summary["calibration"] = "nominal";
     summary["number"] = inputs.tune.torque_fixed_point > 0.5f ? "q31" : "f32";
     summary["seed"] = inputs.scenario.seed;
@@ -114,6 +135,7 @@ void print_figures(const Inputs &inputs, const RunResult &result, double realtim
     row("wrong teeth, revolutions", fmt::format("{}, {}", result.wrong_teeth, result.wrong_revolutions));
     row("cylinder cycles", fmt::format("{} ({} misfires)", result.true_cycles, result.misfires));
     if (result.stalled) row("the engine", "stalled");
+    print_misfire(result.misfire);
     if (!result.torque) {
         row("torque against truth", "none: no settled cycle, or the speed is prescribed");
         return;
@@ -125,6 +147,7 @@ void print_figures(const Inputs &inputs, const RunResult &result, double realtim
         fmt::format("{:.2f} % (truncation alone {:.2f} %)", t.rms_true_percent, t.truncation_percent));
     row("  rms, the estimate's harmonics", fmt::format("{:.2f} %", t.rms_projection_percent));
     row("  shift", fmt::format("{:+.3f} deg", t.shift_deg));
+    print_firing(result, firing_bounds(inputs.scenario, inputs.tune, result));
 }
 
 void run(const Options &options) {
@@ -132,7 +155,8 @@ void run(const Options &options) {
     std::optional<RunTables> tables;
     if (!options.out.empty()) tables.emplace(inputs.scenario.engine.shared);
     const auto start = std::chrono::steady_clock::now();
-    const RunResult result = run_on_bench(inputs.scenario, inputs.calibration, tables ? &*tables : nullptr);
+    const RunResult result = run_on_bench(inputs.scenario, inputs.calibration, tables ? &*tables : nullptr,
+                                          inputs.learned ? &*inputs.learned : nullptr);
     const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
     const double realtime_factor = result.simulated_s / took.count();
     const std::string summary = summarise(options, inputs, result, realtime_factor).dump(2) + "\n";
@@ -144,6 +168,7 @@ void run(const Options &options) {
         out.commit();
     }
     if (!options.json.empty()) write_file(options.json, summary);
+    if (!options.learn.empty()) write_file(options.learn, learned_page(result.learned));
     print_figures(inputs, result, realtime_factor);
 }
 
@@ -162,6 +187,8 @@ void add_run(CLI::App &app) {
         ->check(CLI::Range(std::uint64_t(0), std::uint64_t(1) << 52));
     command->add_option("--out", options->out, "folder for summary.json, teeth.csv and cycles.csv");
     command->add_option("--json", options->json, "the summary alone");
+    command->add_option("--learned", options->learned, "tooth pattern learned before");
+    command->add_option("--learn", options->learn, "where the tooth pattern goes at the end of the run");
     command->callback([options] { run(*options); });
 }
 

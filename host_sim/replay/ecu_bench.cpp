@@ -61,6 +61,7 @@ bool EcuBench::take(const sd_event_t &event) {
     std::memcpy(reinterpret_cast<float *>(&signals_) + event.channel, &value, sizeof value);
     const sd_signal_info_t &info = sd_signal_infos[event.channel];
     health_[info.owner] = std::uint8_t(event.flags & 0xff);
+    firings_ += event.channel == SD_SIGNAL_FIRING_CYLINDER;
     return info.rate == SD_RATE_CYCLE;
 }
 

@@ -33,6 +33,11 @@ class EcuBench {
     const sd_signals_t &signals() const { return signals_; }
     std::uint8_t health(sd_owner_t owner) const { return health_[owner]; }
     const sd_crank_t &crank() const { return ecu_.crank; }
+    /// Firings said so far; signals() holds the last one.
+    std::uint32_t firings() const { return firings_; }
+    /// Tooth pattern as learned so far, and learning that goes on from one kept. False: it is of another wheel.
+    const sd_pattern_t &pattern() const { return ecu_.pattern; }
+    bool resume(const sd_pattern_sums_t &learned) { return sd_ecu_resume(&ecu_, &learned) == SD_OK; }
 
   private:
     bool send(const sd_event_t &event);
@@ -44,6 +49,7 @@ class EcuBench {
     sd_ecu_t ecu_{};
     sd_signals_t signals_{};
     std::uint8_t health_[SD_OWNER_COUNT] = {};
+    std::uint32_t firings_ = 0;
     double tick_hz_;
     std::optional<double> next_time_s_;
     std::array<std::optional<float>, SD_INPUT_COUNT> shown_{};

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <memory>
 
+#include "common/error.hpp"
 #include "engine/units.hpp"
 #include "scenario/plant.hpp"
 
@@ -13,11 +14,16 @@ namespace {
 /// One run while it lasts.
 class Run {
   public:
-    Run(const Scenario &scenario, const sd_calibration_t &calibration, RunTables *tables)
+    Run(const Scenario &scenario, const sd_calibration_t &calibration, RunTables *tables,
+        const sd_pattern_sums_t *learned)
         : scenario_(scenario), calibration_(calibration), plant_(scenario, scenario.seed), ecu_(calibration),
           tables_(tables),
-          score_(int(calibration.parameters.torque_harmonics), plant_.model().tables().steps, kScoredCycles) {
+          score_(int(calibration.parameters.torque_harmonics), plant_.model().tables().steps, kScoredCycles),
+          waveform_(kWaveformHarmonics, plant_.model().tables().steps, kScoredCycles), firing_(scenario.engine.shared),
+          misfire_(scenario.engine.shared) {
         plant_.record_steps(&steps_);
+        if (learned && !ecu_.resume(*learned))
+            throw InputError("learned page", "pattern", "it is of another wheel, or the engine file has no heat release");
     }
 
     RunResult finish() {
@@ -26,8 +32,14 @@ class Run {
         take_cycles();
         if (plant_.stalled()) ecu_.tell_time_until(rest_ends_s());
         result_.stalled = plant_.stalled();
+        result_.misfire = misfire_.result();
         result_.counts = ecu_.crank().counts;
-        if (scenario_.speed_mode != SpeedMode::prescribed) result_.torque = score_.result();
+        result_.learned = ecu_.pattern().sums;
+        result_.pattern_sd_deg = double(ecu_.pattern().sd_rad) * kDegPerRad;
+        if (scenario_.speed_mode == SpeedMode::prescribed) return result_;
+        result_.torque = score_.result();
+        result_.waveform = waveform_.result();
+        result_.firing = firing_.result();
         return result_;
     }
 
@@ -49,6 +61,7 @@ class Run {
         }
         const bool cycle_ended = ecu_.exchange(SD_EVENT_CRANK_EDGE, edge.tick);
         judge(edge);
+        take_firing(edge);
         if (tables_) tables_->tooth(edge, ecu_);
         if (tables_ && cycle_ended)
             tables_->firmware_cycle_ended(ended_cycle(scenario_.engine.shared, unwrapped_deg(edge)), ecu_);
@@ -70,11 +83,24 @@ class Run {
         const double off_deg = std::remainder(double(s.crank_angle_deg) - edge.angle_deg, 720.0);
         if (sure && int(s.crank_tooth) == edge.tooth && s.crank_phase_known > 0 && std::abs(off_deg) > 180)
             ++result_.wrong_revolutions;
-        for (const StepTruth &step : steps_) score_.step(step);
+        for (const StepTruth &step : steps_) score_.step(step), waveform_.step(step);
         steps_.clear();
         if (s.crank_edge_class == SD_EDGE_SPURIOUS) return; // left out, so the estimate did not move
         const bool settled = is_placed(s) && ecu_.health(SD_OWNER_TORQUE) == SD_VALID && !edge.backward;
         score_.edge(unwrapped_deg(edge), edge.net_torque_nm, double(s.torque_mass_nm), settled);
+        const bool followed = is_placed(s) && ecu_.health(SD_OWNER_FIRING) == SD_VALID && !edge.backward;
+        waveform_.edge(unwrapped_deg(edge), edge.net_torque_nm, double(s.firing_waveform_nm), followed);
+    }
+
+    void take_firing(const EncoderEdge &edge) {
+        if (ecu_.firings() == firings_) return;
+        firings_ = ecu_.firings();
+        const sd_signals_t &s = ecu_.signals();
+        firing_.said(unwrapped_deg(edge), int(s.firing_cylinder), double(s.firing_torque_nm), double(s.firing_sd_nm),
+                     double(s.firing_mean_nm), double(s.firing_mean_sd_nm), ecu_.health(SD_OWNER_FIRING) == SD_VALID);
+        misfire_.said(unwrapped_deg(edge), int(s.firing_cylinder), int(s.misfire_verdict), double(s.misfire_index));
+        if (tables_)
+            tables_->firing_judged(unwrapped_deg(edge), int(s.firing_cylinder), int(s.misfire_verdict), double(s.misfire_index));
     }
 
     void take_cycles() {
@@ -82,6 +108,8 @@ class Run {
         while (plant_.next_cycle(cycle)) {
             ++result_.true_cycles;
             result_.misfires += cycle.misfire;
+            firing_.truth(cycle);
+            misfire_.truth(cycle);
             if (tables_) tables_->true_cycle(cycle);
         }
     }
@@ -91,15 +119,19 @@ class Run {
     Plant plant_;
     EcuBench ecu_;
     RunTables *tables_;
-    TorqueScore score_;
+    TorqueScore score_, waveform_;
+    FiringScore firing_;
+    MisfireScore misfire_;
+    std::uint32_t firings_ = 0;
     std::vector<StepTruth> steps_;
     RunResult result_;
 };
 
 } // namespace
 
-RunResult run_on_bench(const Scenario &scenario, const sd_calibration_t &calibration, RunTables *tables) {
-    return std::make_unique<Run>(scenario, calibration, tables)->finish();
+RunResult run_on_bench(const Scenario &scenario, const sd_calibration_t &calibration, RunTables *tables,
+                       const sd_pattern_sums_t *learned) {
+    return std::make_unique<Run>(scenario, calibration, tables, learned)->finish();
 }
 
 } // namespace sixdeg

@@ -5,12 +5,15 @@
 #include <cstdint>
 #include <optional>
 
+#include "run/firing_score.hpp"
+#include "run/misfire_score.hpp"
 #include "run/run_tables.hpp"
 #include "run/torque_score.hpp"
 #include "scenario/scenario.hpp"
 
 namespace sixdeg {
 
+constexpr int kWaveformHarmonics = 24;    ///< What the filter's waveform is compared on, for its shift.
 constexpr std::size_t kScoredCycles = 20; ///< The last settled ones go into TorqueFigures.
 
 struct RunResult {
@@ -24,10 +27,17 @@ struct RunResult {
     bool stalled = false;
     sd_crank_counts_t counts{};          ///< The decoder's own.
     std::optional<TorqueFigures> torque; ///< None when the speed is prescribed: torques act on nothing then.
+    std::optional<TorqueFigures> waveform; ///< The same of the filter on tooth times, on kWaveformHarmonics.
+    std::optional<FiringFigures> firing;
+    MisfireFigures misfire;
+    sd_pattern_sums_t learned{};         ///< Tooth pattern at the end of the run,
+    double pattern_sd_deg = 0;           ///< and its standard deviation; 0: nothing learned.
 };
 
 /// Runs the scenario to its end. `calibration` comes from calibrate() and need not be of the scenario's
 /// engine. `tables` (nullptr: nothing is kept per tooth) takes the rows. Throws InputError.
-RunResult run_on_bench(const Scenario &scenario, const sd_calibration_t &calibration, RunTables *tables);
+/// `learned` (nullptr: none) is a tooth pattern from before; InputError when it is of another wheel.
+RunResult run_on_bench(const Scenario &scenario, const sd_calibration_t &calibration, RunTables *tables,
+                       const sd_pattern_sums_t *learned = nullptr);
 
 } // namespace sixdeg

@@ -44,11 +44,12 @@ static void report(sd_ecu_t *self) {
 
 void sd_ecu_misfire_firing(sd_ecu_t *self, const sd_firing_t *firing) {
     const sd_status_t *estimate = &self->status[SD_OWNER_FIRING];
+    const bool spoiled = (estimate->why & (uint8_t)(SD_WHY_FAULT | SD_WHY_REJECTED)) != 0u;
     const float fuel_mg = self->fuel_mg[firing->index];
     const sd_misfire_firing_t seen = {
         .index = firing->index,
         .health = estimate->health,
-        .inhibit = (fuel_mg < 0.0f) ? 1u : 0u,
+        .inhibit = ((fuel_mg < 0.0f) || spoiled) ? 1u : 0u,
         .torque_nm = firing->torque_nm,
         .torque_sd_nm = firing->sd_nm,
         .fuel_mg = fuel_mg,

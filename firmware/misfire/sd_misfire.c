@@ -55,7 +55,7 @@ static uint8_t inhibited(sd_misfire_t *self, const sd_misfire_firing_t *f) {
         if (shifting(self, f)) { why |= SD_INHIBIT_SHIFT; }
         self->last_speed_radps = f->speed_radps;
     }
-    if (why != 0u) {
+    if ((why & ((uint32_t)SD_INHIBIT_FUEL_CUT | (uint32_t)SD_INHIBIT_SHIFT)) != 0u) {
         self->hold = self->config.hold_firings;
     } else if (self->hold > 0u) {
         self->hold--;

@@ -100,7 +100,7 @@ const sd_signal_info_t sd_parameter_infos[SD_PARAMETER_COUNT] = {
     { "misfire.partial", "", 0.2f, 1.0f, 0.8f, SD_RATE_EDGE, SD_OWNER_MISFIRE },
     { "misfire.fuel_min", "mg", 0.001f, 10000.0f, 1.0f, SD_RATE_EDGE, SD_OWNER_MISFIRE },
     { "misfire.torque_min", "Nm", 0.0f, 100000.0f, 2.0f, SD_RATE_EDGE, SD_OWNER_MISFIRE },
-    { "misfire.speed_change", "", 0.001f, 1.0f, 0.06f, SD_RATE_EDGE, SD_OWNER_MISFIRE },
+    { "misfire.speed_change", "", 0.001f, 1.0f, 0.15f, SD_RATE_EDGE, SD_OWNER_MISFIRE },
     { "misfire.start", "cycles", 0.0f, 1000.0f, 4.0f, SD_RATE_EDGE, SD_OWNER_MISFIRE },
     { "misfire.hold", "cycles", 0.0f, 1000.0f, 2.0f, SD_RATE_EDGE, SD_OWNER_MISFIRE },
     { "misfire.continuous", "", 2.0f, 1000.0f, 8.0f, SD_RATE_EDGE, SD_OWNER_MISFIRE },

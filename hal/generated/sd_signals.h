@@ -7,7 +7,7 @@
 #include <stdint.h>
 
 /// Changes whenever the table does; calibration pages and logs carry it.
-#define SD_SIGNALS_SIGNATURE 0x2393caddu
+#define SD_SIGNALS_SIGNATURE 0x36c9cb46u
 
 /// Channel of an SD_EVENT_SAMPLE.
 typedef enum sd_input {
@@ -42,7 +42,7 @@ typedef enum sd_signal {
     SD_SIGNAL_MISFIRE_INDEX = 33, ///< Work of the firing over the work expected of its fuel: 1 healthy, 0 a misfire; 0 when not judged. [-]
     SD_SIGNAL_MISFIRE_LIMIT = 34, ///< Index below which this firing counted as a misfire; 0 when not judged. [-]
     SD_SIGNAL_MISFIRE_VERDICT = 35, ///< 0 healthy, 1 partial burn, 2 misfire, 3 not judged. [-]
-    SD_SIGNAL_MISFIRE_INHIBIT = 36, ///< Why not judged, bits: 1 start, 2 fuel cut or too little fuel, 4 gear shift, 8 no estimate, 16 one of these ended a moment ago, 32 the commanded fuel is unknown. [-]
+    SD_SIGNAL_MISFIRE_INHIBIT = 36, ///< Why not judged, bits: 1 start, 2 fuel cut or too little fuel, 4 gear shift, 8 no estimate, 16 fuel cut or shift ended a moment ago, 32 a faulty tooth or unknown fuel. [-]
     SD_SIGNAL_MISFIRE_FIRING = 37, ///< Which firing of the firing order, from 0. [-]
     SD_SIGNAL_MISFIRE_CYLINDER = 38, ///< Its physical cylinder. [-]
     SD_SIGNAL_MISFIRE_RATE_200 = 39, ///< Misfires of the cylinder in the last complete window of 200 judged revolutions, of its firings. [%, 8 channels]
@@ -120,7 +120,7 @@ typedef struct sd_parameters {
     float misfire_partial; ///< Share below which it is a partial burn; not below definition.
     float misfire_fuel_min_mg; ///< Commanded fuel a stroke below which nothing is judged.
     float misfire_torque_min_nm; ///< Expected mean torque below which nothing is judged.
-    float misfire_speed_change; ///< Change of speed from one firing to the next that is a gear shift.
+    float misfire_speed_change; ///< Change of speed from one firing to the next, beyond what a missing firing does, that only a shift makes. A gentle shift is below it.
     float misfire_start_cycles; ///< Not judged after a start, beyond the estimate's own settling.
     float misfire_hold_cycles; ///< Not judged after fuel cut or a gear shift.
     float misfire_continuous; ///< Misfires of a cylinder in a row that make it continuous.

@@ -251,7 +251,7 @@ TEST(Misfire, DoesNotJudgeInFuelCutGearShiftStartAndWithoutAnEstimate) {
             if (bit == SD_INHIBIT_SHIFT) s.speed *= 0.93f;
         }
         end();
-        for (int i = 0; i < 9; ++i) s.go();
+        for (int i = 0; i < 9; ++i) s.go(); // the hold, where there is one
         EXPECT_EQ(SD_HEALTHY, s.go().verdict) << "judges again after the hold";
     };
     expect(SD_INHIBIT_FUEL_CUT, [&] { s.command_mg = 0; }, [&] { s.command_mg = 10; });

@@ -5,8 +5,10 @@
 ///                               -> filter on tooth times -> misfire monitor -> with each firing read, signals of rate
 ///                                  "firing"
 ///   cam edge   -> phase
-///   time       -> stall detection
+///   time       -> stall detection, and the answer that all up to now is done
 ///   sample     -> kept as the latest reading of its sensor
+///   gap        -> events were lost: angle and phase are unknown until they are found again
+///   parameter  -> the working page; since events are handled one by one, a change falls between two teeth
 ///
 /// Real-time contract: no heap, no globals, no I/O of its own; one writer. Call sd_ecu_run from the tooth interrupt or
 /// whenever the port may hold events.
@@ -29,7 +31,8 @@ typedef union sd_torque {
 } sd_torque_t;
 
 typedef struct sd_ecu {
-    sd_calibration_t calibration; ///< The reference page.
+    sd_calibration_t calibration; ///< Its parameters are the working page.
+    sd_parameters_t  reference;   ///< The page as it came.
     sd_crank_t       crank;
     sd_torque_t      torque;      ///< Which one: torque.fixed_point.
     sd_kalman_t      filter;      ///< On tooth times; runs when the page has its tables.

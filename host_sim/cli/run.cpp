@@ -13,9 +13,12 @@
 
 #include "calibration/calibration.hpp"
 #include "cli/commands.hpp"
+#include "cli/run_figures.hpp"
 #include "cli/tune_options.hpp"
 #include "common/error.hpp"
 #include "common/files.hpp"
+#include "common/stop.hpp"
+#include "log/event_log.hpp"
 
 namespace sixdeg {
 namespace {
@@ -23,14 +26,16 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct Options {
-    std::string scenario, tune, number, out, json, learned, learn;
+    std::string scenario, tune, number, out, json, record, learned, learn;
     std::vector<std::string> set;
     std::optional<std::uint64_t> seed;
+    bool nominal = false;
 };
 
 struct Inputs {
     Scenario scenario;
     sd_parameters_t tune;
+    std::string tune_name;
     sd_calibration_t calibration;
     std::optional<sd_pattern_sums_t> learned;
     Json files;
@@ -71,6 +76,7 @@ Inputs read_inputs(const Options &options) {
 
     TomlFile tune = open_tune(options.tune, of_tune, options.number);
     inputs.tune = read_tune(tune);
+    inputs.tune_name = tune.name();
     if (!options.tune.empty()) inputs.files[options.tune] = sha256(tune.content());
     inputs.calibration = calibrate(inputs.scenario.engine.shared, inputs.tune, tune.name());
     if (!options.learned.empty()) inputs.learned = read_learned(options.learned, inputs.files);
@@ -83,18 +89,24 @@ std::string learned_page(const sd_pattern_sums_t &learned) {
     return bytes;
 }
 
-Json torque_json(const std::optional<TorqueFigures> &torque) {
-    if (!torque) return Json();
-    return {{"cycles_measured", torque->cycles},
-            {"true_peak_to_peak_nm", torque->true_pp_nm},
-            {"rms_true_percent", torque->rms_true_percent},
-            {"rms_projection_percent", torque->rms_projection_percent},
-            {"truncation_percent", torque->truncation_percent},
-            {"shift_deg", torque->shift_deg}};
+/// What the event log says of itself; truth is no part of it.
+Json about(const Options &options, const Inputs &inputs) {
+    const EngineFile &engine = inputs.scenario.engine.shared;
+    return {{"sixdeg", SD_VERSION}, {"command", "run"}, {"name", inputs.scenario.name},
+            {"engine", {{"name", engine.name}, {"guessed", engine.guessed}}},
+            {"set", options.set}, {"seed", inputs.scenario.seed}, {"files", inputs.files}};
+}
+
+/// What the figures rest on beside the parameters.
+Json thresholds() {
+    return {{"scored_cycles", kScoredCycles},
+            {"misfire_true_burned_below", 0.5},
+            {"wrong_revolution_beyond_deg", kWrongRevolutionDeg},
+            {"health_counted", {{"torque", "valid"}, {"cylinders", "valid, degraded"}}}};
 }
 
 Json summarise(const Options &options, const Inputs &inputs, const RunResult &result,
-               double realtime_factor) {
+               const std::optional<PerturbedRun> &perturbed, double realtime_factor) {
     const EngineFile &engine = inputs.scenario.engine.shared;
     Json summary;
     summary["scenario"] = inputs.scenario.name;
@@ -108,22 +120,22 @@ Json summarise(const Options &options, const Inputs &inputs, const RunResult &re
     summary["cylinder_cycles"] = result.true_cycles;
     summary["misfires_true"] = result.misfires;
     summary["stalled"] = result.stalled;
-    summary["torque"] = torque_json(result.torque);
+    add_figures(summary, result, perturbed);
     summary["misfire"] = misfire_json(result.misfire);
     summary["firing"] = firing_json(result, firing_bounds(inputs.scenario, inputs.tune, result));
-    summary["calibration"] = "nominal";
-    summary["number"] = inputs.tune.torque_fixed_point > 0.5f ? "q31" : "f32";
+    summary["number"] = inputs.calibration.parameters.torque_fixed_point > 0.5f ? "q31" : "f32";
     summary["seed"] = inputs.scenario.seed;
     summary["set"] = options.set;
-    summary["parameters"] = parameters_json(inputs.tune);
-    summary["scored_cycles"] = kScoredCycles;
+    summary["parameters"] = parameters_json(inputs.calibration.parameters);
+    summary["thresholds"] = thresholds();
     summary["engine"] = {{"name", engine.name}, {"guessed", engine.guessed}};
     summary["versions"] = {{"sixdeg", SD_VERSION}, {"signals", fmt::format("{:08x}", SD_SIGNALS_SIGNATURE)}};
     summary["files"] = inputs.files;
     return summary;
 }
 
-void print_figures(const Inputs &inputs, const RunResult &result, double realtime_factor) {
+void print_figures(const Inputs &inputs, const RunResult &result, const std::optional<PerturbedRun> &perturbed,
+                   double realtime_factor) {
     const auto row = [](const char *name, const std::string &value) {
         fmt::print("{:<34}{}\n", name, value);
     };
@@ -135,31 +147,37 @@ void print_figures(const Inputs &inputs, const RunResult &result, double realtim
     row("wrong teeth, revolutions", fmt::format("{}, {}", result.wrong_teeth, result.wrong_revolutions));
     row("cylinder cycles", fmt::format("{} ({} misfires)", result.true_cycles, result.misfires));
     if (result.stalled) row("the engine", "stalled");
+    print_accuracy(result, perturbed);
     print_misfire(result.misfire);
-    if (!result.torque) {
-        row("torque against truth", "none: no settled cycle, or the speed is prescribed");
-        return;
-    }
-    const TorqueFigures &t = *result.torque;
-    row("torque against truth over", fmt::format("{} cycles", t.cycles));
-    row("  true peak to peak", fmt::format("{:.1f} Nm", t.true_pp_nm));
-    row("  rms, all harmonics",
-        fmt::format("{:.2f} % (truncation alone {:.2f} %)", t.rms_true_percent, t.truncation_percent));
-    row("  rms, the estimate's harmonics", fmt::format("{:.2f} %", t.rms_projection_percent));
-    row("  shift", fmt::format("{:+.3f} deg", t.shift_deg));
     print_firing(result, firing_bounds(inputs.scenario, inputs.tune, result));
+}
+
+/// The same run with a calibration that is wrong, drawn from the scenario's seed.
+PerturbedRun run_perturbed(const Inputs &inputs) {
+    const EngineFile &engine = inputs.scenario.engine.shared;
+    const Perturbation drawn = draw_perturbation(engine, inputs.scenario.seed);
+    const sd_calibration_t page = calibrate(perturbed(engine, drawn), inputs.tune, inputs.tune_name);
+    return {drawn, run_on_bench(inputs.scenario, page, nullptr, inputs.learned ? &*inputs.learned : nullptr)};
 }
 
 void run(const Options &options) {
     const Inputs inputs = read_inputs(options);
     std::optional<RunTables> tables;
     if (!options.out.empty()) tables.emplace(inputs.scenario.engine.shared);
+    std::optional<LogWriter> log;
+    if (!options.record.empty()) log.emplace(options.record, about(options, inputs).dump(), inputs.calibration);
+    EventListener listener;
+    if (log) listener = [&](bool out, const sd_event_t &event) { log->add(out, event); };
+    stop_on_signals();
     const auto start = std::chrono::steady_clock::now();
     const RunResult result = run_on_bench(inputs.scenario, inputs.calibration, tables ? &*tables : nullptr,
-                                          inputs.learned ? &*inputs.learned : nullptr);
+                                          inputs.learned ? &*inputs.learned : nullptr, listener);
     const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
     const double realtime_factor = result.simulated_s / took.count();
-    const std::string summary = summarise(options, inputs, result, realtime_factor).dump(2) + "\n";
+    std::optional<PerturbedRun> perturbed;
+    if (!options.nominal) perturbed = run_perturbed(inputs);
+    const std::string summary = summarise(options, inputs, result, perturbed, realtime_factor).dump(2) + "\n";
+    if (log) log->finish();
     if (tables) {
         OutputFolder out(options.out);
         out.add("summary.json", summary);
@@ -169,7 +187,8 @@ void run(const Options &options) {
     }
     if (!options.json.empty()) write_file(options.json, summary);
     if (!options.learn.empty()) write_file(options.learn, learned_page(result.learned));
-    print_figures(inputs, result, realtime_factor);
+    print_figures(inputs, result, perturbed, realtime_factor);
+    end_by_signal();
 }
 
 } // namespace
@@ -189,6 +208,8 @@ void add_run(CLI::App &app) {
     command->add_option("--json", options->json, "the summary alone");
     command->add_option("--learned", options->learned, "tooth pattern learned before");
     command->add_option("--learn", options->learn, "where the tooth pattern goes at the end of the run");
+    command->add_flag("--nominal", options->nominal, "skip the second run, whose calibration is wrong on purpose");
+    command->add_option("--record", options->record, "event log of all that goes in and out (docs/log.md)");
     command->callback([options] { run(*options); });
 }
 

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "common/error.hpp"
+#include "common/stop.hpp"
 #include "engine/units.hpp"
 #include "scenario/plant.hpp"
 
@@ -14,21 +15,23 @@ namespace {
 /// One run while it lasts.
 class Run {
   public:
-    Run(const Scenario &scenario, const sd_calibration_t &calibration, RunTables *tables,
-        const sd_pattern_sums_t *learned)
+    Run(const Scenario &scenario, const sd_calibration_t &calibration, RunTables *tables, const sd_pattern_sums_t *learned,
+        const EventListener &listener)
         : scenario_(scenario), calibration_(calibration), plant_(scenario, scenario.seed), ecu_(calibration),
           tables_(tables),
           score_(int(calibration.parameters.torque_harmonics), plant_.model().tables().steps, kScoredCycles),
-          waveform_(kWaveformHarmonics, plant_.model().tables().steps, kScoredCycles), firing_(scenario.engine.shared),
+          waveform_(kWaveformHarmonics, plant_.model().tables().steps, kScoredCycles),
+          cylinder_score_(scenario.engine.shared.cylinders(), kScoredCycles), firing_(scenario.engine.shared),
           misfire_(scenario.engine.shared) {
         plant_.record_steps(&steps_);
+        if (listener) ecu_.listen(listener);
         if (learned && !ecu_.resume(*learned))
             throw InputError("learned page", "pattern", "it is of another wheel, or the engine file has no heat release");
     }
 
     RunResult finish() {
         EncoderEdge edge;
-        while (plant_.next_edge(edge)) take(edge);
+        while (stop_signal() == 0 && plant_.next_edge(edge)) take(edge);
         take_cycles();
         if (plant_.stalled()) ecu_.tell_time_until(rest_ends_s());
         result_.stalled = plant_.stalled();
@@ -39,6 +42,7 @@ class Run {
         if (scenario_.speed_mode == SpeedMode::prescribed) return result_;
         result_.torque = score_.result();
         result_.waveform = waveform_.result();
+        result_.cylinders = cylinder_score_.result();
         result_.firing = firing_.result();
         return result_;
     }
@@ -62,6 +66,7 @@ class Run {
         const bool cycle_ended = ecu_.exchange(SD_EVENT_CRANK_EDGE, edge.tick);
         judge(edge);
         take_firing(edge);
+        if (cycle_ended) cylinder_score_.estimate(ecu_.signals(), ecu_.health(SD_OWNER_CYLINDER));
         if (tables_) tables_->tooth(edge, ecu_);
         if (tables_ && cycle_ended)
             tables_->firmware_cycle_ended(ended_cycle(scenario_.engine.shared, unwrapped_deg(edge)), ecu_);
@@ -81,7 +86,7 @@ class Run {
         result_.false_edges += edge.spurious;
         if (sure && int(s.crank_tooth) != edge.tooth) ++result_.wrong_teeth;
         const double off_deg = std::remainder(double(s.crank_angle_deg) - edge.angle_deg, 720.0);
-        if (sure && int(s.crank_tooth) == edge.tooth && s.crank_phase_known > 0 && std::abs(off_deg) > 180)
+        if (sure && int(s.crank_tooth) == edge.tooth && s.crank_phase_known > 0 && std::abs(off_deg) > kWrongRevolutionDeg)
             ++result_.wrong_revolutions;
         for (const StepTruth &step : steps_) score_.step(step), waveform_.step(step);
         steps_.clear();
@@ -110,6 +115,7 @@ class Run {
             result_.misfires += cycle.misfire;
             firing_.truth(cycle);
             misfire_.truth(cycle);
+            cylinder_score_.truth(cycle);
             if (tables_) tables_->true_cycle(cycle);
         }
     }
@@ -120,6 +126,7 @@ class Run {
     EcuBench ecu_;
     RunTables *tables_;
     TorqueScore score_, waveform_;
+    CylinderScore cylinder_score_;
     FiringScore firing_;
     MisfireScore misfire_;
     std::uint32_t firings_ = 0;
@@ -130,8 +137,8 @@ class Run {
 } // namespace
 
 RunResult run_on_bench(const Scenario &scenario, const sd_calibration_t &calibration, RunTables *tables,
-                       const sd_pattern_sums_t *learned) {
-    return std::make_unique<Run>(scenario, calibration, tables, learned)->finish();
+                       const sd_pattern_sums_t *learned, const EventListener &listener) {
+    return std::make_unique<Run>(scenario, calibration, tables, learned, listener)->finish();
 }
 
 } // namespace sixdeg

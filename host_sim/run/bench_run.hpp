@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "run/cylinder_score.hpp"
 #include "run/firing_score.hpp"
 #include "run/misfire_score.hpp"
 #include "run/run_tables.hpp"
@@ -13,8 +14,9 @@
 
 namespace sixdeg {
 
+constexpr double kWrongRevolutionDeg = 180; ///< Off by more, a right tooth is in the wrong revolution.
+constexpr std::size_t kScoredCycles = 20; ///< The last settled ones go into the figures.
 constexpr int kWaveformHarmonics = 24;    ///< What the filter's waveform is compared on, for its shift.
-constexpr std::size_t kScoredCycles = 20; ///< The last settled ones go into TorqueFigures.
 
 struct RunResult {
     double simulated_s = 0;            ///< To the last edge.
@@ -27,7 +29,8 @@ struct RunResult {
     bool stalled = false;
     sd_crank_counts_t counts{};          ///< The decoder's own.
     std::optional<TorqueFigures> torque; ///< None when the speed is prescribed: torques act on nothing then.
-    std::optional<TorqueFigures> waveform; ///< The same of the filter on tooth times, on kWaveformHarmonics.
+    std::optional<CylinderFigures> cylinders; ///< The same.
+    std::optional<TorqueFigures> waveform; ///< As torque, of the filter on tooth times, on kWaveformHarmonics.
     std::optional<FiringFigures> firing;
     MisfireFigures misfire;
     sd_pattern_sums_t learned{};         ///< Tooth pattern at the end of the run,
@@ -35,9 +38,10 @@ struct RunResult {
 };
 
 /// Runs the scenario to its end. `calibration` comes from calibrate() and need not be of the scenario's
-/// engine. `tables` (nullptr: nothing is kept per tooth) takes the rows. Throws InputError.
-/// `learned` (nullptr: none) is a tooth pattern from before; InputError when it is of another wheel.
+/// engine. `tables` (nullptr: nothing is kept per tooth) takes the rows, `listener` (may be empty) every event in and
+/// out. `learned` (nullptr: none) is a tooth pattern from before. A signal that wants the program to stop ends the run
+/// early. Throws InputError.
 RunResult run_on_bench(const Scenario &scenario, const sd_calibration_t &calibration, RunTables *tables,
-                       const sd_pattern_sums_t *learned = nullptr);
+                       const sd_pattern_sums_t *learned = nullptr, const EventListener &listener = {});
 
 } // namespace sixdeg

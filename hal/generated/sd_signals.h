@@ -7,7 +7,7 @@
 #include <stdint.h>
 
 /// Changes whenever the table does; calibration pages and logs carry it.
-#define SD_SIGNALS_SIGNATURE 0x36c9cb46u
+#define SD_SIGNALS_SIGNATURE 0x45f34f13u
 
 /// Channel of an SD_EVENT_SAMPLE.
 typedef enum sd_input {
@@ -102,7 +102,7 @@ typedef struct sd_parameters {
     float torque_settle_cycles; ///< Cycles after a start during which the estimate is flagged as converging.
     float torque_tooth_sd_deg; ///< Random error of a tooth edge, standard deviation, beside the timer's rounding; scales cycle.cylinder_sd.
     float torque_speed_base_rpm; ///< Highest speed; base of the fixed-point variant.
-    float torque_torque_base_nm; ///< Highest instantaneous torque; base of the fixed-point variant.
+    float torque_torque_base_nm; ///< Highest instantaneous torque, beyond which the observer starts anew; base of the fixed-point variant; 0: 40 bar times a cylinder's displacement.
     float torque_fixed_point; ///< 1 runs the q31 variant, 0 the float one.
     float firing_enabled; ///< 1 runs the filter on tooth times beside the Fourier observer; it needs the engine file's heat release.
     float firing_harmonics; ///< 0: the filter's basis is the known pulse of each cylinder. Otherwise harmonics of the cycle: a waveform, but no single firings.

@@ -10,6 +10,7 @@ void add_bench_observers(CLI::App &app); ///< bench-observers: the benchmark of 
 void add_calibrate(CLI::App &app);
 void add_replay(CLI::App &app);
 void add_run(CLI::App &app);
+void add_sweep(CLI::App &app);
 void add_sensors(CLI::App &app); ///< sensors: which sensors observe which states
 
 } // namespace sixdeg

@@ -6,6 +6,7 @@
 namespace sixdeg {
 
 void add_bench(CLI::App &app);
+void add_bench_observers(CLI::App &app); ///< bench-observers: the benchmark of document 000
 void add_calibrate(CLI::App &app);
 void add_ecu(CLI::App &app);
 void add_parameter(CLI::App &app);

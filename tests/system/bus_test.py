@@ -104,8 +104,7 @@ class BusCases:
         scenario = self.scenario()
         watch = self.start("watch", "--transport", self.transport, "--engine", ENGINE, "--out", self.folder / "heard")
         time.sleep(0.5)
-        # Nobody waits for a listener, so at the pace of time.
-        self.sixdeg("run", scenario, "--out", self.folder / "run", "--transport", self.transport, "--real-time")
+        self.sixdeg("run", scenario, "--out", self.folder / "run", "--transport", self.transport)
         out, _ = watch.communicate(timeout=60)
         self.assertIn("truth lost 0, edges without an answer 0", out)
         self.assertEqual(self.csv_bytes("run"), self.csv_bytes("heard"))

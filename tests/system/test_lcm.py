@@ -18,7 +18,7 @@ class Lcm(BusCases, BusFolder):
 
     def test_a_log_of_lcms_own_logger_played_to_a_fresh_ecu(self):
         log = self.folder / "lcm.log"
-        logger = subprocess.Popen(["lcm-logger", "-q", "-l", URL, log])
+        logger = subprocess.Popen(["lcm-logger", "--quiet", f"--lcm-url={URL}", log])
         self.processes.append(logger)
         time.sleep(0.5)
         self.sixdeg("run", self.scenario(), "--transport", self.transport, "--out", self.folder / "run")

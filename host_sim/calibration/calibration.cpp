@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <memory>
 
 #include "calibration/cylinder_map.hpp"
+#include "calibration/known_torque.hpp"
 #include "calibration/observer_map.hpp"
 #include "common/error.hpp"
 extern "C" {
@@ -35,8 +37,8 @@ void check_starts(const sd_calibration_t &calibration, const EngineFile &engine,
         throw InputError(engine.name, "wheel", fmt::format("the decoder takes runs of 1 to 3 missing teeth, at most {} of them at least 4 teeth "
                                                            "apart, and a stall time of 256 to 16777216 ticks", SD_CRANK_MARKS_MAX));
     }
-    sd_ecu_t ecu;
-    if (sd_ecu_init(&ecu, &calibration) != SD_OK) {
+    const auto ecu = std::make_unique<sd_ecu_t>();
+    if (sd_ecu_init(ecu.get(), &calibration) != SD_OK) {
         throw InputError(tune_name, "torque", "these parameters cannot start the observer: gain_reference must be below "
                                               "its limit, the wheel even, and a tooth at speed_base at least 16 ticks long");
     }
@@ -63,6 +65,20 @@ sd_cylinder_map_t page_map(const EngineFile &engine, const sd_calibration_t &c) 
     return page;
 }
 
+/// The filter on tooth times, where the engine file tells enough for it.
+void page_filter(const EngineFile &engine, const std::string &tune_name, sd_calibration_t &c) {
+    const auto known = known_torque(engine, c.parameters);
+    if (!known || c.parameters.firing_enabled < 0.5f) return;
+    const KalmanTables made = kalman_tables(engine, *known, kalman_tune(c.parameters));
+    double radius = made.radius_between;
+    for (const PeriodicGains &gains : made.gains) radius = std::max(radius, gains.radius);
+    if (!(radius < 1)) {
+        throw InputError(tune_name, "firing.edge_sd, load_walk, change",
+                         fmt::format("the filter does not converge: its error changes by {:.4g} a cycle, allowed below 1", radius));
+    }
+    c.kalman = made.tables;
+}
+
 } // namespace
 
 sd_parameters_t read_tune(TomlFile &tune, const sd_parameters_t *otherwise) {
@@ -81,6 +97,8 @@ sd_parameters_t read_tune(TomlFile &tune, const sd_parameters_t *otherwise) {
 
 sd_parameters_t resolve(const EngineFile &engine, sd_parameters_t tune) {
     if (tune.torque_harmonics == 0) tune.torque_harmonics = float(std::max(5, engine.cylinders()));
+    const double displacement_m3 = M_PI / 4 * engine.bore_m * engine.bore_m * engine.stroke_m;
+    if (tune.torque_torque_base_nm == 0) tune.torque_torque_base_nm = float(std::min(20000.0, 40e5 * displacement_m3));
     return tune;
 }
 
@@ -97,14 +115,6 @@ double crank_inertia_kgm2(const EngineFile &engine, double alpha) {
 
 double observer_radius(const EngineFile &engine, const sd_parameters_t &tune) {
     return ObserverMap(engine, tune).error_map().eigenvalues().cwiseAbs().maxCoeff();
-}
-
-static void check(const sd_calibration_t &calibration, const EngineFile &engine, const std::string &tune_name) {
-    check_starts(calibration, engine, tune_name);
-    const double radius = observer_radius(engine, calibration.parameters);
-    if (radius < 1) return;
-    throw InputError(tune_name, "torque.gain_energy, gain_mean, gain_reference",
-                     fmt::format("the observer does not converge: its error changes by {:.4g} a cycle, allowed below 1", radius));
 }
 
 sd_calibration_t calibrate(const EngineFile &engine, const sd_parameters_t &tune, const std::string &tune_name) {
@@ -129,20 +139,14 @@ sd_calibration_t calibrate(const EngineFile &engine, const sd_parameters_t &tune
     }
     for (int k = 0; k < 2 * positions; ++k) c.sine_q31[k] = to_q31(std::sin(M_PI * k / positions));
     c.parameters = resolve(engine, tune);
-    check(c, engine, tune_name);
+    check_starts(c, engine, tune_name);
+    const double radius = observer_radius(engine, c.parameters);
+    if (!(radius < 1)) {
+        throw InputError(tune_name, "torque.gain_energy, gain_mean, gain_reference",
+                         fmt::format("the observer does not converge: its error changes by {:.4g} a cycle, allowed below 1", radius));
+    }
     c.cylinder_map = page_map(engine, c);
-    return c;
-}
-
-sd_calibration_t retune(const sd_calibration_t &page, const sd_parameters_t &tune, const std::string &tune_name) {
-    sd_calibration_t c = page;
-    EngineFile engine; // what the checks need of it
-    engine.name = "calibration page";
-    engine.wheel.positions = page.positions;
-    engine.wheel.missing.assign(page.missing, page.missing + page.missing_count);
-    engine.firing_order.assign(page.firing_order, page.firing_order + page.cylinders);
-    c.parameters = resolve(engine, tune);
-    check(c, engine, tune_name);
+    page_filter(engine, tune_name, c);
     return c;
 }
 

@@ -19,7 +19,7 @@ sd_parameters_t read_tune(TomlFile &tune, const sd_parameters_t *otherwise = nul
 /// (equations of document 004; Kiencke-Nielsen). alpha in rad, 0 = firing TDC of the first cylinder.
 double crank_inertia_kgm2(const EngineFile &engine, double alpha);
 
-/// The parameters with what they leave to the engine filled in: torque.harmonics.
+/// The parameters with what they leave to the engine filled in: torque.harmonics, torque.torque_base.
 sd_parameters_t resolve(const EngineFile &engine, sd_parameters_t tune);
 
 /// Largest eigenvalue, by magnitude, of the torque observer's error over one cycle, missing teeth included: below 1
@@ -29,9 +29,6 @@ double observer_radius(const EngineFile &engine, const sd_parameters_t &tune);
 /// The page. Throws InputError naming `tune_name` and the field when the gains do not converge, or engine and
 /// parameters cannot be initialised together.
 sd_calibration_t calibrate(const EngineFile &engine, const sd_parameters_t &tune, const std::string &tune_name);
-
-/// The page with other parameters, for whoever has no engine file. Throws as calibrate() does.
-sd_calibration_t retune(const sd_calibration_t &page, const sd_parameters_t &tune, const std::string &tune_name);
 
 std::vector<std::uint8_t> page_bytes(const sd_calibration_t &calibration);
 /// The page as a C array `sd_calibration_page`, for a target without files.

@@ -34,8 +34,19 @@ bool is_changed(const ReplayOptions &options) {
 
 Json about(const EventLog &log, const std::string &file) {
     Json json = Json::parse(log.about, nullptr, false);
-    if (json.is_discarded()) throw InputError(file, "", "has a description that is not JSON");
+    if (!json.is_object()) throw InputError(file, "", "has a description that is no JSON object");
     return json;
+}
+
+/// The page with the parameters asked for. Parts of it follow from engine and parameters together, so it is
+/// made anew.
+sd_calibration_t changed_page(const std::string &file, const Json &about, const sd_parameters_t &parameters,
+                              const std::string &tune_name) {
+    const auto engine_file = about.find("engine_file");
+    if (engine_file == about.end() || !engine_file->is_string())
+        throw InputError(file, "", "holds no engine file, so its parameters cannot be changed");
+    TomlFile engine(file + ": engine_file", engine_file->get<std::string>());
+    return calibrate(read_engine(engine), parameters, tune_name);
 }
 
 Json outputs_json(const LogReplay &replayed) {
@@ -54,18 +65,19 @@ void replay_event_log(const ReplayOptions &options) {
     const EventLog log = read_log(options.file);
     TomlFile tune = open_tune(options.tune, options.set, options.number);
     const sd_parameters_t parameters = read_tune(tune, &log.calibration.parameters);
-    // An unchanged page has passed every check already, or the log would not be there.
-    const sd_calibration_t page =
-        is_changed(options) ? retune(log.calibration, parameters, tune.name()) : log.calibration;
-
-    Json summary = {{"log", about(log, options.file)}};
+    Json description = about(log, options.file);
+    const sd_calibration_t page = is_changed(options)
+                                      ? changed_page(options.file, description, parameters, tune.name())
+                                      : log.calibration;
+    description.erase("engine_file"); // long, and `files` has its checksum
+    Json summary = {{"log", description}};
     const LogReplay replayed = replay_log(log, page);
     summary.update(figures_json(replayed.rows));
     summary["decoder"] = decoder_json(replayed.rows);
     summary["events_in"] = replayed.events_in;
     summary["outputs"] = outputs_json(replayed);
     summary["set"] = options.set;
-    summary["parameters"] = parameters_json(parameters);
+    summary["parameters"] = parameters_json(page.parameters);
     summary["files"][options.file] = sha256(read_file(options.file));
     if (!options.tune.empty()) summary["files"][options.tune] = sha256(tune.content());
 

@@ -16,7 +16,7 @@ struct LogReplay {
         first_difference; ///< Index among the events out; none: they are the same to the bit.
 };
 
-/// `calibration` is the log's own, or one of other parameters (retune).
+/// `calibration` is the log's own, or one of other parameters.
 LogReplay replay_log(const EventLog &log, const sd_calibration_t &calibration);
 
 /// Time of capture ticks that wrap. Ticks may step back, as a cam edge between two teeth does, by less than

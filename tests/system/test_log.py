@@ -129,7 +129,7 @@ class Errors(LogFolder):
         self.refused("touched.sdlog: is truncated", "replay", touched)
         self.refused("--engine: an event log holds its own calibration page", "replay", log, "--engine", DIESEL)
         self.refused("torque: these parameters cannot start the observer", "replay", log, "--set", "torque.gain_energy=37")
-        self.refused("torque.harmonics: 13 is outside [1, 12]", "replay", log, "--set", "torque.harmonics=13")
+        self.refused("torque.harmonics: 13 is outside [0, 12]", "replay", log, "--set", "torque.harmonics=13")
         self.refused("cannot be written", "run", self.scenario(), "--record", log / "below")
 
 

@@ -77,6 +77,10 @@ class Mf4(Folder):
         with self.export() as mdf:
             self.assertFalse([name for name in mdf.channels_db if "_true" in name])
             self.assertEqual(len(mdf.get("input.crank_edge").samples), len(table(self.folder / "run" / "teeth.csv")))
+            pressure = mdf.get("input.air.intake_pressure")
+            self.assertEqual(pressure.unit, "bar")
+            self.assertTrue(((pressure.samples > 0.2) & (pressure.samples < 4)).all())
+            np.testing.assert_allclose(np.diff(pressure.timestamps), 0.01, atol=2e-6)
 
     def test_errors_are_one_line(self):
         self.assertIn("cannot be read", self.export("--truth", self.folder / "none", status=2))

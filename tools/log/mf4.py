@@ -17,7 +17,7 @@ import zlib
 import numpy as np
 from asammdf import MDF, Signal
 
-from event_log import CAM_EDGE, CRANK_EDGE, SIGNAL, EventLog, LogError
+from event_log import CAM_EDGE, CRANK_EDGE, SAMPLE, SIGNAL, EventLog, LogError
 
 TABLE = pathlib.Path(__file__).resolve().parents[2] / "hal" / "signals.toml"
 HEALTH = {"val_0": 0, "text_0": "valid", "val_1": 1, "text_1": "degraded", "val_2": 2, "text_2": "invalid", "default": ""}
@@ -27,16 +27,16 @@ CYLINDER_TRUTH = {"cycle.cylinder_torque": ("torque_true_nm", "Nm"), "cylinder.i
                   "cylinder.misfire": ("misfire_true", "")}
 
 
-def channels(signature):
-    """Rows of the table by channel; an array has one an element, numbered from 1."""
+def read_table(signature):
+    """The rows of signals and of inputs, by channel; an array has one an element, numbered from 1."""
     text = TABLE.read_bytes()
     if zlib.crc32(text) != signature:
         raise LogError(f"the log was written with signal table {signature:08x}, {TABLE.name} here is {zlib.crc32(text):08x}")
-    rows = []
-    for entry in tomllib.loads(text.decode())["signal"]:
+    table, rows = tomllib.loads(text.decode()), []
+    for entry in table["signal"]:
         for i in range(entry.get("count", 1)):
             rows.append(entry | {"name": entry["name"] + (f"[{i + 1}]" if "count" in entry else "")})
-    return rows
+    return rows, table["input"]
 
 
 def estimates(log, rows):
@@ -61,13 +61,18 @@ def estimates(log, rows):
     return [list(group.values()) for group in groups.values()]
 
 
-def inputs(log):
-    """Edges in have no value but their time; each channel counts its own."""
+def inputs(log, sensors):
+    """What went in. Edges have no value but their time, so they are counted."""
     for kind, name in ((CRANK_EDGE, "input.crank_edge"), (CAM_EDGE, "input.cam_edge")):
         here = ~log.out & (log.kind == kind)
         if here.any():
             yield [Signal(samples=np.arange(1, here.sum() + 1, dtype=np.uint32), timestamps=log.time_s[here], name=name,
                           comment="Edges so far.")]
+    for channel, row in enumerate(sensors):
+        here = ~log.out & (log.kind == SAMPLE) & (log.channel == channel)
+        if here.any():
+            yield [Signal(samples=log.value[here].view("<f4"), timestamps=log.time_s[here], name=f"input.{row['name']}",
+                          unit=row["unit"], comment=row["text"])]
 
 
 def columns(path, names):
@@ -108,8 +113,8 @@ def truth(folder, rows, edges):
 
 def export(log_path, truth_folder, out_path):
     log = EventLog(log_path)
-    rows = channels(log.signature)
-    groups = estimates(log, rows) + list(inputs(log))
+    rows, sensors = read_table(log.signature)
+    groups = estimates(log, rows) + list(inputs(log, sensors))
     if truth_folder:
         groups += truth(truth_folder, rows, np.count_nonzero(~log.out & (log.kind == CRANK_EDGE)))
     with MDF(version="4.10") as mdf:

@@ -121,6 +121,7 @@ Json summarise(const Options &options, const Inputs &inputs, const RunResult &re
     summary["stalled"] = result.stalled;
     add_figures(summary, result, perturbed);
     summary["firing"] = firing_json(result, firing_bounds(inputs.scenario, inputs.tune, result));
+    if (perturbed) summary["firing"]["perturbed"] = firing_json(perturbed->result, std::nullopt);
     summary["number"] = inputs.calibration.parameters.torque_fixed_point > 0.5f ? "q31" : "f32";
     summary["seed"] = inputs.scenario.seed;
     summary["set"] = options.set;
@@ -146,7 +147,8 @@ void print_figures(const Inputs &inputs, const RunResult &result, const std::opt
     row("cylinder cycles", fmt::format("{} ({} misfires)", result.true_cycles, result.misfires));
     if (result.stalled) row("the engine", "stalled");
     print_accuracy(result, perturbed);
-    print_firing(result, firing_bounds(inputs.scenario, inputs.tune, result));
+    print_firing("single firings over", result, firing_bounds(inputs.scenario, inputs.tune, result));
+    if (perturbed) print_firing("the same, perturbed, over", perturbed->result, std::nullopt);
 }
 
 /// The same run with a calibration that is wrong, drawn from the scenario's seed.

@@ -34,6 +34,7 @@ static void walk_kalman(sd_page_walk_t *walk, sd_kalman_tables_t *t) {
     for (uint32_t i = 0; i < SD_KALMAN_FIRINGS_MAX; ++i) { sd_page_u16(walk, &t->read_position[i]); }
     sd_page_32(walk, &t->tick_hz);
     sd_page_32(walk, &t->torque_base_nm);
+    sd_page_32(walk, &t->shape_sd);
     sd_page_32(walk, &t->reject_rad);
     sd_page_u16(walk, &t->settle_teeth);
     sd_page_32(walk, &t->inertia_mean_kgm2);

@@ -99,8 +99,11 @@ static void correct(sd_kalman_t *self, const sd_kalman_tables_t *t, const sd_kal
     const float scale = t->inertia_mean_kgm2 * square;
     self->innovation_rad = -self->lateness_s * speed - tooth->late_rad;
     if (!plausible(self, t, scale)) { return; }
-    const sd_between_t at = find_speed(t, speed);
-    if (self->teeth >= t->settle_teeth) { watch_noise(self, t, at); }
+    /* The normalised map is the same at every speed, so every table is stable at any. That of half the speed trusts the
+     * state less, which is right while there is little to trust. */
+    const bool settled = self->teeth >= t->settle_teeth;
+    const sd_between_t at = find_speed(t, settled ? speed : 0.5f * speed);
+    if (settled) { watch_noise(self, t, at); }
     const float *low = gains_of(t, k, at.at), *high = gains_of(t, k, at.next);
     const float r = self->innovation_rad, push = r * scale;
     self->lateness_s += (low[0] + at.share * (high[0] - low[0])) * r * slowness;
@@ -148,13 +151,14 @@ static void read_firing(sd_kalman_t *self, const sd_kalman_tables_t *t, uint32_t
     const uint32_t count = self->kept[i];
     float sum = 0.0f;
     for (uint32_t j = 0; j < count; ++j) { sum += self->ring_nm[i][j]; }
-    const float single = blend(t->single_sd, at), mean = blend(t->mean_sd, at), stays = blend(t->pattern_sd, at);
-    const float shrink = (float)SD_KALMAN_MEAN / (float)count; /* variance, taken as independent until it is full */
     firing->index = (uint8_t)i;
     firing->torque_nm = self->coefficient_nm[1u + i];
-    firing->sd_nm = scale * root(single * single * fresh + stays * stays * fixed);
     firing->mean_nm = sum / (float)count;
-    firing->mean_sd_nm = scale * root(mean * mean * fresh * shrink + stays * stays * fixed);
+    const float single = blend(t->single_sd, at), mean = blend(t->mean_sd, at), stays = blend(t->pattern_sd, at);
+    const float shape = t->shape_sd * firing->mean_nm;
+    const float shrink = (float)SD_KALMAN_MEAN / (float)count; /* variance, taken as independent until it is full */
+    firing->sd_nm = root(scale * scale * (single * single * fresh + stays * stays * fixed) + shape * shape);
+    firing->mean_sd_nm = root(scale * scale * (mean * mean * fresh * shrink + stays * stays * fixed) + shape * shape);
 }
 
 static bool pass(sd_kalman_t *self, const sd_kalman_tables_t *t, uint32_t k, float pattern_rad, sd_firing_t *firing) {
@@ -246,7 +250,7 @@ static bool sizes_ok(const sd_kalman_tables_t *t) {
 static bool tables_ok(const sd_kalman_tables_t *t) {
     const uint32_t n = t->positions;
     bool ok = sizes_ok(t) && all_within(&t->tick_hz, 1u, 1e5f, 2e8f) && all_within(&t->torque_base_nm, 1u, 1e-3f, 2e4f) &&
-              all_within(&t->reject_rad, 1u, 1e-6f, 1.0f) && all_within(&t->inertia_mean_kgm2, 1u, 1e-6f, 10.0f) &&
+              all_within(&t->shape_sd, 1u, 0.0f, 1.0f) && all_within(&t->reject_rad, 1u, 1e-6f, 1.0f) && all_within(&t->inertia_mean_kgm2, 1u, 1e-6f, 10.0f) &&
               all_within(t->inertia_tooth_kgm2, n, 1e-6f, 10.0f) && all_within(t->inertia_interval_kgm2, n, 1e-6f, 10.0f) &&
               all_within(t->speed_radps, t->speeds, 1.0f, 2000.0f) && all_within(t->noise_rad, t->speeds, 1e-7f, 1.0f) &&
               all_within(t->innovation, t->speeds, 1.0f, 1e3f) && all_within(t->single_sd, t->speeds, 0.0f, 1e6f) &&

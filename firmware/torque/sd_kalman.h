@@ -13,7 +13,8 @@
 /// and at a tooth that is there, w = sqrt(2 e / J_tooth), s = J_mean w^2, r its lateness in rad against the prediction:
 ///     tau -= measured period,  tau += K_0 r / w,  e += K_1 r s,  x += K_x r s
 /// K is a table over cycle position and speed, from the periodic Riccati equation (`sixdeg calibrate`), zero where the
-/// wheel has no tooth, linear between speeds and constant beyond them.
+/// wheel has no tooth, linear between speeds and constant beyond them. Until it has settled, the filter takes the gains
+/// of half its speed, which let it move further.
 ///
 /// Firing torque: x_j as it stands read_position of firing j, a good half turn after its pulse.
 ///
@@ -42,6 +43,7 @@ typedef struct sd_kalman_tables {
     uint16_t read_position[SD_KALMAN_FIRINGS_MAX]; ///< Cycle position at which firing i is read, [0, 2 N).
     float    tick_hz;        ///< Capture ticks a second, [1e5, 2e8].
     float    torque_base_nm; ///< Highest |coefficient|, (0, 20000]; beyond it the filter starts anew.
+    float    shape_sd;       ///< What is not known of the pulses' shape, as a share of a firing's torque, [0, 1].
     float    reject_rad;     ///< Lateness beyond which a tooth is left out, besides what torque_base_nm explains, > 0.
     uint16_t settle_teeth;   ///< Until the estimate counts as converged.
     float    inertia_mean_kgm2;                             ///< (0, 10].
@@ -75,7 +77,7 @@ typedef struct sd_kalman_tooth {
 typedef struct sd_firing {
     uint8_t index;      ///< In firing order.
     float   torque_nm;  ///< Mean combustion torque over the 180 deg after its TDC.
-    float   sd_nm;      ///< Standard deviation of that less the mean of all cylinders, from timing noise as met.
+    float   sd_nm;      ///< Standard deviation of that less the mean of all cylinders: timing noise as met, and shape_sd.
     float   mean_nm;    ///< Of this cylinder's last SD_KALMAN_MEAN cycles, fewer after a start.
     float   mean_sd_nm;
 } sd_firing_t;

@@ -7,7 +7,7 @@
 #include <stdint.h>
 
 /// Changes whenever the table does; calibration pages and logs carry it.
-#define SD_SIGNALS_SIGNATURE 0x45f34f13u
+#define SD_SIGNALS_SIGNATURE 0x78a64f1fu
 
 /// Channel of an SD_EVENT_SAMPLE.
 typedef enum sd_input {
@@ -104,12 +104,13 @@ typedef struct sd_parameters {
     float torque_speed_base_rpm; ///< Highest speed; base of the fixed-point variant.
     float torque_torque_base_nm; ///< Highest instantaneous torque, beyond which the observer starts anew; base of the fixed-point variant; 0: 40 bar times a cylinder's displacement.
     float torque_fixed_point; ///< 1 runs the q31 variant, 0 the float one.
-    float firing_enabled; ///< 1 runs the filter on tooth times beside the Fourier observer; it needs the engine file's heat release.
+    float firing_enabled; ///< 1 runs the filter on tooth times beside the Fourier observer; it needs the engine file's heat release. Like all of firing it goes into the page's tables: set it for `sixdeg calibrate`, not while the engine runs.
     float firing_harmonics; ///< 0: the filter's basis is the known pulse of each cylinder. Otherwise harmonics of the cycle: a waveform, but no single firings.
     float firing_edge_sd_deg; ///< Timing error of an edge that the gains are made for, the timer's rounding not included.
     float firing_pattern_deg; ///< Standard deviation of a tooth's own error while it is not learned.
     float firing_load_walk_nm; ///< Change of load and friction from tooth to tooth; 3 to 8 on a rough road.
     float firing_change_nm; ///< Change of a cylinder's torque from one firing to the next.
+    float firing_shape_sd; ///< What the calibration does not know of the pulses' shape, as a share of a firing's torque; part of the stated deviations.
     float firing_reject_deg; ///< Lateness of a tooth beyond which it is left out, besides what torque.torque_base explains.
     float firing_settle_cycles; ///< Cycles after a start during which firings are flagged as converging.
     float misfire_work_per_fuel_jpmg; ///< Work of combustion that a healthy firing is expected to give; each cylinder learns its own within 0.6 to 1.5 of it.
@@ -129,7 +130,7 @@ typedef struct sd_parameters {
     float misfire_emission_windows; ///< Windows of 1000 over the limit that light the lamp; one is enough in the first.
     float misfire_catalyst_windows; ///< Windows of 200 over the limit that make it blink.
 } sd_parameters_t;
-#define SD_PARAMETER_COUNT 35u
+#define SD_PARAMETER_COUNT 36u
 
 typedef enum sd_rate { SD_RATE_EDGE, SD_RATE_CYCLE, SD_RATE_FIRING } sd_rate_t;
 typedef enum sd_owner { SD_OWNER_CRANK, SD_OWNER_TORQUE, SD_OWNER_CYLINDER, SD_OWNER_FIRING, SD_OWNER_MISFIRE, SD_OWNER_COUNT } sd_owner_t;

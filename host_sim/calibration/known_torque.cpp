@@ -40,6 +40,7 @@ KalmanTune kalman_tune(const sd_parameters_t &p) {
     tune.firing_change_nm = double(p.firing_change_nm);
     tune.torque_base_nm = double(p.torque_torque_base_nm);
     tune.reject_deg = double(p.firing_reject_deg);
+    tune.shape_sd = double(p.firing_shape_sd);
     tune.settle_cycles = double(p.firing_settle_cycles);
     if (p.firing_harmonics > 0) tune.speeds_rpm = {1000}; // one table fits the pool; waveform only
     return tune;

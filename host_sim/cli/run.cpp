@@ -129,6 +129,7 @@ Json summarise(const Options &options, const Inputs &inputs, const RunResult &re
     const auto bounds = firing_bounds(inputs.scenario, inputs.tune, result);
     summary["misfire"] = misfire_json(result.misfire, separation_bound(inputs.scenario, bounds));
     summary["firing"] = firing_json(result, bounds);
+    if (perturbed) summary["firing"]["perturbed"] = firing_json(perturbed->result, std::nullopt);
     summary["number"] = inputs.calibration.parameters.torque_fixed_point > 0.5f ? "q31" : "f32";
     summary["seed"] = inputs.scenario.seed;
     summary["set"] = options.set;
@@ -156,7 +157,8 @@ void print_figures(const Inputs &inputs, const RunResult &result, const std::opt
     print_accuracy(result, perturbed);
     const auto bounds = firing_bounds(inputs.scenario, inputs.tune, result);
     print_misfire(result.misfire, separation_bound(inputs.scenario, bounds));
-    print_firing(result, bounds);
+    print_firing("single firings over", result, bounds);
+    if (perturbed) print_firing("the same, perturbed, over", perturbed->result, std::nullopt);
 }
 
 /// The same run with a calibration that is wrong, drawn from the scenario's seed.

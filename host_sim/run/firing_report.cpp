@@ -52,10 +52,10 @@ nlohmann::ordered_json firing_json(const RunResult &result, const std::optional<
     return json;
 }
 
-void print_firing(const RunResult &result, const std::optional<FiringBounds> &bounds) {
+void print_firing(const char *heading, const RunResult &result, const std::optional<FiringBounds> &bounds) {
     const auto row = [](const char *name, const std::string &value) { fmt::print("{:<34}{}\n", name, value); };
     if (!result.firing) {
-        row("single firings", "none: no whole cycle with the filter valid");
+        row(heading, "none: no whole cycle with the filter valid");
         return;
     }
     const FiringFigures &f = *result.firing;
@@ -63,7 +63,7 @@ void print_firing(const RunResult &result, const std::optional<FiringBounds> &bo
         const std::string beside = bound > 0 ? fmt::format(", bound {:.3f} %, ratio {:.2f}", bound, rms / bound) : "";
         return fmt::format("{:.3f} % rms, {:.3f} % largest{}; {:.2f} of what is stated", rms, largest, beside, over_stated);
     };
-    row("single firings over", fmt::format("{} cycles, mean {:.2f} Nm, bias {:+.2f} %", f.cycles, f.mean_nm, f.bias_percent));
+    row(heading, fmt::format("{} cycles, mean {:.2f} Nm, bias {:+.2f} %", f.cycles, f.mean_nm, f.bias_percent));
     row("  one firing", figure(f.single_percent, f.single_max_percent, f.single_honesty, bounds ? bounds->single_percent : 0));
     row("  imbalance over 10 cycles", figure(f.imbalance_percent, f.imbalance_max_percent, f.imbalance_honesty,
                                              bounds ? bounds->imbalance_percent : 0));

@@ -20,6 +20,6 @@ struct FiringBounds {
 std::optional<FiringBounds> firing_bounds(const Scenario &scenario, const sd_parameters_t &tune, const RunResult &result);
 
 nlohmann::ordered_json firing_json(const RunResult &result, const std::optional<FiringBounds> &bounds);
-void print_firing(const RunResult &result, const std::optional<FiringBounds> &bounds);
+void print_firing(const char *heading, const RunResult &result, const std::optional<FiringBounds> &bounds);
 
 } // namespace sixdeg

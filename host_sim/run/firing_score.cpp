@@ -78,7 +78,7 @@ std::optional<FiringFigures> FiringScore::result() const {
         figures.single_max_percent = std::max(figures.single_max_percent, cycle->single.abs().maxCoeff());
         figures.imbalance_max_percent = std::max(figures.imbalance_max_percent, cycle->mean.abs().maxCoeff());
     }
-    if (figures.cycles == 0) return std::nullopt;
+    if (figures.cycles == 0 || !(figures.mean_nm > 0)) return std::nullopt; // percent of nothing say nothing
     figures.mean_nm /= figures.cycles;
     figures.mean_radps /= figures.cycles;
     const double percent = 100 / figures.mean_nm;

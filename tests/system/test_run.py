@@ -103,6 +103,34 @@ class Torque(RunFolder):
         self.assertIsNone(self.summary(self.scenario(speed='mode = "prescribed"\nrpm = 1000'))["torque"])
 
 
+class Firing(RunFolder):
+    ENCODER = "[encoder]\npattern_rms_deg = 0.02\njitter_deg = 0.01"
+
+    def test_single_firings_after_learning_in_fuel_cut(self):
+        """The goals of imbalance, of one firing and of the waveform, on one learned wheel."""
+        learned = self.folder / "learned.bin"
+        cut = self.scenario("duration_s = 6", "rpm = [3000, 3000, 1500, 1500]\ntime_s = [0, 2, 3, 6]",
+                            bmep="0\nfuel_cut_s = [0.1, 6]", more=self.ENCODER)
+        self.summary(cut, "--nominal", "--learn", learned)
+        for rpm, imbalance, single in ((1000, 0.25, 0.4), (3000, 0.6, 2.5)):
+            with self.subTest(rpm=rpm):
+                f = self.summary(self.scenario("cycles = 60", f"rpm = {rpm}", cylinders=FUEL, more=self.ENCODER),
+                                 "--nominal", "--learned", learned)["firing"]
+                self.assertLess(f["pattern_sd_deg"], 0.003)
+                self.assertLess(f["imbalance_percent"], imbalance)
+                self.assertLess(f["single_percent"], single)
+                self.assertLess(f["waveform_rms_percent"], 2)
+                self.assertLess(abs(f["waveform_shift_deg"]), 0.5)
+                self.assertGreater(f["imbalance_over_bound"], 1)
+
+    def test_a_learned_page_of_no_use_is_refused(self):
+        damaged = self.folder / "learned.bin"
+        damaged.write_bytes(b"SDL1 and no more")
+        done = self.sixdeg(self.scenario("cycles = 10"), "--nominal", "--learned", damaged)
+        self.assertEqual((done.returncode, done.stderr.count("\n")), (2, 1))
+        self.assertIn("learned page", done.stderr)
+
+
 class Teeth(RunFolder):
     def test_truth_and_firmware_stand_side_by_side(self):
         teeth, _ = self.tables(self.scenario())

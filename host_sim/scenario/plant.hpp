@@ -20,6 +20,7 @@
 #include "engine/road.hpp"
 #include "engine/stop_motion.hpp"
 #include "engine/torsion.hpp"
+#include "exhaust/exhaust_model.hpp"
 #include "scenario/combustion_plan.hpp"
 #include "scenario/scenario.hpp"
 #include "scenario/speed_control.hpp"
@@ -44,6 +45,9 @@ class Plant {
     /// none waits.
     bool next_cycle(CycleTruth &cycle);
 
+    /// Next sample of the wideband sensor taken before time_s. False if none waits; none ever without scenario.uego.
+    bool next_uego(double time_s, UegoSample &sample);
+
     /// The crank at the end of the last step taken; up to a tooth ahead of the last edge handed out. Holds
     /// its last value once the engine has stalled.
     const StepTruth &truth() const { return model_.truth(); }
@@ -53,6 +57,10 @@ class Plant {
     void set_fuel_trim(int cylinder, double factor);
     bool stalled() const { return stop_.has_value(); }
     const EngineModel &model() const { return model_; }
+    const exhaust::ExhaustModel *exhaust() const { return exhaust_ ? &*exhaust_ : nullptr; }
+    /// lambda as the sensor feels it, before noise and sampling; 0 without one.
+    double uego_lambda() const { return uego_ ? uego_->lambda() : 0; }
+    double intake_pressure_pa() const { return scenario_.engine.intake_pressure_pa.at(demand_pa_); }
     const WheelEdges &wheel() const { return wheel_; }
 
   private:
@@ -62,6 +70,7 @@ class Plant {
     void pre_roll();
     void advance();
     void handle_events();
+    void step_exhaust(double dt_s);
     void set_charge(const Event &event);
     void control();
     void refresh_speed_and_load();
@@ -83,6 +92,9 @@ class Plant {
     CrankElasticity torsion_;
     WheelEdges wheel_;
     Pickup pickup_;
+    std::optional<exhaust::ExhaustModel> exhaust_;
+    std::optional<exhaust::Uego> uego_;
+    std::deque<UegoSample> uego_samples_;
     SensorPoint sensor_{};
     std::array<double, kMaxCylinders> fuel_trim_{};
     double next_cam_deg_ = 0, end_angle_rad_ = 1e300, next_control_rad_ = 0, control_time_ = 0;

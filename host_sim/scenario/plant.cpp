@@ -152,6 +152,7 @@ void Plant::advance() {
     sensor_ = sensor();
     find_edges(before, from);
     if (step_sink_) step_sink_->push_back(model_.truth());
+    if (watcher_) watcher_();
     if (model_.truth().angle_rad > next_control_rad_ - 1e-6) control();
     ended_ = at_end();
 }

@@ -12,6 +12,7 @@
 #pragma once
 #include <array>
 #include <deque>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -53,6 +54,8 @@ class Plant {
     const StepTruth &truth() const { return model_.truth(); }
     /// Appends every step from now on to `sink` (caller-owned, outlives the plant); nullptr ends it.
     void record_steps(std::vector<StepTruth> *sink) { step_sink_ = sink; }
+    /// Calls back after every step from now on, the exhaust included.
+    void watch_steps(std::function<void()> watcher) { watcher_ = std::move(watcher); }
     /// Factor on the fuel of a physical cylinder from its next intake closing on, for closed loops. [0, 2].
     void set_fuel_trim(int cylinder, double factor);
     bool stalled() const { return stop_.has_value(); }
@@ -105,6 +108,7 @@ class Plant {
     bool backward_ = false;
     std::deque<CycleTruth> cycles_;
     std::vector<StepTruth> *step_sink_ = nullptr;
+    std::function<void()> watcher_;
 };
 
 } // namespace sixdeg

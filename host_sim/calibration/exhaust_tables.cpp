@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: MIT
+#include "calibration/exhaust_tables.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sixdeg {
+namespace {
+
+constexpr double kR = 287, kGamma = 1.34, kAmbientPa = 101300;
+constexpr double kChargeK = 335, kStoichiometric = 14.6, kHeatJpkg = 42.7e6, kHeatKept = 0.75; // typical of a diesel
+constexpr double kCoolingWpk = 4, kWallK = 500;                                        // of the manifold
+constexpr double kStepDeg = 0.1;
+constexpr int kCycles = 6; // until the manifold repeats itself
+
+double psi(double z) { // over z = upstream/downstream pressure
+    const double choke = std::pow((kGamma + 1) / 2, kGamma / (kGamma - 1)), r = 1 / std::clamp(z, 1.0, choke);
+    return std::sqrt(2 * kGamma / (kGamma - 1) * (std::pow(r, 2 / kGamma) - std::pow(r, (kGamma + 1) / kGamma)));
+}
+
+struct Piston {
+    explicit Piston(const EngineFile &e)
+        : area(M_PI / 4 * e.bore_m * e.bore_m), crank(e.stroke_m / 2), rod(e.rod_m),
+          clearance(area * e.stroke_m / (e.compression_ratio - 1)) {}
+    double volume(double theta) const {
+        const double s = crank * std::sin(theta);
+        return clearance + area * (crank * (1 - std::cos(theta)) + rod - std::sqrt(rod * rod - s * s));
+    }
+    double area, crank, rod, clearance;
+};
+
+/// Pressure when the exhaust valve opens: polytropic compression, heat at once, polytropic expansion.
+double opening_pressure(const Piston &piston, const ValveTiming &valves, double fuel_kg, double intake_pa) {
+    constexpr double kCompress = 1.35, kExpand = 1.30, kBurnRad = 0.3;
+    const double v0 = piston.volume(valves.intake_close_rad), v1 = piston.volume(kBurnRad), v2 = piston.volume(valves.exhaust_open_rad);
+    const double cv = kR / (kExpand - 1);
+    const double burned = intake_pa * std::pow(v0 / v1, kCompress) + kHeatKept * fuel_kg * kHeatJpkg / cv * kR / v1;
+    return burned * std::pow(v1 / v2, kExpand);
+}
+
+struct Gas { // of an open cylinder; entropy stays, so pressure follows mass and volume
+    double kg, pa, m3;
+    double kelvin() const { return pa * m3 / (kg * kR); }
+    void change(double new_kg, double new_m3) {
+        pa *= std::pow(new_kg / kg * m3 / new_m3, kGamma);
+        kg = new_kg, m3 = new_m3;
+    }
+};
+
+class Blowdown {
+  public:
+    Blowdown(const EngineFile &engine, const ValveTiming &valves, double speed, double intake_pa, double lambda)
+        : engine_(engine), exhaust_(*engine.exhaust), valves_(valves), piston_(engine), speed_(speed),
+          trapped_(intake_pa * piston_.volume(valves.intake_close_rad) / (kR * kChargeK)), fuel_(trapped_ * lambda / (1 + kStoichiometric - lambda)),
+          opening_pa_(opening_pressure(piston_, valves, fuel_, intake_pa)),
+          manifold_k_(700), share_(std::size_t(2 * engine.wheel.positions), 0.0), gas_(engine.firing_tdc_deg.size(), Gas{trapped_, kAmbientPa, piston_.volume(M_PI)}) {}
+
+    ExhaustPoint run() {
+        const int steps = int(std::lround(720 / kStepDeg));
+        kg_ = 1.2 * kAmbientPa * exhaust_.manifold_m3 / (kR * manifold_k_);
+        for (int i = 0; i < kCycles * steps; ++i) {
+            step(i % steps, i >= (kCycles - 1) * steps);
+            if (i % steps == steps - 1 && i < (kCycles - 1) * steps) new_temperature();
+        }
+        double passed = 0;
+        for (double s : share_) passed += s;
+        for (double &s : share_) s = std::max(s / passed, 0.0);
+        const double charge = trapped_ + fuel_, flow = charge * double(gas_.size()) * speed_ / (4 * M_PI);
+        const double area = exhaust_.turbine_area_m2.at(speed_);
+        return {share_, charge, area * std::sqrt(kR * manifold_k_) / exhaust_.manifold_m3,
+                kAmbientPa * exhaust_.manifold_m3 / (kR * manifold_k_), sum_kg_ / steps,
+                (exhaust_.pipe_m3 + exhaust_.mixing_m3) * kAmbientPa / (kR * manifold_k_) / flow + exhaust_.dead_time_s};
+    }
+
+  private:
+    double valve_area(double theta) const {
+        const double x = (theta - valves_.exhaust_open_rad) / (exhaust_.valve_close_rad - valves_.exhaust_open_rad);
+        return x <= 0 || x >= 1 ? 0 : exhaust_.valve_area_m2 * std::pow(std::sin(M_PI * x), 2);
+    }
+
+    void step(int index, bool measured) {
+        const double h = kStepDeg * M_PI / 180, dt = h / speed_, inflow = pass_valves(index, h, dt, measured);
+        const double z = pressure() / kAmbientPa;
+        const double out = exhaust_.turbine_area_m2.at(speed_) * pressure() / std::sqrt(kR * manifold_k_) * psi(z) * dt;
+        kg_ += inflow - out;
+        if (measured) sum_kg_ += kg_;
+    }
+
+    double pressure() const { return kg_ * kR * manifold_k_ / exhaust_.manifold_m3; }
+
+    double pass_valves(int index, double h, double dt, bool measured) {
+        double inflow = 0;
+        for (std::size_t i = 0; i < gas_.size(); ++i) {
+            double theta = index * h - engine_.firing_tdc_deg[i] * M_PI / 180;
+            if (theta < 0) theta += 4 * M_PI;
+            const double area = valve_area(theta), volume = piston_.volume(theta);
+            if (area <= 0) {
+                gas_[i] = {trapped_ + fuel_, opening_pa_, volume};
+                continue;
+            }
+            gas_[i].change(gas_[i].kg, volume);
+            const double passed = through_valve(gas_[i], area, dt);
+            gas_[i].change(gas_[i].kg - passed, volume);
+            inflow += passed;
+            heat_ += passed * gas_[i].kelvin(), flowed_ += passed;
+            if (measured && i == 0) share_[std::size_t(std::ceil(theta / (2 * M_PI) * engine_.wheel.positions - 1e-9))] += passed;
+        }
+        return inflow;
+    }
+
+    /// No more than evens the pressures out, so that long steps cannot overshoot.
+    double through_valve(const Gas &gas, double area, double dt) const {
+        const bool forward = gas.pa >= pressure();
+        const double up = std::max(gas.pa, pressure()), down = std::min(gas.pa, pressure());
+        const double t = forward ? gas.kelvin() : manifold_k_;
+        const double even = gas.kg * (1 - std::pow(down / up, 1 / kGamma)) / 2;
+        return std::min(area * up / std::sqrt(kR * t) * psi(up / down) * dt, even) * (forward ? 1 : -1);
+    }
+
+    void new_temperature() {
+        const double cp = kGamma * kR / (kGamma - 1), per_cycle_s = 4 * M_PI / speed_;
+        const double kg = flowed_, in = heat_ / flowed_, loss = kCoolingWpk * per_cycle_s / (kg * cp);
+        const double before = manifold_k_;
+        manifold_k_ = (in + loss * kWallK) / (1 + loss);
+        kg_ *= before / manifold_k_;
+        heat_ = flowed_ = 0;
+    }
+
+    const EngineFile &engine_;
+    const ExhaustSystem &exhaust_;
+    ValveTiming valves_;
+    Piston piston_;
+    double speed_, trapped_, fuel_, opening_pa_, manifold_k_;
+    std::vector<double> share_;
+    std::vector<Gas> gas_;
+    double kg_ = 0, sum_kg_ = 0, heat_ = 0, flowed_ = 0;
+};
+
+} // namespace
+
+ExhaustPoint exhaust_point(const EngineFile &engine, const ValveTiming &valves, double speed_radps, double intake_pa,
+                           double lambda) {
+    return Blowdown(engine, valves, speed_radps, intake_pa, lambda).run();
+}
+
+std::array<double, 33> exhaust_psi() {
+    std::array<double, 33> table{};
+    for (std::size_t k = 0; k < table.size(); ++k) table[k] = psi(1 + double(k) / 32);
+    return table;
+}
+
+} // namespace sixdeg

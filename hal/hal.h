@@ -17,6 +17,7 @@ typedef enum sd_event_kind {
     SD_EVENT_CRANK_EDGE = 1,  ///< In. tick: capture time of an edge of the crank wheel.
     SD_EVENT_CAM_EDGE   = 2,  ///< In. tick: capture time of the cam edge.
     SD_EVENT_TIME       = 3,  ///< In, every 10 ms. tick: now.
+    SD_EVENT_SAMPLE     = 4,  ///< In. A sensor was read at tick. channel: sd_input_t; value: IEEE 754 bits.
     SD_EVENT_SIGNAL     = 16, ///< Out. channel: sd_signal_t; value: IEEE 754 bits; flags: health | why << 8.
 } sd_event_kind_t;
 

@@ -42,6 +42,20 @@ static void walk_32(sd_walk_t *walk, void *value) {
     memcpy(value, &bits, sizeof bits);
 }
 
+static void walk_map(sd_walk_t *walk, sd_cylinder_map_t *map) {
+    walk_u8(walk, &map->cylinders);
+    walk_u8(walk, &map->harmonics);
+    walk_32(walk, &map->gain_energy);
+    walk_32(walk, &map->gain_mean);
+    walk_32(walk, &map->gain_reference);
+    for (uint32_t i = 0; i < SD_CYLINDERS_MAX; ++i) {
+        for (uint32_t j = 0; j <= 2u * SD_FOURIER_HARMONICS_MAX; ++j) { walk_32(walk, &map->map[i][j]); }
+        walk_32(walk, &map->offset_nm[i]);
+        walk_32(walk, &map->nm_per_bar[i]);
+        walk_32(walk, &map->sd_kgm2[i]);
+    }
+}
+
 static void walk_fields(sd_walk_t *walk, sd_calibration_t *c) {
     walk_32(walk, &c->tick_hz);
     walk_u8(walk, &c->positions);
@@ -55,6 +69,7 @@ static void walk_fields(sd_walk_t *walk, sd_calibration_t *c) {
     for (uint32_t i = 0; i < SD_CYLINDERS_MAX; ++i) { walk_u16(walk, &c->firing_position[i]); }
     for (uint32_t i = 0; i < SD_FOURIER_POSITIONS_MAX; ++i) { walk_32(walk, &c->inertia_kgm2[i]); }
     for (uint32_t i = 0; i < 2u * SD_FOURIER_POSITIONS_MAX; ++i) { walk_32(walk, &c->sine_q31[i]); }
+    walk_map(walk, &c->cylinder_map);
     float *parameter = (float *)&c->parameters;
     for (uint32_t i = 0; i < SD_PARAMETER_COUNT; ++i) { walk_32(walk, &parameter[i]); }
 }

@@ -4,10 +4,9 @@
 #ifndef SD_CALIBRATION_H
 #define SD_CALIBRATION_H
 #include "sd_crank.h"
+#include "sd_cylinders.h"
 #include "sd_fourier.h"
 #include "sd_signals.h"
-
-#define SD_CYLINDERS_MAX 8
 
 /// Decoded page. Angles are positions of the wheel over the cycle: 0 to 2 positions - 1.
 typedef struct sd_calibration {
@@ -22,10 +21,11 @@ typedef struct sd_calibration {
     uint16_t firing_position[SD_CYLINDERS_MAX]; ///< First cycle position at or after the firing TDC, in that order.
     float    inertia_kgm2[SD_FOURIER_POSITIONS_MAX]; ///< J half a pitch before each position.
     int32_t  sine_q31[2 * SD_FOURIER_POSITIONS_MAX]; ///< sin(pi k / positions) 2^31.
+    sd_cylinder_map_t cylinder_map;
     sd_parameters_t parameters;             ///< The reference page.
 } sd_calibration_t;
 
-#define SD_CALIBRATION_BYTES_MAX 2048u
+#define SD_CALIBRATION_BYTES_MAX 4096u
 
 /// Writes the page to `bytes` (room for SD_CALIBRATION_BYTES_MAX); returns its size.
 uint32_t sd_calibration_encode(const sd_calibration_t *calibration, uint8_t *bytes);

@@ -4,6 +4,9 @@
 #include <string.h>
 
 #define RPM_PER_RADPS 9.5492966f
+#define TINY 1e-30f
+#define RAD_PER_DEG 0.017453293f
+#define TIMER_SD_TICKS 0.28867513f /* of rounding down to a whole tick: 1 / sqrt(12) */
 
 static bool fixed_point(const sd_ecu_t *self) { return self->calibration.parameters.torque_fixed_point > 0.5f; }
 
@@ -15,11 +18,6 @@ static float torque_step(sd_ecu_t *self, const sd_tooth_t *tooth) {
                                                    tooth->period_ticks, trusted)
                              : sd_fourier_step_f32(&self->torque.f32, tooth->cycle_position, tooth->advance,
                                                    tooth->period_ticks, trusted);
-}
-
-static float torque_at(const sd_ecu_t *self, uint32_t cycle_position) {
-    return fixed_point(self) ? sd_fourier_torque_at_q31(&self->torque.q31, cycle_position)
-                             : sd_fourier_torque_at_f32(&self->torque.f32, cycle_position);
 }
 
 static void torque_restart(sd_ecu_t *self) {
@@ -34,10 +32,21 @@ static void torque_shift(sd_ecu_t *self) {
     }
 }
 
-static sd_status_t torque_status(const sd_ecu_t *self) {
+static sd_fourier_estimate_t torque_estimate(const sd_ecu_t *self) {
     sd_fourier_estimate_t estimate;
     if (fixed_point(self)) { sd_fourier_read_q31(&self->torque.q31, &estimate); } else { sd_fourier_read_f32(&self->torque.f32, &estimate); }
-    return estimate.status;
+    return estimate;
+}
+
+static bool cylinders_ok(const sd_calibration_t *calibration) {
+    const sd_cylinder_map_t *map = &calibration->cylinder_map;
+    bool ok = (calibration->cylinders >= 1u) && (calibration->cylinders <= SD_CYLINDERS_MAX) &&
+              ((map->cylinders == 0u) || (map->cylinders == calibration->cylinders)) &&
+              (map->harmonics <= SD_FOURIER_HARMONICS_MAX);
+    for (uint32_t i = 0; ok && (i < calibration->cylinders); ++i) {
+        ok = (calibration->firing_order[i] >= 1u) && (calibration->firing_order[i] <= SD_CYLINDERS_MAX);
+    }
+    return ok;
 }
 
 sd_result_t sd_ecu_init(sd_ecu_t *self, const sd_calibration_t *calibration) {
@@ -46,7 +55,7 @@ sd_result_t sd_ecu_init(sd_ecu_t *self, const sd_calibration_t *calibration) {
     fresh.calibration = *calibration;
     const sd_crank_config_t crank = sd_calibration_crank(&fresh.calibration);
     const sd_fourier_config_t torque = sd_calibration_torque(&fresh.calibration);
-    if ((calibration->cylinders < 1u) || (calibration->cylinders > SD_CYLINDERS_MAX)) { return SD_ERR_CONFIG; }
+    if (!cylinders_ok(calibration)) { return SD_ERR_CONFIG; }
     if (sd_crank_init(&fresh.crank, &crank) != SD_OK) { return SD_ERR_CONFIG; }
     const sd_result_t result = fixed_point(&fresh) ? sd_fourier_init_q31(&fresh.torque.q31, &torque)
                                                    : sd_fourier_init_f32(&fresh.torque.f32, &torque);
@@ -78,22 +87,34 @@ static void worst_of(sd_status_t *status, uint8_t health, uint8_t why) {
 
 /* ---- the cycle ------------------------------------------------------------------------------------------------- */
 
-/* Which firing interval a cycle position lies in; the last one reaches round to the first. */
-static uint32_t firing_at(const sd_calibration_t *c, uint32_t cycle_position) {
-    const uint32_t cycle = 2u * c->positions;
-    uint32_t best = 0, least = cycle;
-    for (uint32_t i = 0; i < c->cylinders; ++i) {
-        const uint32_t since = (cycle_position + cycle - c->firing_position[i]) % cycle;
-        if (since < least) { least = since; best = i; }
-    }
-    return best;
-}
-
 static void begin_cycle(sd_ecu_t *self) {
-    memset(self->interval, 0, sizeof self->interval);
     self->cycle_ticks = 0;
     self->cycle_positions = 0;
     self->cycle_clean = 1;
+}
+
+/* Torque of each cylinder by its physical number, from the cycle just ended and its mean speed. */
+static void read_cylinders(sd_ecu_t *self) {
+    const sd_calibration_t *c = &self->calibration;
+    const sd_cylinder_map_t *map = &c->cylinder_map;
+    const sd_fourier_config_t observer = sd_calibration_torque(c);
+    if (!sd_cylinders_fit(map, &observer)) {
+        worst_of(&self->status[SD_OWNER_CYLINDER], SD_INVALID, SD_WHY_UNCALIBRATED);
+        return;
+    }
+    const float speed = self->signals.cycle_speed_rpm / RPM_PER_RADPS;
+    const float spacing = c->parameters.torque_tooth_sd_deg * RAD_PER_DEG, timer = speed * TIMER_SD_TICKS / c->tick_hz;
+    const float variance = spacing * spacing + timer * timer;
+    const float tooth_error = variance * sd_rsqrt_f32(variance + TINY);
+    const sd_sample_t *intake = &self->sample[SD_INPUT_AIR_INTAKE_PRESSURE];
+    if (intake->seen == 0u) { worst_of(&self->status[SD_OWNER_CYLINDER], SD_DEGRADED, SD_WHY_NO_INPUT); }
+    const float intake_bar = (intake->seen != 0u) ? intake->value : 1.0f;
+    const sd_fourier_estimate_t estimate = torque_estimate(self);
+    for (uint32_t i = 0; i < map->cylinders; ++i) {
+        const uint32_t cylinder = c->firing_order[i] - 1u;
+        self->signals.cycle_cylinder_torque_nm[cylinder] = sd_cylinders_torque(map, &estimate, intake_bar, i);
+        self->signals.cycle_cylinder_sd_nm[cylinder] = sd_cylinders_sd(map, i, speed, tooth_error);
+    }
 }
 
 static void end_cycle(sd_ecu_t *self, const sd_port_t *port, uint32_t tick) {
@@ -103,24 +124,13 @@ static void end_cycle(sd_ecu_t *self, const sd_port_t *port, uint32_t tick) {
     if (self->crank.phase_votes < 2u) { worst_of(status, SD_INVALID, SD_WHY_NO_PHASE); }
     if (self->cycle_positions < 2u * c->positions) { worst_of(status, SD_INVALID, SD_WHY_NO_SYNC); }
     if (self->cycle_clean == 0u) { worst_of(status, SD_DEGRADED, SD_WHY_FAULT); }
-    for (uint32_t i = 0; i < c->cylinders; ++i) {
-        const sd_interval_t *interval = &self->interval[i];
-        self->signals.cycle_cylinder_torque_nm[c->firing_order[i] - 1u] =
-            (interval->positions > 0u) ? interval->sum_nm / (float)interval->positions : 0.0f;
-    }
     const float turns = (float)self->cycle_positions / (float)c->positions;
     self->signals.cycle_speed_rpm = (self->cycle_ticks > 0u) ? 60.0f * turns * c->tick_hz / (float)self->cycle_ticks : 0.0f;
+    read_cylinders(self);
     publish(self, port, tick, SD_RATE_CYCLE);
 }
 
 static void add_to_cycle(sd_ecu_t *self, const sd_tooth_t *tooth) {
-    const uint32_t cycle = 2u * self->calibration.positions;
-    for (uint32_t back = tooth->advance; back-- > 0u;) {
-        const uint32_t position = (tooth->cycle_position + cycle - back) % cycle;
-        sd_interval_t *interval = &self->interval[firing_at(&self->calibration, position)];
-        interval->sum_nm += torque_at(self, position);
-        interval->positions++;
-    }
     self->cycle_ticks += tooth->period_ticks;
     self->cycle_positions += tooth->advance;
     if (self->status[SD_OWNER_TORQUE].health != SD_VALID) { self->cycle_clean = 0; }
@@ -152,7 +162,7 @@ static void on_tooth(sd_ecu_t *self, const sd_port_t *port, const sd_tooth_t *to
     self->signals.torque_mass_nm = torque_step(self, tooth);
     self->cycle_position = tooth->cycle_position;
     sd_status_t *status = &self->status[SD_OWNER_TORQUE];
-    *status = torque_status(self);
+    *status = torque_estimate(self).status;
     worst_of(status, tooth->health, tooth->why);
     self->signals.torque_innovation_j = status->innovation;
     add_to_cycle(self, tooth);
@@ -197,6 +207,17 @@ static void on_time(sd_ecu_t *self, const sd_port_t *port, uint32_t tick) {
     publish(self, port, tick, SD_RATE_EDGE);
 }
 
+static void on_sample(sd_ecu_t *self, const sd_event_t *event) {
+    float value = 0.0f;
+    memcpy(&value, &event->value, sizeof value);
+    const sd_signal_info_t *info = (event->channel < SD_INPUT_COUNT) ? &sd_input_infos[event->channel] : NULL;
+    if ((info == NULL) || !((value >= info->low) && (value <= info->high))) { /* written so that NaN is out of range */
+        self->bad_samples++;
+        return;
+    }
+    self->sample[event->channel] = (sd_sample_t){ .value = value, .tick = event->tick, .seen = 1 };
+}
+
 uint32_t sd_ecu_run(sd_ecu_t *self, const sd_port_t *port) {
     sd_event_t event;
     uint32_t handled = 0;
@@ -205,6 +226,7 @@ uint32_t sd_ecu_run(sd_ecu_t *self, const sd_port_t *port) {
         case SD_EVENT_CRANK_EDGE: on_crank_edge(self, port, event.tick); break;
         case SD_EVENT_CAM_EDGE:   sd_crank_cam_edge(&self->crank, event.tick); break;
         case SD_EVENT_TIME:       on_time(self, port, event.tick); break;
+        case SD_EVENT_SAMPLE:     on_sample(self, &event); break;
         default:                  self->unknown_events++; break;
         }
         handled++;

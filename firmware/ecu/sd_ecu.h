@@ -4,6 +4,7 @@
 ///   crank edge -> crank decoder -> torque observer -> signals of rate "edge"; at the end of a cycle those of "cycle"
 ///   cam edge   -> phase
 ///   time       -> stall detection
+///   sample     -> kept as the latest reading of its sensor
 ///
 /// Real-time contract: no heap, no globals, no I/O of its own; one writer. Call sd_ecu_run from the tooth interrupt or
 /// whenever the port may hold events.
@@ -12,11 +13,12 @@
 #include "hal.h"
 #include "sd_calibration.h"
 
-/// Torque and firing interval of one cylinder while its cycle runs.
-typedef struct sd_interval {
-    float    sum_nm;
-    uint16_t positions;
-} sd_interval_t;
+/// Latest reading of a sampled sensor.
+typedef struct sd_sample {
+    float    value; ///< In the unit and within the range of sd_input_infos.
+    uint32_t tick;  ///< When it was taken.
+    uint8_t  seen;  ///< 0: never read since init; value is 0 then.
+} sd_sample_t;
 
 typedef struct sd_ecu {
     sd_calibration_t calibration; ///< The reference page.
@@ -25,15 +27,16 @@ typedef struct sd_ecu {
         sd_fourier_f32_t f32;
         sd_fourier_q31_t q31;
     } torque;                     ///< Which one: torque.fixed_point.
+    sd_sample_t  sample[SD_INPUT_COUNT]; ///< By sd_input_t.
     sd_signals_t signals;         ///< Present values.
     sd_status_t  status[SD_OWNER_COUNT]; ///< Health of each owner's signals.
-    sd_interval_t interval[SD_CYLINDERS_MAX]; ///< In firing order.
     uint32_t cycle_ticks;         ///< Of the cycle so far.
     uint32_t cycle_positions;     ///< Placed in it.
     uint16_t cycle_position;      ///< Of the last placed tooth.
     uint8_t  following;           ///< The torque observer follows the teeth.
     uint8_t  cycle_clean;         ///< Torque was valid all through this cycle so far.
     uint32_t unknown_events;      ///< Ignored, wraps.
+    uint32_t bad_samples;         ///< Of an unknown sensor, out of range or NaN; ignored, wraps.
     uint32_t unsent_signals;      ///< The port had no room, wraps.
 } sd_ecu_t;
 

@@ -68,6 +68,16 @@ static inline sd_gain_q31_t sd_gain_of_q31(float value) {
     return (sd_gain_q31_t){ sd_from_float_q31(value), exponent };
 }
 
+/* 1 / sqrt(x) for a normal x > 0, within 3e-7 of it, with the same bits on every target and no libm: the start is half
+ * the exponent, and each of Newton's steps squares the error (3.5e-2, 1.8e-3, 4.7e-6, rounding). */
+static inline float sd_rsqrt_f32(float x) {
+    union { float f; uint32_t u; } start = { x };
+    start.u = 0x5f3759dfu - (start.u >> 1);
+    float y = start.f;
+    for (int i = 0; i < 3; ++i) { y = y * (1.5f - 0.5f * x * y * y); }
+    return y;
+}
+
 /* Inside the range, not at its ends, where q31 saturates; false for NaN. */
 static inline bool sd_in_unit_f32(float x)    { return (x > -1.0f) && (x < 1.0f); }
 static inline bool sd_in_unit_q31(sd_q31_t x) { return (x > INT32_MIN) && (x < INT32_MAX); }

@@ -19,6 +19,8 @@ typedef enum sd_why {
     SD_WHY_STALL       = 1 << 3, ///< The engine stands still, or turns slower than the decoder follows.
     SD_WHY_CONVERGING  = 1 << 4, ///< The observer started or restarted less than its settling time ago.
     SD_WHY_REJECTED    = 1 << 5, ///< The measurement was too far from its prediction and was left out.
+    SD_WHY_NO_INPUT     = 1 << 7, ///< A sensor that this value takes has not been read; a usual value stands for it.
+    SD_WHY_UNCALIBRATED = 1 << 6, ///< The calibration page does not hold what this value takes.
 } sd_why_t;
 
 /// Outcome of an init or a command. 0 is success; a negative value leaves the state as it was.

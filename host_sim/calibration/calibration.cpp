@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "calibration/calibration.hpp"
 
-#include <Eigen/Dense>
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
 
+#include "calibration/cylinder_map.hpp"
+#include "calibration/observer_map.hpp"
 #include "common/error.hpp"
 extern "C" {
 #include "sd_ecu.h"
@@ -40,6 +42,27 @@ void check_starts(const sd_calibration_t &calibration, const EngineFile &engine,
     }
 }
 
+/// The map as the page holds it; empty where it does not exist.
+sd_cylinder_map_t page_map(const EngineFile &engine, const sd_calibration_t &c) {
+    sd_cylinder_map_t page{};
+    const auto found = cylinder_map(engine, c.parameters);
+    if (!found) return page;
+    double mean_inertia = 0;
+    for (int k = 0; k < c.positions; ++k) mean_inertia += double(c.inertia_kgm2[k]) / c.positions;
+    page.cylinders = c.cylinders;
+    page.harmonics = std::uint8_t(c.parameters.torque_harmonics);
+    page.gain_energy = c.parameters.torque_gain_energy_per_rad;
+    page.gain_mean = c.parameters.torque_gain_mean_per_rad2;
+    page.gain_reference = c.parameters.torque_gain_reference_per_rad2;
+    for (int i = 0; i < engine.cylinders(); ++i) {
+        for (int j = 0; j < found->map.cols(); ++j) page.map[i][j] = float(found->map(i, j));
+        page.offset_nm[i] = float(found->offset(i));
+        page.nm_per_bar[i] = float(found->per_bar(i));
+        page.sd_kgm2[i] = float(found->sd_ratio(i) * mean_inertia);
+    }
+    return page;
+}
+
 } // namespace
 
 sd_parameters_t read_tune(TomlFile &tune) {
@@ -50,8 +73,13 @@ sd_parameters_t read_tune(TomlFile &tune) {
     }
     tune.finish();
     const float harmonics = parameters.torque_harmonics;
-    if (harmonics != std::floor(harmonics)) tune.fail("torque.harmonics", fmt::format("{:g} is not a whole number in [1, 12]", harmonics));
+    if (harmonics != std::floor(harmonics)) tune.fail("torque.harmonics", fmt::format("{:g} is not a whole number in [0, 12]", harmonics));
     return parameters;
+}
+
+sd_parameters_t resolve(const EngineFile &engine, sd_parameters_t tune) {
+    if (tune.torque_harmonics == 0) tune.torque_harmonics = float(std::max(5, engine.cylinders()));
+    return tune;
 }
 
 double crank_inertia_kgm2(const EngineFile &engine, double alpha) {
@@ -66,30 +94,7 @@ double crank_inertia_kgm2(const EngineFile &engine, double alpha) {
 }
 
 double observer_radius(const EngineFile &engine, const sd_parameters_t &tune) {
-    const int positions = engine.wheel.positions, harmonics = int(tune.torque_harmonics), n = 2 * harmonics + 2;
-    const double pitch = 2 * M_PI / positions;
-    const auto absent = [&](int k) {
-        const auto &missing = engine.wheel.missing;
-        return std::find(missing.begin(), missing.end(), (k + positions) % positions) != missing.end();
-    };
-    Eigen::MatrixXd map = Eigen::MatrixXd::Identity(n, n);
-    Eigen::VectorXd f(n - 1), gain(n - 1);
-    for (int k = 0; k < 2 * positions; ++k) {
-        f(0) = 1;
-        gain(0) = double(tune.torque_gain_mean_per_rad2);
-        for (int i = 1; i <= harmonics; ++i) {
-            f(2 * i - 1) = std::cos(i * pitch * k / 2);
-            f(2 * i) = std::sin(i * pitch * k / 2);
-            gain(2 * i - 1) = gain(2 * i) = i * double(tune.torque_gain_reference_per_rad2);
-        }
-        if (!absent(k) && !absent(k - 1)) {
-            const Eigen::RowVectorXd error = map.row(0);
-            map.row(0) -= pitch * double(tune.torque_gain_energy_per_rad) * error;
-            map.bottomRows(n - 1) -= pitch * gain.cwiseProduct(f) * error;
-        }
-        map.row(0) += pitch * f.transpose() * map.bottomRows(n - 1);
-    }
-    return map.eigenvalues().cwiseAbs().maxCoeff();
+    return ObserverMap(engine, tune).error_map().eigenvalues().cwiseAbs().maxCoeff();
 }
 
 sd_calibration_t calibrate(const EngineFile &engine, const sd_parameters_t &tune, const std::string &tune_name) {
@@ -113,13 +118,14 @@ sd_calibration_t calibrate(const EngineFile &engine, const sd_parameters_t &tune
         c.inertia_kgm2[k] = float(crank_inertia_kgm2(engine, alpha));
     }
     for (int k = 0; k < 2 * positions; ++k) c.sine_q31[k] = to_q31(std::sin(M_PI * k / positions));
-    c.parameters = tune;
+    c.parameters = resolve(engine, tune);
     check_starts(c, engine, tune_name);
-    const double radius = observer_radius(engine, tune);
+    const double radius = observer_radius(engine, c.parameters);
     if (!(radius < 1)) {
         throw InputError(tune_name, "torque.gain_energy, gain_mean, gain_reference",
                          fmt::format("the observer does not converge: its error changes by {:.4g} a cycle, allowed below 1", radius));
     }
+    c.cylinder_map = page_map(engine, c);
     return c;
 }
 

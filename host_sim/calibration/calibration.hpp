@@ -19,8 +19,11 @@ sd_parameters_t read_tune(TomlFile &tune);
 /// (equations of document 004; Kiencke-Nielsen). alpha in rad, 0 = firing TDC of the first cylinder.
 double crank_inertia_kgm2(const EngineFile &engine, double alpha);
 
+/// The parameters with what they leave to the engine filled in: torque.harmonics.
+sd_parameters_t resolve(const EngineFile &engine, sd_parameters_t tune);
+
 /// Largest eigenvalue, by magnitude, of the torque observer's error over one cycle, missing teeth included: below 1
-/// it converges, and its error shrinks by that factor a cycle.
+/// it converges, and its error shrinks by that factor a cycle. `tune` is resolved.
 double observer_radius(const EngineFile &engine, const sd_parameters_t &tune);
 
 /// The page. Throws InputError naming `tune_name` and the field when the gains do not converge, or engine and

@@ -10,8 +10,8 @@ namespace {
 constexpr double kR = 287, kGamma = 1.34, kAmbientPa = 101300;
 constexpr double kChargeK = 335, kStoichiometric = 14.6, kHeatJpkg = 42.7e6, kHeatKept = 0.75; // typical of a diesel
 constexpr double kCoolingWpk = 4, kWallK = 500;                                        // of the manifold
-constexpr double kStepDeg = 0.1;
-constexpr int kCycles = 6; // until the manifold repeats itself
+constexpr double kStepDeg = 0.25, kRadPerDeg = M_PI / 180;
+constexpr int kCycles = 4; // until the manifold repeats itself
 
 double psi(double z) { // over z = upstream/downstream pressure
     const double choke = std::pow((kGamma + 1) / 2, kGamma / (kGamma - 1)), r = 1 / std::clamp(z, 1.0, choke);
@@ -30,9 +30,9 @@ struct Piston {
 };
 
 /// Pressure when the exhaust valve opens: polytropic compression, heat at once, polytropic expansion.
-double opening_pressure(const Piston &piston, const ValveTiming &valves, double fuel_kg, double intake_pa) {
+double opening_pressure(const Piston &piston, const EngineFile &engine, double fuel_kg, double intake_pa) {
     constexpr double kCompress = 1.35, kExpand = 1.30, kBurnRad = 0.3;
-    const double v0 = piston.volume(valves.intake_close_rad), v1 = piston.volume(kBurnRad), v2 = piston.volume(valves.exhaust_open_rad);
+    const double v0 = piston.volume(kRadPerDeg * engine.intake_close_deg), v1 = piston.volume(kBurnRad), v2 = piston.volume(kRadPerDeg * engine.exhaust_open_deg);
     const double cv = kR / (kExpand - 1);
     const double burned = intake_pa * std::pow(v0 / v1, kCompress) + kHeatKept * fuel_kg * kHeatJpkg / cv * kR / v1;
     return burned * std::pow(v1 / v2, kExpand);
@@ -49,10 +49,10 @@ struct Gas { // of an open cylinder; entropy stays, so pressure follows mass and
 
 class Blowdown {
   public:
-    Blowdown(const EngineFile &engine, const ValveTiming &valves, double speed, double intake_pa, double lambda)
-        : engine_(engine), exhaust_(*engine.exhaust), valves_(valves), piston_(engine), speed_(speed),
-          trapped_(intake_pa * piston_.volume(valves.intake_close_rad) / (kR * kChargeK)), fuel_(trapped_ * lambda / (1 + kStoichiometric - lambda)),
-          opening_pa_(opening_pressure(piston_, valves, fuel_, intake_pa)),
+    Blowdown(const EngineFile &engine, double speed, double intake_pa, double lambda)
+        : engine_(engine), exhaust_(*engine.exhaust), open_rad_(kRadPerDeg * engine.exhaust_open_deg), piston_(engine), speed_(speed),
+          trapped_(intake_pa * piston_.volume(kRadPerDeg * engine.intake_close_deg) / (kR * kChargeK)), fuel_(trapped_ * lambda / (1 + kStoichiometric - lambda)),
+          opening_pa_(opening_pressure(piston_, engine, fuel_, intake_pa)),
           manifold_k_(700), share_(std::size_t(2 * engine.wheel.positions), 0.0), gas_(engine.firing_tdc_deg.size(), Gas{trapped_, kAmbientPa, piston_.volume(M_PI)}) {}
 
     ExhaustPoint run() {
@@ -74,12 +74,12 @@ class Blowdown {
 
   private:
     double valve_area(double theta) const {
-        const double x = (theta - valves_.exhaust_open_rad) / (exhaust_.valve_close_rad - valves_.exhaust_open_rad);
+        const double x = (theta - open_rad_) / (exhaust_.valve_close_rad - open_rad_);
         return x <= 0 || x >= 1 ? 0 : exhaust_.valve_area_m2 * std::pow(std::sin(M_PI * x), 2);
     }
 
     void step(int index, bool measured) {
-        const double h = kStepDeg * M_PI / 180, dt = h / speed_, inflow = pass_valves(index, h, dt, measured);
+        const double h = kStepDeg * kRadPerDeg, dt = h / speed_, inflow = pass_valves(index, h, dt, measured);
         const double z = pressure() / kAmbientPa;
         const double out = exhaust_.turbine_area_m2.at(speed_) * pressure() / std::sqrt(kR * manifold_k_) * psi(z) * dt;
         kg_ += inflow - out;
@@ -91,7 +91,7 @@ class Blowdown {
     double pass_valves(int index, double h, double dt, bool measured) {
         double inflow = 0;
         for (std::size_t i = 0; i < gas_.size(); ++i) {
-            double theta = index * h - engine_.firing_tdc_deg[i] * M_PI / 180;
+            double theta = index * h - engine_.firing_tdc_deg[i] * kRadPerDeg;
             if (theta < 0) theta += 4 * M_PI;
             const double area = valve_area(theta), volume = piston_.volume(theta);
             if (area <= 0) {
@@ -128,7 +128,7 @@ class Blowdown {
 
     const EngineFile &engine_;
     const ExhaustSystem &exhaust_;
-    ValveTiming valves_;
+    double open_rad_;
     Piston piston_;
     double speed_, trapped_, fuel_, opening_pa_, manifold_k_;
     std::vector<double> share_;
@@ -138,9 +138,9 @@ class Blowdown {
 
 } // namespace
 
-ExhaustPoint exhaust_point(const EngineFile &engine, const ValveTiming &valves, double speed_radps, double intake_pa,
+ExhaustPoint exhaust_point(const EngineFile &engine, double speed_radps, double intake_pa,
                            double lambda) {
-    return Blowdown(engine, valves, speed_radps, intake_pa, lambda).run();
+    return Blowdown(engine, speed_radps, intake_pa, lambda).run();
 }
 
 std::array<double, 33> exhaust_psi() {

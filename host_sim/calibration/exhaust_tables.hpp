@@ -19,13 +19,8 @@ struct ExhaustPoint {
     double delay_s = 0;        ///< Turbine to sensor.
 };
 
-/// Angles after firing TDC, rad.
-struct ValveTiming {
-    double exhaust_open_rad, intake_close_rad;
-};
-
 /// Periodic flow at a constant speed, with fuel for `lambda` of document 004 in the exhaust. engine.exhaust is set.
-ExhaustPoint exhaust_point(const EngineFile &engine, const ValveTiming &valves, double speed_radps, double intake_pa,
+ExhaustPoint exhaust_point(const EngineFile &engine, double speed_radps, double intake_pa,
                            double lambda);
 
 /// psi(1 + k/32), k = 0 to 32, of sd_exhaust.h.

@@ -34,7 +34,7 @@ void run(const Options &options) {
     out.add(stem + ".c", page_source(bytes, engine.name));
     out.commit();
 
-    const double radius = observer_radius(engine, tune);
+    const double radius = observer_radius(engine, resolve(engine, tune));
     const std::string hash = sha256(std::string(bytes.begin(), bytes.end()));
     fmt::print("{}: {} bytes, sha256 {}\n", stem + ".bin", bytes.size(), hash);
     fmt::print("torque observer: error falls to {:.3f} of itself a cycle\n", radius);

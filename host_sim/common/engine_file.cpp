@@ -2,6 +2,7 @@
 #include "common/engine_file.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -44,6 +45,27 @@ Wheel read_wheel(TomlFile &file) {
     return wheel;
 }
 
+void read_combustion(TomlFile &file, EngineFile &engine) {
+    engine.exhaust_open_deg = file.number_or("valves.exhaust_open_deg", {60, 200, "deg"}, 135);
+    engine.intake_close_deg = file.number_or("valves.intake_close_deg", {500, 640, "deg"}, 580);
+    const std::size_t count = file.array_size("combustion.pulse");
+    if (count > 2) file.fail("combustion.pulse", fmt::format("has {} entries, not 1 or 2", count));
+    if (count == 0) { // typical of spark ignition
+        engine.guessed.push_back("combustion.pulse");
+        engine.pulses = {{-15, 60, 2, 1}};
+        return;
+    }
+    double total = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+        const std::string at = fmt::format("combustion.pulse[{}].", i);
+        engine.pulses.push_back({file.number(at + "start_deg", {-60, 60, "deg"}),
+                                 file.number(at + "duration_deg", {3, 120, "deg"}),
+                                 file.number(at + "shape", {0.5, 5, ""}), file.number_or(at + "share", {0, 1, ""}, 1)});
+        total += engine.pulses.back().share;
+    }
+    if (std::abs(total - 1) > 1e-6) file.fail("combustion.pulse", fmt::format("shares add up to {:g}, not 1", total));
+}
+
 } // namespace
 
 Wheel parse_wheel(const std::string &text, const std::string &from) {
@@ -79,6 +101,7 @@ EngineFile read_engine(TomlFile &file) {
     engine.compression_ratio = file.number("cylinders.compression_ratio", {5, 25, ""});
     check_cylinders(file, engine);
 
+    read_combustion(file, engine);
     engine.inertia_kgm2 = file.number("crank.inertia_kgm2", {1e-4, 10, "kg m2"});
     engine.reciprocating_mass_kg = file.number_or("crank.reciprocating_mass_kg", {0, 10, "kg"}, 0);
 

@@ -22,6 +22,14 @@ Wheel parse_wheel(const std::string &text, const std::string &from);
 /// "60-2" for a wheel with one mark; the missing positions spelt out otherwise.
 std::string describe(const Wheel &wheel);
 
+/// One Wiebe pulse of heat release: x = 1 - exp(-ln(1000) ((a - start)/duration)^(shape + 1)).
+struct HeatPulse {
+    double start_deg;    ///< From firing TDC.
+    double duration_deg; ///< Until 99.9 % of it is burned.
+    double shape;
+    double share; ///< Of the cycle's heat; the shares of all pulses add up to 1.
+};
+
 struct EngineFile {
     std::string name;
     std::vector<std::string> guessed; ///< Fields whose value nobody measured; every report repeats them.
@@ -29,6 +37,10 @@ struct EngineFile {
     std::vector<int> firing_order;       ///< Physical cylinder numbers, 1-based, in firing order.
     std::vector<double> firing_tdc_deg;  ///< Firing TDC of each entry of firing_order, [0, 720), ascending.
     double bore_m = 0, stroke_m = 0, rod_m = 0, compression_ratio = 0;
+
+    double exhaust_open_deg = 0; ///< After firing TDC.
+    double intake_close_deg = 0; ///< After firing TDC, beyond one turn: 540 deg is BDC.
+    std::vector<HeatPulse> pulses; ///< One or two, of the nominal engine at its usual load.
 
     double inertia_kgm2 = 0;          ///< Constant part J0 of the crank train's inertia.
     double reciprocating_mass_kg = 0; ///< Per cylinder, 0 for a constant inertia.
@@ -44,7 +56,15 @@ struct EngineFile {
 
     std::optional<ExhaustSystem> exhaust; ///< From the exhaust valves to the wideband sensor.
 
+    /// How single cylinders are believed to differ, by entry of firing_order; empty: not at all. No field of the file:
+    /// perturbed calibrations set them.
+    std::vector<double> compression_factors, trapped_factors;
+
     int cylinders() const { return int(firing_order.size()); }
+    double compression_factor(std::size_t lane) const {
+        return compression_factors.empty() ? 1 : compression_factors[lane];
+    }
+    double trapped_factor(std::size_t lane) const { return trapped_factors.empty() ? 1 : trapped_factors[lane]; }
 };
 
 /// Reads the shared part and leaves the table "plant" to the plant's own reader. Call file.finish() afterwards.

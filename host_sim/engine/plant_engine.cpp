@@ -10,7 +10,7 @@ namespace sixdeg {
 namespace {
 
 // Tables and fields that belong to read_engine.
-constexpr const char *kSharedTables[] = {"cylinders", "crank", "wheel", "cam", "timer", "exhaust", "uego"};
+constexpr const char *kSharedTables[] = {"cylinders", "valves", "combustion", "crank", "wheel", "cam", "timer", "exhaust", "uego"};
 
 void read_air(TomlFile &file, PlantEngine &engine) {
     const auto pressure = file.numbers("plant.air.intake_pressure_bar", {0.1, 5, "bar"});
@@ -33,30 +33,9 @@ void read_air(TomlFile &file, PlantEngine &engine) {
 }
 
 void read_valves(TomlFile &file, PlantEngine &engine) {
-    engine.exhaust_open_rad =
-        kRadPerDeg * file.number_or("plant.valves.exhaust_open_deg", {60, 200, "deg"}, 135);
-    engine.intake_close_rad =
-        kRadPerDeg * file.number_or("plant.valves.intake_close_deg", {500, 640, "deg"}, 580);
+    engine.exhaust_open_rad = kRadPerDeg * engine.shared.exhaust_open_deg;
+    engine.intake_close_rad = kRadPerDeg * engine.shared.intake_close_deg;
     engine.exchange_per_rad = file.number_or("plant.valves.exchange_per_rad", {1, 20, "1/rad"}, 6);
-}
-
-void read_pulses(TomlFile &file, PlantEngine &engine) {
-    const std::size_t count = file.array_size("plant.combustion.pulse");
-    if (count < 1 || count > 2)
-        file.fail("plant.combustion.pulse", fmt::format("has {} entries, not 1 or 2", count));
-    double total = 0;
-    for (std::size_t i = 0; i < count; ++i) {
-        const std::string at = fmt::format("plant.combustion.pulse[{}].", i);
-        PulseShape pulse{};
-        pulse.start_rad = kRadPerDeg * file.number(at + "start_deg", {-60, 60, "deg"});
-        pulse.duration_rad = kRadPerDeg * file.number(at + "duration_deg", {3, 120, "deg"});
-        pulse.shape_m = file.number(at + "shape", {0.5, 5, ""});
-        pulse.share = file.number_or(at + "share", {0, 1, ""}, 1);
-        total += pulse.share;
-        engine.pulses.push_back(pulse);
-    }
-    if (std::abs(total - 1) > 1e-6)
-        file.fail("plant.combustion.pulse", fmt::format("shares add up to {:g}, not 1", total));
 }
 
 void read_losses(TomlFile &file, PlantEngine &engine) {
@@ -140,7 +119,8 @@ PlantEngine read_plant_engine(const std::string &name, const std::string &text) 
         file.fail("plant", "is missing: this engine file has no data for the simulated engine");
     read_air(file, engine);
     read_valves(file, engine);
-    read_pulses(file, engine);
+    for (const HeatPulse &p : engine.shared.pulses)
+        engine.pulses.push_back({kRadPerDeg * p.start_deg, kRadPerDeg * p.duration_deg, p.shape, p.share});
     read_losses(file, engine);
     engine.driveline_inertia_kgm2 = file.number_or("plant.driveline.inertia_kgm2", {0, 100, "kg m2"}, 0);
     read_exhaust(file, engine);

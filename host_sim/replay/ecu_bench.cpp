@@ -20,7 +20,10 @@ EcuBench::EcuBench(const sd_calibration_t &calibration)
 }
 
 bool EcuBench::exchange(std::uint16_t kind, std::uint32_t tick) {
-    const sd_event_t event{tick, kind, 0, 0, 0};
+    return send({tick, kind, 0, 0, 0});
+}
+
+bool EcuBench::send(const sd_event_t &event) {
     host_side_.send(host_side_.context, &event, 1);
     sd_ecu_run(&ecu_, &ecu_side_);
     bool cycle_ended = false;
@@ -33,7 +36,19 @@ void EcuBench::tell_time_until(double t_s) {
     if (!next_time_s_) next_time_s_ = t_s;
     // A pause of hours needs no time event each 10 ms: one before the next edge tells as much.
     if (t_s - *next_time_s_ > 10) next_time_s_ = t_s - 10;
-    for (; *next_time_s_ < t_s; *next_time_s_ += kTimeEventS) exchange(SD_EVENT_TIME, tick_at(*next_time_s_));
+    for (; *next_time_s_ < t_s; *next_time_s_ += kTimeEventS) {
+        read_sensors(tick_at(*next_time_s_));
+        exchange(SD_EVENT_TIME, tick_at(*next_time_s_));
+    }
+}
+
+void EcuBench::read_sensors(std::uint32_t tick) {
+    for (std::size_t input = 0; input < shown_.size(); ++input) {
+        if (!shown_[input]) continue;
+        sd_event_t event{tick, SD_EVENT_SAMPLE, std::uint16_t(input), 0, 0};
+        std::memcpy(&event.value, &*shown_[input], sizeof event.value);
+        send(event);
+    }
 }
 
 std::uint32_t EcuBench::tick_at(double t_s) const {

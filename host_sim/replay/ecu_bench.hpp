@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // An ecu on the bench: the firmware behind the in-process port, and the latest of what it says.
 #pragma once
+#include <array>
 #include <cstdint>
 #include <optional>
 
@@ -22,6 +23,8 @@ class EcuBench {
 
     /// Sends one event and takes in the answer. Returns true when it ended a cycle.
     bool exchange(std::uint16_t kind, std::uint32_t tick);
+    /// What a sampled sensor shows from now on; it is read every 10 ms, right before the time event.
+    void show(sd_input_t input, double value) { shown_[input] = float(value); }
     /// Sends the time event that falls due every 10 ms before t_s; the first call sets where they begin.
     void tell_time_until(double t_s);
     /// Capture tick of a time, modulo 2^32.
@@ -32,6 +35,8 @@ class EcuBench {
     const sd_crank_t &crank() const { return ecu_.crank; }
 
   private:
+    bool send(const sd_event_t &event);
+    void read_sensors(std::uint32_t tick);
     bool take(const sd_event_t &event);
 
     sd_inproc_t port_{};
@@ -41,6 +46,7 @@ class EcuBench {
     std::uint8_t health_[SD_OWNER_COUNT] = {};
     double tick_hz_;
     std::optional<double> next_time_s_;
+    std::array<std::optional<float>, SD_INPUT_COUNT> shown_{};
 };
 
 /// True when the edge was put on a tooth of the wheel.

@@ -13,7 +13,7 @@ Bench bench(double rpm, double bmep, double percent, int cylinder, double t1, do
     Bench b{read_scenario(file, SD_ENGINES), {}, {}, 0, 0};
     b.s.engine.shared.exhaust->uego_tau_s[0] = t1; b.s.engine.shared.exhaust->uego_tau_s[1] = t2;
     b.t = afr_trace(b.s);
-    b.p = exhaust_point(b.s.engine.shared, {b.s.engine.exhaust_open_rad, b.s.engine.intake_close_rad}, rpm * M_PI / 30, b.t.intake_pa, b.t.sensor[b.t.sensor.size() - 1]);
+    b.p = exhaust_point(b.s.engine.shared, rpm * M_PI / 30, b.t.intake_pa, b.t.sensor[b.t.sensor.size() - 1]);
     for (std::size_t k = 1; k < b.t.lambda.size(); ++k) for (int i = 0; i < 4; ++i) if (b.at == 0 && k > 40 * 120 && std::abs(b.t.lambda[k][i] - b.t.lambda[k-1][i]) > 0.005) b.at = int(k);
     for (int i = 0; i < 4; ++i) b.mean += b.t.lambda.back()[i] / 4;
     return b;

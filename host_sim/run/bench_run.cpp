@@ -39,6 +39,8 @@ class Run {
     }
 
     void take(const EncoderEdge &edge) {
+        ecu_.show(SD_INPUT_AIR_INTAKE_PRESSURE, plant_.intake_pressure_pa() / kPaPerBar);
+        ecu_.show(SD_INPUT_FUEL_INJECTED, plant_.commanded_fuel_kg() * 1e6);
         ecu_.tell_time_until(edge.time_s);
         result_.simulated_s = edge.time_s;
         if (edge.kind == EdgeKind::cam) {

@@ -201,11 +201,11 @@ bool Plant::fuel_is_cut(double time_s) const {
 void Plant::set_charge(const Event &event) {
     const StepTruth &truth = model_.truth();
     const int cylinder = scenario_.engine.shared.firing_order[std::size_t(event.lane)];
-    const double fuel = fuel_is_cut(truth.time_s) ? 0 : fuel_map_.fuel_kg(mean_speed_, demand_pa_);
+    commanded_fuel_kg_ = fuel_is_cut(truth.time_s) ? 0 : fuel_map_.fuel_kg(mean_speed_, demand_pa_);
     const std::int64_t tdc_step = model_.cycle() * model_.tables().steps + event.step + steps_to_tdc_;
     const std::int64_t cycle = std::int64_t(std::floor(double(tdc_step) / model_.tables().steps));
-    const Charge charge =
-        plan_.draw(event.lane, cycle, truth.time_s, fuel * fuel_trim_[std::size_t(cylinder - 1)], demand_pa_);
+    const Charge charge = plan_.draw(event.lane, cycle, truth.time_s,
+                                     commanded_fuel_kg_ * fuel_trim_[std::size_t(cylinder - 1)], demand_pa_);
     model_.set_charge(event.lane, charge);
     if (exhaust_) exhaust_->charge(event.lane, model_.trapped_kg(event.lane), charge.fuel_kg);
     // Breathed with the next stroke.

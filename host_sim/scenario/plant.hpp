@@ -58,12 +58,15 @@ class Plant {
     void watch_steps(std::function<void()> watcher) { watcher_ = std::move(watcher); }
     /// Factor on the fuel of a physical cylinder from its next intake closing on, for closed loops. [0, 2].
     void set_fuel_trim(int cylinder, double factor);
+    /// Manifold pressure, Pa, that every nominal cylinder breathes now.
+    double intake_pressure_pa() const { return scenario_.engine.intake_pressure_pa.at(demand_pa_); }
+    /// Fuel commanded at the last intake closing, kg a stroke, before trims and spread.
+    double commanded_fuel_kg() const { return commanded_fuel_kg_; }
     bool stalled() const { return stop_.has_value(); }
     const EngineModel &model() const { return model_; }
     const exhaust::ExhaustModel *exhaust() const { return exhaust_ ? &*exhaust_ : nullptr; }
     /// lambda as the sensor feels it, before noise and sampling; 0 without one.
     double uego_lambda() const { return uego_ ? uego_->lambda() : 0; }
-    double intake_pressure_pa() const { return scenario_.engine.intake_pressure_pa.at(demand_pa_); }
     const WheelEdges &wheel() const { return wheel_; }
 
   private:
@@ -101,7 +104,8 @@ class Plant {
     SensorPoint sensor_{};
     std::array<double, kMaxCylinders> fuel_trim_{};
     double next_cam_deg_ = 0, end_angle_rad_ = 1e300, next_control_rad_ = 0, control_time_ = 0;
-    double mean_speed_ = 0, brake_nm_ = 0, demand_pa_ = 0, refresh_at_s_ = 0;
+    double mean_speed_ = 0, brake_nm_ = 0, demand_pa_ = 0, commanded_fuel_kg_ = 0,
+           refresh_at_s_ = 0;
     int steps_to_tdc_ = 0;
     bool running_ = false, ended_ = false;
     std::optional<StopMotion> stop_;

@@ -38,8 +38,9 @@ struct Ecu {
 
     explicit Ecu(const sd_calibration_t &calibration) { EXPECT_EQ(SD_OK, sd_ecu_init(ecu.get(), &calibration)); }
 
-    const std::vector<sd_event_t> &send(std::uint16_t kind, std::uint32_t tick) {
-        const sd_event_t event{tick, kind, 0, 0, 0};
+    const std::vector<sd_event_t> &send(std::uint16_t kind, std::uint32_t tick, std::uint16_t channel = 0, float value = 0) {
+        sd_event_t event{tick, kind, channel, 0, 0};
+        std::memcpy(&event.value, &value, sizeof value);
         EXPECT_EQ(1u, host_side.send(host_side.context, &event, 1));
         sd_ecu_run(ecu.get(), &ecu_side);
         answers.clear();
@@ -118,6 +119,7 @@ TEST(Ecu, TurnsEdgesIntoTorqueThroughTheStream) {
         Ecu ecu(page(std::string("[torque]\nfixed_point = ") + number + "\ntorque_base = 1500\n"));
         const auto times = signal.tooth_times(60, 120 * 30);
         const auto projection = signal.harmonics(5);
+        ecu.send(SD_EVENT_SAMPLE, 0, SD_INPUT_AIR_INTAKE_PRESSURE, 1.15f);
         double worst = 0, largest = 0;
         int compared = 0, cycles = 0, cylinders_valid = 0;
         for (int k = 0; k < 120 * 30; ++k) {
@@ -177,6 +179,25 @@ TEST(Ecu, CylindersAreInvalidWithoutAPhase) {
     EXPECT_GT(cycles, 5);
 }
 
+TEST(Ecu, CylindersAreDegradedWithoutIntakePressureAndInvalidWithoutAMap) {
+    TorqueSignal signal;
+    sd_calibration_t without = page();
+    without.cylinder_map.cylinders = 0;
+    for (const auto &[calibration, health, why] : {std::tuple{page(), SD_DEGRADED, SD_WHY_NO_INPUT},
+                                                   std::tuple{without, SD_INVALID, SD_WHY_UNCALIBRATED}}) {
+        Ecu ecu(calibration);
+        const auto times = signal.tooth_times(60, 120 * 20);
+        for (int k = 0; k < 120 * 20; ++k) {
+            const int position = (k + 75) % 120;
+            const auto tick = std::uint32_t(std::llround(times[std::size_t(k)] * 1e7));
+            if (position % 60 < 58) ecu.send(SD_EVENT_CRANK_EDGE, tick);
+            if (position == 25) ecu.send(SD_EVENT_CAM_EDGE, tick + 10);
+        }
+        EXPECT_EQ(health, ecu.ecu->status[SD_OWNER_CYLINDER].health);
+        EXPECT_EQ(why, ecu.ecu->status[SD_OWNER_CYLINDER].why);
+    }
+}
+
 TEST(Ecu, StallMakesEverythingInvalidAndARestartWorks) {
     TorqueSignal signal;
     Ecu ecu(page());
@@ -203,6 +224,20 @@ TEST(Ecu, IgnoresAndCountsWhatItDoesNotKnow) {
     Ecu ecu(page());
     EXPECT_TRUE(ecu.send(999, 5).empty());
     EXPECT_EQ(1u, ecu.ecu->unknown_events);
+}
+
+TEST(Ecu, KeepsTheLatestSampleThatIsInRange) {
+    Ecu ecu(page());
+    const auto &pressure = ecu.ecu->sample[SD_INPUT_AIR_INTAKE_PRESSURE];
+    EXPECT_EQ(0, pressure.seen);
+    EXPECT_TRUE(ecu.send(SD_EVENT_SAMPLE, 7, SD_INPUT_AIR_INTAKE_PRESSURE, 1.25f).empty());
+    ecu.send(SD_EVENT_SAMPLE, 8, SD_INPUT_AIR_INTAKE_PRESSURE, NAN);
+    ecu.send(SD_EVENT_SAMPLE, 9, SD_INPUT_AIR_INTAKE_PRESSURE, 60);
+    ecu.send(SD_EVENT_SAMPLE, 10, SD_INPUT_COUNT, 1);
+    EXPECT_EQ(3u, ecu.ecu->bad_samples);
+    EXPECT_EQ(1.25f, pressure.value);
+    EXPECT_EQ(7u, pressure.tick);
+    EXPECT_EQ(1, pressure.seen);
 }
 
 TEST(InprocPort, DropsAndCountsWhatDoesNotFit) {

@@ -105,15 +105,15 @@ TEST(PlantEngineFile, EveryErrorNamesFieldAndRange) {
         {"charge_temperature_k = 340", "charge_temperature_k = 20",
          "plant.air.charge_temperature_k: 20 is outside [250, 500] K"},
         {"exhaust_open_deg = 130", "exhaust_open_deg = 20",
-         "plant.valves.exhaust_open_deg: 20 is outside [60, 200] deg"},
+         "valves.exhaust_open_deg: 20 is outside [60, 200] deg"},
         {"intake_close_deg = 580", "intake_close_deg = 700",
-         "plant.valves.intake_close_deg: 700 is outside [500, 640] deg"},
-        {"share = 0.12", "share = 0.2", "plant.combustion.pulse: shares add up to 1.08, not 1"},
+         "valves.intake_close_deg: 700 is outside [500, 640] deg"},
+        {"share = 0.12", "share = 0.2", "combustion.pulse: shares add up to 1.08, not 1"},
         {"duration_deg = 9", "duration_deg = 1",
-         "plant.combustion.pulse[0].duration_deg: 1 is outside [3, 120] deg"},
-        {"shape = 2", "shape = 9", "plant.combustion.pulse[0].shape: 9 is outside [0.5, 5]"},
+         "combustion.pulse[0].duration_deg: 1 is outside [3, 120] deg"},
+        {"shape = 2", "shape = 9", "combustion.pulse[0].shape: 9 is outside [0.5, 5]"},
         {"start_deg = -2", "start_deg = -90",
-         "plant.combustion.pulse[0].start_deg: -90 is outside [-60, 60] deg"},
+         "combustion.pulse[0].start_deg: -90 is outside [-60, 60] deg"},
         {"temperature_k = 430", "temperature_k = 900",
          "plant.wall.temperature_k: 900 is outside [250, 700] K"},
         {"factor = 1", "factor = 7", "plant.wall.factor: 7 is outside [0, 5]"},
@@ -147,11 +147,15 @@ TEST(PlantEngineFile, WithoutPlantDataSaysSo) {
               "e.toml: plant: is missing: this engine file has no data for the simulated engine");
 }
 
-TEST(PlantEngineFile, PulseCountIsChecked) {
+TEST(PlantEngineFile, PulsesAreAtMostTwoAndGuessedWhenAbsent) {
     std::string text = read_file(std::filesystem::path(SD_ENGINES) / "diesel_22.toml");
-    const auto from = text.find("[[plant.combustion.pulse]]"), to = text.find("[plant.wall]");
-    EXPECT_EQ(message([&] { read_plant_engine("e.toml", text.erase(from, to - from)); }),
-              "e.toml: plant.combustion.pulse: has 0 entries, not 1 or 2");
+    const auto from = text.find("[[combustion.pulse]]"), to = text.find("[crank]");
+    const std::string pulses = text.substr(from, to - from);
+    EXPECT_EQ(message([&] { read_plant_engine("e.toml", std::string(text).insert(from, pulses)); }),
+              "e.toml: combustion.pulse: has 4 entries, not 1 or 2");
+    const EngineFile engine = read_plant_engine("e.toml", text.erase(from, to - from)).shared;
+    EXPECT_EQ(1u, engine.pulses.size());
+    EXPECT_EQ("combustion.pulse", engine.guessed.back());
 }
 
 TEST(Scenario, ShippedScenariosRead) {

@@ -13,10 +13,12 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 TABLE = ROOT / "hal" / "signals.toml"
 RATES = ("edge", "cycle")
 OWNERS = ("crank", "torque", "cylinder")
-REQUIRED = {"signal": {"name", "unit", "range", "rate", "owner", "text"},
+REQUIRED = {"input": {"name", "unit", "range", "text"},
+            "signal": {"name", "unit", "range", "rate", "owner", "text"},
             "parameter": {"name", "unit", "range", "default", "owner", "text"}}
 UNIT_SUFFIX = {"": "", "deg": "_deg", "rpm": "_rpm", "rad/s2": "_radps2", "Nm": "_nm", "J": "_j", "s": "_s",
-               "1/rad": "_per_rad", "1/rad2": "_per_rad2", "cycles": "_cycles"}
+               "1/rad": "_per_rad", "1/rad2": "_per_rad2", "cycles": "_cycles",
+               "bar": "_bar", "mg": "_mg"}
 
 
 def load():
@@ -28,7 +30,7 @@ def load():
             assert not missing and not unknown, f"{TABLE.name}: {kind} {entry.get('name')}: {missing or unknown}"
             assert entry["name"] not in names, f"{TABLE.name}: {kind} {entry['name']} twice"
             assert entry["unit"] in UNIT_SUFFIX, f"{TABLE.name}: {entry['name']}: unit {entry['unit']}"
-            assert entry["owner"] in OWNERS and entry.get("rate", "edge") in RATES, entry["name"]
+            assert entry.get("owner", OWNERS[0]) in OWNERS and entry.get("rate", "edge") in RATES, entry["name"]
             names.add(entry["name"])
     return table
 
@@ -52,7 +54,11 @@ def header(table, signature):
            "#ifndef SD_SIGNALS_H", "#define SD_SIGNALS_H", "#include <stddef.h>", "#include <stdint.h>", "",
            "/// Changes whenever the table does; calibration pages and logs carry it.",
            f"#define SD_SIGNALS_SIGNATURE 0x{signature:08x}u", "",
-           "/// Channel of an SD_EVENT_SIGNAL.", "typedef enum sd_signal {"]
+           "/// Channel of an SD_EVENT_SAMPLE.", "typedef enum sd_input {"]
+    out += [f"    {constant('INPUT', entry)} = {i}, ///< {entry['text']} [{entry['unit'] or '-'}]"
+            for i, entry in enumerate(table["input"])]
+    out += ["} sd_input_t;", f"#define SD_INPUT_COUNT {len(table['input'])}u", "",
+            "/// Channel of an SD_EVENT_SIGNAL.", "typedef enum sd_signal {"]
     channel = 0
     for entry in table["signal"]:
         span = f", {entry['count']} channels" if "count" in entry else ""
@@ -73,6 +79,7 @@ def header(table, signature):
             "typedef struct sd_signal_info {", "    const char *name, *unit;", "    float low, high, value;",
             "    uint8_t rate, owner;", "} sd_signal_info_t;", "",
             "extern const sd_signal_info_t sd_signal_infos[SD_SIGNAL_COUNT];       ///< By channel; an array has a row an element.",
+            "extern const sd_signal_info_t sd_input_infos[SD_INPUT_COUNT];         ///< By channel; rate and owner say nothing.",
             "extern const sd_signal_info_t sd_parameter_infos[SD_PARAMETER_COUNT]; ///< In the order of sd_parameters_t.",
             "", "#endif", ""]
     return "\n".join(out)
@@ -87,6 +94,10 @@ def source(table):
             name = entry["name"] + (f"[{i + 1}]" if "count" in entry else "")
             out.append(f'    {{ "{name}", "{entry["unit"]}", {number(entry["range"][0])}, {number(entry["range"][1])}, 0.0f, '
                        f'SD_RATE_{entry["rate"].upper()}, SD_OWNER_{entry["owner"].upper()} }},')
+    out += ["};", "", "const sd_signal_info_t sd_input_infos[SD_INPUT_COUNT] = {"]
+    for entry in table["input"]:
+        out.append(f'    {{ "{entry["name"]}", "{entry["unit"]}", {number(entry["range"][0])}, {number(entry["range"][1])}, '
+                   '0.0f, 0, 0 },')
     out += ["};", "", "const sd_signal_info_t sd_parameter_infos[SD_PARAMETER_COUNT] = {"]
     for entry in table["parameter"]:
         out.append(f'    {{ "{entry["name"]}", "{entry["unit"]}", {number(entry["range"][0])}, {number(entry["range"][1])}, '
@@ -106,6 +117,11 @@ def page(table):
         out.append(f"| {span} | `{entry['name']}` | {entry['unit'] or '-'} | {entry['range'][0]:g} to {entry['range'][1]:g} "
                    f"| {entry['rate']} | {entry['text']} |")
         channel += count
+    out += ["", "## Inputs", "", "Sampled sensors and the controller's own commands (`SD_EVENT_SAMPLE`). A value outside its range is ignored",
+            "and counted.", "", "| channel | name | unit | range | what |", "|---|---|---|---|---|"]
+    for i, entry in enumerate(table["input"]):
+        out.append(f"| {i} | `{entry['name']}` | {entry['unit'] or '-'} | {entry['range'][0]:g} to {entry['range'][1]:g} "
+                   f"| {entry['text']} |")
     out += ["", "## Parameters", "", "The fields of TUNE.toml and of `--set`.", "",
             "| name | unit | range | default | what |", "|---|---|---|---|---|"]
     for entry in table["parameter"]:

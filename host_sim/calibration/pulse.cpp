@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: MIT
+#include "calibration/pulse.hpp"
+
+#include <cmath>
+
+namespace sixdeg {
+namespace {
+
+constexpr double kRadPerDeg = M_PI / 180, kStep = 4 * M_PI / kPulsePoints;
+constexpr double kCrankcase = 1.013e5, kExhaust = 1.1e5;  // Pa
+constexpr double kChargeK = 340;                          // when the intake valve closes
+constexpr double kExchangePerRad = 6;                     // of the pressure of an open cylinder
+constexpr double kGasConstant = 287, kHeatPerAir = 42.7e6 / 14.6; // J/(kg K); J/kg, stoichiometric
+constexpr double kWallK = 430;
+constexpr int kFine = 8;                                  // integration steps a point
+
+/// 1 + R/c_v of air: 5/2 R of a rigid diatomic molecule and the vibration of nitrogen and oxygen.
+double gamma_of(double t) {
+    const auto vibration = [t](double theta) {
+        const double x = theta / t, e = std::exp(-x);
+        return x * x * e / ((1 - e) * (1 - e));
+    };
+    return 1 + 1 / (2.5 + 0.78 * vibration(3390) + 0.21 * vibration(2270));
+}
+
+class Cylinder {
+  public:
+    Cylinder(const EngineFile &engine, std::size_t lane, const PulseConditions &at, double heat_j)
+        : engine_(engine), intake_(at.intake_bar * 1e5), speed_(at.speed_radps), heat_(heat_j), area_(M_PI / 4 * engine.bore_m * engine.bore_m),
+          clearance_(area_ * engine.stroke_m / (engine.compression_ratio * engine.compression_factor(lane) - 1)) {}
+
+    double volume(double a) const {
+        const double r = engine_.stroke_m / 2, l = engine_.rod_m, s = r * std::sin(a);
+        return clearance_ + area_ * (r * (1 - std::cos(a)) + l - std::sqrt(l * l - s * s));
+    }
+    double volume_slope(double a) const {
+        const double r = engine_.stroke_m / 2, l = engine_.rod_m, s = r * std::sin(a);
+        return area_ * (s + s * r * std::cos(a) / std::sqrt(l * l - s * s));
+    }
+    double closing() const { return engine_.intake_close_deg * kRadPerDeg - 4 * M_PI; } // before TDC
+    double opening() const { return engine_.exhaust_open_deg * kRadPerDeg; }
+
+    double slope(double a, double p) const {
+        if (a > opening()) return kExchangePerRad * ((a < 2 * M_PI ? kExhaust : intake_) - p);
+        const double t = kChargeK * p * volume(a) / (intake_ * volume(closing()));
+        const double gamma = gamma_of(t);
+        return ((gamma - 1) * (heat_ * burn_rate(a) - wall_loss(a, p, t)) - gamma * p * volume_slope(a)) / volume(a);
+    }
+
+    /// From intake closing, one cycle round, torque at every point of the table.
+    std::vector<double> torque() const {
+        std::vector<double> table(kPulsePoints);
+        const int first = int(std::ceil(closing() / kStep));
+        double a = closing(), p = intake_;
+        for (int i = first; i < first + kPulsePoints; ++i) {
+            const double h = (i * kStep - a) / kFine;
+            for (int fine = 0; fine < kFine; ++fine, a += h) {
+                const double middle = p + h / 2 * slope(a, p);
+                p += h * slope(a + h / 2, middle);
+            }
+            table[std::size_t((i + kPulsePoints) % kPulsePoints)] = (p - kCrankcase) * volume_slope(a);
+        }
+        return table;
+    }
+
+  private:
+    /// J/rad; Hohenberg: h = 130 V^-0.06 p^0.8 T^-0.4 (c_m + 1.4)^0.8 W/(m2 K), p in bar, c_m the mean piston speed.
+    double wall_loss(double a, double p, double t) const {
+        const double piston_mps = engine_.stroke_m * speed_ / M_PI;
+        const double h = 130 * std::pow(volume(a), -0.06) * std::pow(p / 1e5, 0.8) * std::pow(t, -0.4) *
+                         std::pow(piston_mps + 1.4, 0.8);
+        const double liner = 4 * (volume(a) - clearance_) / engine_.bore_m;
+        return h * (2 * area_ + liner) * (t - kWallK) / speed_;
+    }
+    double burn_rate(double a) const {
+        double rate = 0;
+        for (const HeatPulse &pulse : engine_.pulses) {
+            const double duration = pulse.duration_deg * kRadPerDeg, y = (a - pulse.start_deg * kRadPerDeg) / duration;
+            if (y <= 0) continue;
+            const double left = std::log(1000.0) * std::pow(y, pulse.shape + 1);
+            rate += pulse.share * (pulse.shape + 1) * left / (y * duration) * std::exp(-left);
+        }
+        return rate;
+    }
+
+    const EngineFile &engine_;
+    double intake_, speed_, heat_, area_, clearance_;
+};
+
+} // namespace
+
+CylinderPulse cylinder_pulse(const EngineFile &engine, std::size_t lane, const PulseConditions &conditions) {
+    const double pa = conditions.intake_bar * 1e5;
+    PulseConditions doubled_intake = conditions;
+    doubled_intake.intake_bar *= 2;
+    const Cylinder motored(engine, lane, conditions, 0), twice(engine, lane, doubled_intake, 0);
+    const double air = pa * motored.volume(motored.closing()) / (kGasConstant * kChargeK);
+    const auto fired = Cylinder(engine, lane, conditions, conditions.equivalence_ratio * air * kHeatPerAir).torque();
+    const auto once = motored.torque(), doubled = twice.torque();
+    CylinderPulse pulse;
+    double mean = 0;
+    for (int i = 0; i < kPulsePoints; ++i) {
+        const auto k = std::size_t(i);
+        pulse.combustion.push_back(fired[k] - once[k]);
+        pulse.motored_per_bar.push_back((doubled[k] - once[k]) / conditions.intake_bar);
+        pulse.motored_rest.push_back(2 * once[k] - doubled[k]);
+        if (i < kPulsePoints / 4) mean += pulse.combustion[k] / (kPulsePoints / 4);
+    }
+    for (double &torque : pulse.combustion) torque /= mean;
+    return pulse;
+}
+
+double pulse_at(const std::vector<double> &table, double angle_rad) {
+    const double at = angle_rad / kStep, floor = std::floor(at);
+    const auto n = std::int64_t(table.size()), k = ((std::int64_t(floor) % n) + n) % n;
+    return table[std::size_t(k)] + (at - floor) * (table[std::size_t((k + 1) % n)] - table[std::size_t(k)]);
+}
+
+} // namespace sixdeg

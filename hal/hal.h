@@ -16,10 +16,30 @@
 typedef enum sd_event_kind {
     SD_EVENT_CRANK_EDGE = 1,  ///< In. tick: capture time of an edge of the crank wheel.
     SD_EVENT_CAM_EDGE   = 2,  ///< In. tick: capture time of the cam edge.
-    SD_EVENT_TIME       = 3,  ///< In, every 10 ms. tick: now.
+    SD_EVENT_TIME       = 3,  ///< In, every 10 ms. tick: now. Answered by SD_EVENT_DONE.
     SD_EVENT_SAMPLE     = 4,  ///< In. A sensor was read at tick. channel: sd_input_t; value: IEEE 754 bits.
+    SD_EVENT_GAP        = 8,  ///< In. A port lost events before this one: the angle is sought afresh.
+    SD_EVENT_PARAMETER  = 9,  ///< In. channel: index of the parameter; flags: sd_parameter_command_t; value: to set.
+                              ///< Out, its answer. value: what holds now; flags: command | sd_parameter_result_t << 8.
     SD_EVENT_SIGNAL     = 16, ///< Out. channel: sd_signal_t; value: IEEE 754 bits; flags: health | why << 8.
+    SD_EVENT_DONE       = 17, ///< Out. tick: of the SD_EVENT_TIME up to which all is handled and said; value: signals
+                              ///< the port had no room for; flags: events ignored since the start.
 } sd_event_kind_t;
+
+/// What an SD_EVENT_PARAMETER asks for. There are two pages: the working one rules, the reference one never changes.
+typedef enum sd_parameter_command {
+    SD_PARAMETER_READ           = 0, ///< The working value.
+    SD_PARAMETER_READ_REFERENCE = 1,
+    SD_PARAMETER_SET            = 2, ///< Makes `value` the working value.
+    SD_PARAMETER_RESTORE        = 3, ///< Makes the reference value the working one.
+} sd_parameter_command_t;
+
+typedef enum sd_parameter_result {
+    SD_PARAMETER_OK      = 0,
+    SD_PARAMETER_UNKNOWN = 1, ///< No such parameter or command; nothing changed.
+    SD_PARAMETER_RANGE   = 2, ///< Outside its range, NaN included; nothing changed.
+    SD_PARAMETER_REFUSED = 3, ///< In range, but its block cannot run with it; nothing changed.
+} sd_parameter_result_t;
 
 /// One event, 16 bytes.
 typedef struct sd_event {

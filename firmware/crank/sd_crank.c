@@ -15,6 +15,8 @@ enum {
 
 _Static_assert(sizeof(sd_crank_t) == 904, "without pointers, the same size on every target");
 
+static bool stall_in_range(uint32_t ticks) { return (ticks >= 256u) && (ticks <= (uint32_t)STALL_TICKS_MAX); }
+
 sd_result_t sd_crank_init(sd_crank_t *self, const sd_crank_config_t *config) {
     sd_crank_t fresh;
     memset(&fresh, 0, sizeof fresh);
@@ -22,7 +24,7 @@ sd_result_t sd_crank_init(sd_crank_t *self, const sd_crank_config_t *config) {
     fresh.pending_mark = SD_CRANK_MARKS_MAX;
     const bool in_range = (config->positions >= SD_CRANK_POSITIONS_MIN) && (config->positions <= SD_CRANK_POSITIONS_MAX) &&
                           (config->missing_count >= 1u) && (config->missing_count <= SD_CRANK_MISSING_MAX) &&
-                          (config->stall_ticks >= 256u) && (config->stall_ticks <= (uint32_t)STALL_TICKS_MAX) &&
+                          stall_in_range(config->stall_ticks) &&
                           (config->cam_position < 2u * config->positions);
     if (!in_range) { return SD_ERR_CONFIG; }
     for (uint32_t i = 1; i < config->missing_count; ++i) {
@@ -370,6 +372,14 @@ bool sd_crank_poll(sd_crank_t *self, uint32_t tick) {
     forget_angle(self, WAITING);
     self->counts.stalls++;
     return true;
+}
+
+void sd_crank_lose_sync(sd_crank_t *self) { forget_angle(self, WAITING); }
+
+sd_result_t sd_crank_set_stall(sd_crank_t *self, uint32_t stall_ticks) {
+    if (!stall_in_range(stall_ticks)) { return SD_ERR_CONFIG; }
+    self->config.stall_ticks = stall_ticks;
+    return SD_OK;
 }
 
 float sd_crank_speed_radps(const sd_crank_t *self, const sd_tooth_t *tooth, float tick_hz) {

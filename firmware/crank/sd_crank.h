@@ -147,6 +147,12 @@ void sd_crank_cam_edge(sd_crank_t *self, uint32_t tick);
 /// Tells the time. Returns true when this call found the engine stalled: sync and phase are gone.
 bool sd_crank_poll(sd_crank_t *self, uint32_t tick);
 
+/// Edges were lost on their way here: angle and phase are unknown, and sought afresh from the next edge on.
+void sd_crank_lose_sync(sd_crank_t *self);
+
+/// Changes config.stall_ticks; the angle stays. SD_OK, or SD_ERR_CONFIG with the state untouched.
+sd_result_t sd_crank_set_stall(sd_crank_t *self, uint32_t stall_ticks);
+
 /// Speed over tooth->period_ticks, rad/s; 0 when there is no period. tick_hz: capture ticks a second, > 0.
 float sd_crank_speed_radps(const sd_crank_t *self, const sd_tooth_t *tooth, float tick_hz);
 

@@ -21,8 +21,8 @@ typedef struct sd_calibration {
     uint16_t firing_position[SD_CYLINDERS_MAX]; ///< First cycle position at or after the firing TDC, in that order.
     float    inertia_kgm2[SD_FOURIER_POSITIONS_MAX]; ///< J half a pitch before each position.
     int32_t  sine_q31[2 * SD_FOURIER_POSITIONS_MAX]; ///< sin(pi k / positions) 2^31.
-    sd_cylinder_map_t cylinder_map;
-    sd_parameters_t parameters;             ///< The reference page.
+    sd_cylinder_map_t cylinder_map; ///< Of the gains in parameters as they came.
+    sd_parameters_t parameters;
 } sd_calibration_t;
 
 #define SD_CALIBRATION_BYTES_MAX 4096u

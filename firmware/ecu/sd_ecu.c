@@ -53,6 +53,7 @@ sd_result_t sd_ecu_init(sd_ecu_t *self, const sd_calibration_t *calibration) {
     sd_ecu_t fresh;
     memset(&fresh, 0, sizeof fresh);
     fresh.calibration = *calibration;
+    fresh.reference = calibration->parameters;
     const sd_crank_config_t crank = sd_calibration_crank(&fresh.calibration);
     const sd_fourier_config_t torque = sd_calibration_torque(&fresh.calibration);
     if (!cylinders_ok(calibration)) { return SD_ERR_CONFIG; }
@@ -197,11 +198,11 @@ static void on_crank_edge(sd_ecu_t *self, const sd_port_t *port, uint32_t tick) 
     publish(self, port, tick, SD_RATE_EDGE);
 }
 
-static void on_time(sd_ecu_t *self, const sd_port_t *port, uint32_t tick) {
-    if (!sd_crank_poll(&self->crank, tick)) { return; }
-    lose_angle(self, SD_WHY_STALL);
-    self->status[SD_OWNER_CRANK] = (sd_status_t){ .health = SD_INVALID, .why = SD_WHY_STALL };
+static void publish_lost_angle(sd_ecu_t *self, const sd_port_t *port, uint32_t tick, uint8_t why) {
+    lose_angle(self, why);
+    self->status[SD_OWNER_CRANK] = (sd_status_t){ .health = SD_INVALID, .why = why };
     self->signals.crank_edge_class = (float)SD_EDGE_UNSYNCED;
+    self->signals.crank_phase_known = 0.0f;
     self->signals.crank_speed_rpm = 0.0f;
     self->signals.crank_acceleration_radps2 = 0.0f;
     publish(self, port, tick, SD_RATE_EDGE);
@@ -218,6 +219,65 @@ static void on_sample(sd_ecu_t *self, const sd_event_t *event) {
     self->sample[event->channel] = (sd_sample_t){ .value = value, .tick = event->tick, .seen = 1 };
 }
 
+static void on_time(sd_ecu_t *self, const sd_port_t *port, uint32_t tick) {
+    if (sd_crank_poll(&self->crank, tick)) { publish_lost_angle(self, port, tick, SD_WHY_STALL); }
+    const sd_event_t done = { .tick = tick, .kind = SD_EVENT_DONE, .value = self->unsent_signals, .flags = self->unknown_events };
+    (void)port->send(port->context, &done, 1u);
+}
+
+/* The decoder would take lost edges for a mark or a change of speed, so it starts afresh. */
+static void on_gap(sd_ecu_t *self, const sd_port_t *port, uint32_t tick) {
+    sd_crank_lose_sync(&self->crank);
+    publish_lost_angle(self, port, tick, SD_WHY_NO_SYNC);
+}
+
+/* ---- parameters ------------------------------------------------------------------------------------------------ */
+
+/* Takes the working page over into the block that owns the parameter. An observer starts afresh and says so. */
+static sd_result_t apply(sd_ecu_t *self, uint8_t owner) {
+    const sd_fourier_config_t torque = sd_calibration_torque(&self->calibration);
+    switch (owner) {
+    case SD_OWNER_CRANK: return sd_crank_set_stall(&self->crank, sd_calibration_crank(&self->calibration).stall_ticks);
+    case SD_OWNER_TORQUE:
+        return fixed_point(self) ? sd_fourier_init_q31(&self->torque.q31, &torque)
+                                 : sd_fourier_init_f32(&self->torque.f32, &torque);
+    default: return SD_ERR_CONFIG;
+    }
+}
+
+static sd_parameter_result_t set_parameter(sd_ecu_t *self, uint32_t index, float value) {
+    const sd_signal_info_t *info = &sd_parameter_infos[index];
+    float *working = &((float *)&self->calibration.parameters)[index];
+    const float before = *working;
+    if (!((value >= info->low) && (value <= info->high))) { return SD_PARAMETER_RANGE; }
+    *working = value;
+    if (apply(self, info->owner) == SD_OK) { return SD_PARAMETER_OK; }
+    *working = before;
+    return SD_PARAMETER_REFUSED;
+}
+
+static void on_parameter(sd_ecu_t *self, const sd_port_t *port, const sd_event_t *request) {
+    sd_event_t answer = *request;
+    sd_parameter_result_t result = SD_PARAMETER_OK;
+    const uint32_t index = request->channel;
+    if ((index >= SD_PARAMETER_COUNT) || (request->flags > SD_PARAMETER_RESTORE)) {
+        result = SD_PARAMETER_UNKNOWN;
+        answer.value = 0;
+    } else {
+        const float *working = &((const float *)&self->calibration.parameters)[index];
+        const float *reference = &((const float *)&self->reference)[index];
+        float value;
+        memcpy(&value, &request->value, sizeof value);
+        if (request->flags == SD_PARAMETER_SET) { result = set_parameter(self, index, value); }
+        if (request->flags == SD_PARAMETER_RESTORE) { result = set_parameter(self, index, *reference); }
+        memcpy(&answer.value, (request->flags == SD_PARAMETER_READ_REFERENCE) ? reference : working, sizeof answer.value);
+    }
+    answer.flags = (request->flags & 0xffu) | ((uint32_t)result << 8);
+    (void)port->send(port->context, &answer, 1u);
+}
+
+/* ---- the loop -------------------------------------------------------------------------------------------------- */
+
 uint32_t sd_ecu_run(sd_ecu_t *self, const sd_port_t *port) {
     sd_event_t event;
     uint32_t handled = 0;
@@ -227,6 +287,8 @@ uint32_t sd_ecu_run(sd_ecu_t *self, const sd_port_t *port) {
         case SD_EVENT_CAM_EDGE:   sd_crank_cam_edge(&self->crank, event.tick); break;
         case SD_EVENT_TIME:       on_time(self, port, event.tick); break;
         case SD_EVENT_SAMPLE:     on_sample(self, &event); break;
+        case SD_EVENT_GAP:        on_gap(self, port, event.tick); break;
+        case SD_EVENT_PARAMETER:  on_parameter(self, port, &event); break;
         default:                  self->unknown_events++; break;
         }
         handled++;

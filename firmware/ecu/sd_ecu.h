@@ -3,8 +3,10 @@
 ///
 ///   crank edge -> crank decoder -> torque observer -> signals of rate "edge"; at the end of a cycle those of "cycle"
 ///   cam edge   -> phase
-///   time       -> stall detection
+///   time       -> stall detection, and the answer that all up to now is done
 ///   sample     -> kept as the latest reading of its sensor
+///   gap        -> events were lost: angle and phase are unknown until they are found again
+///   parameter  -> the working page; since events are handled one by one, a change falls between two teeth
 ///
 /// Real-time contract: no heap, no globals, no I/O of its own; one writer. Call sd_ecu_run from the tooth interrupt or
 /// whenever the port may hold events.
@@ -21,7 +23,8 @@ typedef struct sd_sample {
 } sd_sample_t;
 
 typedef struct sd_ecu {
-    sd_calibration_t calibration; ///< The reference page.
+    sd_calibration_t calibration; ///< Its parameters are the working page.
+    sd_parameters_t  reference;   ///< The page as it came.
     sd_crank_t       crank;
     union {
         sd_fourier_f32_t f32;

@@ -65,11 +65,13 @@ sd_cylinder_map_t page_map(const EngineFile &engine, const sd_calibration_t &c) 
 
 } // namespace
 
-sd_parameters_t read_tune(TomlFile &tune) {
+sd_parameters_t read_tune(TomlFile &tune, const sd_parameters_t *otherwise) {
     sd_parameters_t parameters;
     float *value = reinterpret_cast<float *>(&parameters);
+    const float *other = reinterpret_cast<const float *>(otherwise);
     for (const sd_signal_info_t &info : sd_parameter_infos) {
-        *value++ = float(tune.number_or(info.name, {double(info.low), double(info.high), info.unit}, double(info.value)));
+        const float missing = other ? *other++ : info.value;
+        *value++ = float(tune.number_or(info.name, {double(info.low), double(info.high), info.unit}, double(missing)));
     }
     tune.finish();
     const float harmonics = parameters.torque_harmonics;
@@ -97,6 +99,14 @@ double observer_radius(const EngineFile &engine, const sd_parameters_t &tune) {
     return ObserverMap(engine, tune).error_map().eigenvalues().cwiseAbs().maxCoeff();
 }
 
+static void check(const sd_calibration_t &calibration, const EngineFile &engine, const std::string &tune_name) {
+    check_starts(calibration, engine, tune_name);
+    const double radius = observer_radius(engine, calibration.parameters);
+    if (radius < 1) return;
+    throw InputError(tune_name, "torque.gain_energy, gain_mean, gain_reference",
+                     fmt::format("the observer does not converge: its error changes by {:.4g} a cycle, allowed below 1", radius));
+}
+
 sd_calibration_t calibrate(const EngineFile &engine, const sd_parameters_t &tune, const std::string &tune_name) {
     sd_calibration_t c{};
     const int positions = engine.wheel.positions;
@@ -119,13 +129,20 @@ sd_calibration_t calibrate(const EngineFile &engine, const sd_parameters_t &tune
     }
     for (int k = 0; k < 2 * positions; ++k) c.sine_q31[k] = to_q31(std::sin(M_PI * k / positions));
     c.parameters = resolve(engine, tune);
-    check_starts(c, engine, tune_name);
-    const double radius = observer_radius(engine, c.parameters);
-    if (!(radius < 1)) {
-        throw InputError(tune_name, "torque.gain_energy, gain_mean, gain_reference",
-                         fmt::format("the observer does not converge: its error changes by {:.4g} a cycle, allowed below 1", radius));
-    }
+    check(c, engine, tune_name);
     c.cylinder_map = page_map(engine, c);
+    return c;
+}
+
+sd_calibration_t retune(const sd_calibration_t &page, const sd_parameters_t &tune, const std::string &tune_name) {
+    sd_calibration_t c = page;
+    EngineFile engine; // what the checks need of it
+    engine.name = "calibration page";
+    engine.wheel.positions = page.positions;
+    engine.wheel.missing.assign(page.missing, page.missing + page.missing_count);
+    engine.firing_order.assign(page.firing_order, page.firing_order + page.cylinders);
+    c.parameters = resolve(engine, tune);
+    check(c, engine, tune_name);
     return c;
 }
 

@@ -11,9 +11,9 @@ extern "C" {
 
 namespace sixdeg {
 
-/// TUNE.toml: each field is a parameter of hal/signals.toml, with its range; what is missing has its default.
-/// Throws InputError naming file, field and range.
-sd_parameters_t read_tune(TomlFile &tune);
+/// TUNE.toml: each field is a parameter of hal/signals.toml, with its range; what is missing is taken from
+/// `otherwise`, or has its default without one. Throws InputError naming file, field and range.
+sd_parameters_t read_tune(TomlFile &tune, const sd_parameters_t *otherwise = nullptr);
 
 /// J(alpha) of the crank train, kg m2: constant part and the reciprocating masses as seen from the crank pin
 /// (equations of document 004; Kiencke-Nielsen). alpha in rad, 0 = firing TDC of the first cylinder.
@@ -29,6 +29,9 @@ double observer_radius(const EngineFile &engine, const sd_parameters_t &tune);
 /// The page. Throws InputError naming `tune_name` and the field when the gains do not converge, or engine and
 /// parameters cannot be initialised together.
 sd_calibration_t calibrate(const EngineFile &engine, const sd_parameters_t &tune, const std::string &tune_name);
+
+/// The page with other parameters, for whoever has no engine file. Throws as calibrate() does.
+sd_calibration_t retune(const sd_calibration_t &page, const sd_parameters_t &tune, const std::string &tune_name);
 
 std::vector<std::uint8_t> page_bytes(const sd_calibration_t &calibration);
 /// The page as a C array `sd_calibration_page`, for a target without files.

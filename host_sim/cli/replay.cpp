@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// sixdeg replay: a recording of crank edges through the firmware; summary.json, teeth.csv, cycles.csv.
-#include "replay/replay.hpp"
+// sixdeg replay: a recording of crank edges, or an event log, through the firmware; summary.json, teeth.csv, cycles.csv.
+#include "cli/replay_command.hpp"
 
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
@@ -14,16 +14,51 @@
 #include "cli/tune_options.hpp"
 #include "common/error.hpp"
 #include "common/files.hpp"
+#include "log/event_log.hpp"
 #include "recording/guess.hpp"
 
 namespace sixdeg {
-namespace {
 
-struct Options {
-    std::string file, wheel, edge, engine, tune, number, out, json;
-    int column = 0;
-    std::vector<std::string> set;
-};
+nlohmann::ordered_json figures_json(const ReplayResult &result) {
+    const auto or_null = [](const auto &value) { return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json(); };
+    nlohmann::ordered_json figures;
+    figures["edges"] = result.teeth.size();
+    figures["revolutions"] = result.revolutions;
+    figures["sync_losses"] = result.counts.sync_losses;
+    figures["faults_coasted"] = result.counts.coasted + result.counts.spurious;
+    figures["first_sync_edge"] = or_null(result.first_sync_edge);
+    figures["rpm_last"] = or_null(result.rpm_last);
+    return figures;
+}
+
+nlohmann::ordered_json decoder_json(const ReplayResult &result) {
+    return {{"sync_gains", result.counts.sync_gains}, {"teeth_coasted", result.counts.coasted},
+            {"edges_left_out", result.counts.spurious}, {"slips_corrected", result.counts.slips},
+            {"marks_missed", result.counts.marks_missed}, {"stalls", result.counts.stalls},
+            {"cam_edges_rejected", result.counts.cam_rejected}, {"mark_spacings", result.mark_spacings}};
+}
+
+void print_counts(const ReplayResult &result) {
+    fmt::print("{} edges, {} whole revolutions, sync at edge {}, {} losses, {} faults coasted through\n", result.teeth.size(),
+               result.revolutions, result.first_sync_edge ? std::to_string(*result.first_sync_edge) : std::string("none"),
+               result.counts.sync_losses, result.counts.coasted + result.counts.spurious);
+    if (result.rpm_last) fmt::print("{:.1f} rpm in the last revolution\n", *result.rpm_last);
+}
+
+void write_replay(const ReplayOptions &options, const nlohmann::ordered_json &summary, const ReplayResult &result,
+                  const std::vector<int> &firing_order) {
+    const std::string text = summary.dump(2) + "\n";
+    if (!options.out.empty()) {
+        OutputFolder out(options.out);
+        out.add("summary.json", text);
+        out.add("teeth.csv", teeth_csv(result));
+        out.add("cycles.csv", cycles_csv(result, firing_order));
+        out.commit();
+    }
+    if (!options.json.empty()) write_file(options.json, text);
+}
+
+namespace {
 
 /// What a recording says of an engine nobody described: its wheel, and no more.
 EngineFile nameless_engine(const Wheel &wheel) {
@@ -63,7 +98,7 @@ std::vector<std::string> list_assumptions(const Inputs &inputs, bool engine_give
     return list;
 }
 
-Inputs read_inputs(const Options &options) {
+Inputs read_inputs(const ReplayOptions &options) {
     Inputs inputs;
     inputs.recording = read_recording(options.file);
     inputs.files[options.file] = sha256(read_file(options.file));
@@ -91,21 +126,11 @@ Inputs read_inputs(const Options &options) {
 }
 
 nlohmann::ordered_json summarise(const Inputs &inputs, const ReplayResult &result) {
-    nlohmann::ordered_json summary;
-    const auto or_null = [](const auto &value) { return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json(); };
-    summary["edges"] = result.teeth.size();
-    summary["revolutions"] = result.revolutions;
-    summary["sync_losses"] = result.counts.sync_losses;
-    summary["faults_coasted"] = result.counts.coasted + result.counts.spurious;
-    summary["first_sync_edge"] = or_null(result.first_sync_edge);
-    summary["rpm_last"] = or_null(result.rpm_last);
+    nlohmann::ordered_json summary = figures_json(result);
     summary["guess"] = {{"wheel", describe(inputs.guess.wheel)}, {"edge", to_string(inputs.guess.edge)},
                         {"column", inputs.guess.column}, {"gap_ratio", inputs.guess.gap_ratio},
                         {"cam_column", inputs.guess.cam ? nlohmann::ordered_json(inputs.guess.cam->column) : nlohmann::ordered_json()}};
-    summary["decoder"] = {{"sync_gains", result.counts.sync_gains}, {"teeth_coasted", result.counts.coasted},
-                          {"edges_left_out", result.counts.spurious}, {"slips_corrected", result.counts.slips},
-                          {"marks_missed", result.counts.marks_missed}, {"stalls", result.counts.stalls},
-                          {"cam_edges_rejected", result.counts.cam_rejected}, {"mark_spacings", result.mark_spacings}};
+    summary["decoder"] = decoder_json(result);
     summary["engine"] = {{"name", inputs.engine.name}, {"guessed", inputs.engine.guessed}};
     summary["parameters"] = parameters_json(inputs.tune);
     summary["files"] = inputs.files;
@@ -115,36 +140,25 @@ nlohmann::ordered_json summarise(const Inputs &inputs, const ReplayResult &resul
 
 void print_figures(const Inputs &inputs, const ReplayResult &result) {
     fmt::print("{}\n", describe(inputs.guess));
-    fmt::print("{} edges, {} whole revolutions, sync at edge {}, {} losses, {} faults coasted through\n", result.teeth.size(),
-               result.revolutions, result.first_sync_edge ? std::to_string(*result.first_sync_edge) : std::string("none"),
-               result.counts.sync_losses, result.counts.coasted + result.counts.spurious);
-    if (result.rpm_last) fmt::print("{:.1f} rpm in the last revolution\n", *result.rpm_last);
+    print_counts(result);
     for (const std::string &assumption : inputs.assumptions) fmt::print("assumed: {}\n", assumption);
 }
 
-void run(const Options &options) {
+void run(const ReplayOptions &options) {
     const Inputs inputs = read_inputs(options);
     const sd_calibration_t calibration = calibrate(inputs.engine, inputs.tune, options.tune.empty() ? "tune" : options.tune);
     const bool with_cam = inputs.engine.has_cam && inputs.guess.cam.has_value();
     const ReplayResult result = replay(options.file, inputs.guess.time_s, with_cam ? inputs.guess.cam->time_s : std::vector<double>{}, calibration);
-    const std::string summary = summarise(inputs, result).dump(2) + "\n";
-    if (!options.out.empty()) {
-        OutputFolder out(options.out);
-        out.add("summary.json", summary);
-        out.add("teeth.csv", teeth_csv(result));
-        out.add("cycles.csv", cycles_csv(result, inputs.engine));
-        out.commit();
-    }
-    if (!options.json.empty()) write_file(options.json, summary);
+    write_replay(options, summarise(inputs, result), result, inputs.engine.firing_order);
     print_figures(inputs, result);
 }
 
 } // namespace
 
 void add_replay(CLI::App &app) {
-    auto options = std::make_shared<Options>();
-    CLI::App *command = app.add_subcommand("replay", "a recording of crank edges through the firmware");
-    command->add_option("FILE", options->file, "edge list, sampled voltages or edge times (docs/recordings.md)")->required();
+    auto options = std::make_shared<ReplayOptions>();
+    CLI::App *command = app.add_subcommand("replay", "a recording of crank edges, or an event log, through the firmware");
+    command->add_option("FILE", options->file, "edge list, sampled voltages or edge times (docs/recordings.md), or an event log (docs/log.md)")->required();
     command->add_option("--wheel", options->wheel, "like 60-2; guessed otherwise");
     command->add_option("--edge", options->edge, "falling or rising; guessed otherwise");
     command->add_option("--column", options->column, "of the crank signal, column 0 is time; guessed otherwise")->check(CLI::PositiveNumber);
@@ -154,7 +168,7 @@ void add_replay(CLI::App &app) {
     command->add_option("--number", options->number, "f32 or q31")->check(CLI::IsMember({"f32", "q31"}));
     command->add_option("--out", options->out, "folder for summary.json, teeth.csv and cycles.csv");
     command->add_option("--json", options->json, "the summary alone");
-    command->callback([options] { run(*options); });
+    command->callback([options] { is_log(options->file) ? replay_event_log(*options) : run(*options); });
 }
 
 } // namespace sixdeg

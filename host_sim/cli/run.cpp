@@ -14,6 +14,8 @@
 #include "cli/commands.hpp"
 #include "cli/tune_options.hpp"
 #include "common/files.hpp"
+#include "common/stop.hpp"
+#include "log/event_log.hpp"
 
 namespace sixdeg {
 namespace {
@@ -21,7 +23,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct Options {
-    std::string scenario, tune, number, out, json;
+    std::string scenario, tune, number, out, json, record;
     std::vector<std::string> set;
     std::optional<std::uint64_t> seed;
 };
@@ -62,6 +64,14 @@ Inputs read_inputs(const Options &options) {
     if (!options.tune.empty()) inputs.files[options.tune] = sha256(tune.content());
     inputs.calibration = calibrate(inputs.scenario.engine.shared, inputs.tune, tune.name());
     return inputs;
+}
+
+/// What the event log says of itself; truth is no part of it.
+Json about(const Options &options, const Inputs &inputs) {
+    const EngineFile &engine = inputs.scenario.engine.shared;
+    return {{"sixdeg", SD_VERSION}, {"command", "run"}, {"name", inputs.scenario.name},
+            {"engine", {{"name", engine.name}, {"guessed", engine.guessed}}},
+            {"set", options.set}, {"seed", inputs.scenario.seed}, {"files", inputs.files}};
 }
 
 Json torque_json(const std::optional<TorqueFigures> &torque) {
@@ -131,11 +141,17 @@ void run(const Options &options) {
     const Inputs inputs = read_inputs(options);
     std::optional<RunTables> tables;
     if (!options.out.empty()) tables.emplace(inputs.scenario.engine.shared);
+    std::optional<LogWriter> log;
+    if (!options.record.empty()) log.emplace(options.record, about(options, inputs).dump(), inputs.calibration);
+    EventListener listener;
+    if (log) listener = [&](bool out, const sd_event_t &event) { log->add(out, event); };
+    stop_on_signals();
     const auto start = std::chrono::steady_clock::now();
-    const RunResult result = run_on_bench(inputs.scenario, inputs.calibration, tables ? &*tables : nullptr);
+    const RunResult result = run_on_bench(inputs.scenario, inputs.calibration, tables ? &*tables : nullptr, listener);
     const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
     const double realtime_factor = result.simulated_s / took.count();
     const std::string summary = summarise(options, inputs, result, realtime_factor).dump(2) + "\n";
+    if (log) log->finish();
     if (tables) {
         OutputFolder out(options.out);
         out.add("summary.json", summary);
@@ -145,6 +161,7 @@ void run(const Options &options) {
     }
     if (!options.json.empty()) write_file(options.json, summary);
     print_figures(inputs, result, realtime_factor);
+    end_by_signal();
 }
 
 } // namespace
@@ -162,6 +179,7 @@ void add_run(CLI::App &app) {
         ->check(CLI::Range(std::uint64_t(0), std::uint64_t(1) << 52));
     command->add_option("--out", options->out, "folder for summary.json, teeth.csv and cycles.csv");
     command->add_option("--json", options->json, "the summary alone");
+    command->add_option("--record", options->record, "event log of all that goes in and out (docs/log.md)");
     command->callback([options] { run(*options); });
 }
 

@@ -19,11 +19,12 @@ EcuBench::EcuBench(const sd_calibration_t &calibration)
         throw std::logic_error("a checked calibration was refused");
 }
 
-bool EcuBench::exchange(std::uint16_t kind, std::uint32_t tick) {
-    return send({tick, kind, 0, 0, 0});
+void EcuBench::listen(EventListener listener) {
+    tap_ = std::make_unique<PortTap>(ecu_side_, std::move(listener));
+    ecu_side_ = tap_->port();
 }
 
-bool EcuBench::send(const sd_event_t &event) {
+bool EcuBench::exchange(const sd_event_t &event) {
     host_side_.send(host_side_.context, &event, 1);
     sd_ecu_run(&ecu_, &ecu_side_);
     bool cycle_ended = false;
@@ -47,7 +48,7 @@ void EcuBench::read_sensors(std::uint32_t tick) {
         if (!shown_[input]) continue;
         sd_event_t event{tick, SD_EVENT_SAMPLE, std::uint16_t(input), 0, 0};
         std::memcpy(&event.value, &*shown_[input], sizeof event.value);
-        send(event);
+        exchange(event);
     }
 }
 

@@ -3,7 +3,10 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
+
+#include "log/port_tap.hpp"
 
 extern "C" {
 #include "sd_ecu.h"
@@ -21,8 +24,11 @@ class EcuBench {
     EcuBench(const EcuBench &) = delete;
     EcuBench &operator=(const EcuBench &) = delete;
 
+    /// Tells `listener` of every event in and out from now on. Call it once.
+    void listen(EventListener listener);
     /// Sends one event and takes in the answer. Returns true when it ended a cycle.
-    bool exchange(std::uint16_t kind, std::uint32_t tick);
+    bool exchange(const sd_event_t &event);
+    bool exchange(std::uint16_t kind, std::uint32_t tick) { return exchange({tick, kind, 0, 0, 0}); }
     /// What a sampled sensor shows from now on; it is read every 10 ms, right before the time event.
     void show(sd_input_t input, double value) { shown_[input] = float(value); }
     /// Sends the time event that falls due every 10 ms before t_s; the first call sets where they begin.
@@ -35,12 +41,12 @@ class EcuBench {
     const sd_crank_t &crank() const { return ecu_.crank; }
 
   private:
-    bool send(const sd_event_t &event);
     void read_sensors(std::uint32_t tick);
     bool take(const sd_event_t &event);
 
     sd_inproc_t port_{};
     sd_port_t ecu_side_, host_side_;
+    std::unique_ptr<PortTap> tap_;
     sd_ecu_t ecu_{};
     sd_signals_t signals_{};
     std::uint8_t health_[SD_OWNER_COUNT] = {};

@@ -5,7 +5,6 @@
 #include <memory>
 
 #include "common/error.hpp"
-#include "replay/ecu_bench.hpp"
 
 namespace sixdeg {
 namespace {
@@ -30,12 +29,25 @@ void count_revolutions(ReplayResult &result) {
 
 } // namespace
 
+void ReplayRows::edge(double t_s, bool cycle_ended, const EcuBench &bench) {
+    result_.teeth.push_back({t_s, bench.signals(), bench.health(SD_OWNER_CRANK), bench.health(SD_OWNER_TORQUE)});
+    if (cycle_ended) result_.cycles.push_back({t_s, bench.signals(), bench.health(SD_OWNER_CYLINDER)});
+}
+
+ReplayResult ReplayRows::finish(const EcuBench &bench) {
+    result_.counts = bench.crank().counts;
+    for (int m = 0; m < bench.crank().mark_count; ++m)
+        result_.mark_spacings.push_back(double(bench.crank().mark_spacings[m]) / SD_SPACING_ONE);
+    count_revolutions(result_);
+    return std::move(result_);
+}
+
 ReplayResult replay(const std::string &file, const std::vector<double> &crank_s, const std::vector<double> &cam_s,
                     const sd_calibration_t &calibration) {
     const auto bench = std::make_unique<EcuBench>(calibration);
     const double tick_hz = double(calibration.tick_hz);
-    ReplayResult result;
-    result.teeth.reserve(crank_s.size());
+    ReplayRows rows;
+    rows.reserve(crank_s.size());
     std::size_t cam = 0;
     for (const double t_s : crank_s) {
         if (!(t_s >= 0) || t_s * tick_hz > 9e15) {
@@ -43,16 +55,9 @@ ReplayResult replay(const std::string &file, const std::vector<double> &crank_s,
         }
         for (; cam < cam_s.size() && cam_s[cam] < t_s; ++cam) bench->exchange(SD_EVENT_CAM_EDGE, bench->tick_at(cam_s[cam]));
         bench->tell_time_until(t_s);
-        const bool cycle_ended = bench->exchange(SD_EVENT_CRANK_EDGE, bench->tick_at(t_s));
-        result.teeth.push_back({t_s, bench->signals(), bench->health(SD_OWNER_CRANK), bench->health(SD_OWNER_TORQUE)});
-        if (cycle_ended) result.cycles.push_back({t_s, bench->signals(), bench->health(SD_OWNER_CYLINDER)});
+        rows.edge(t_s, bench->exchange(SD_EVENT_CRANK_EDGE, bench->tick_at(t_s)), *bench);
     }
-    result.counts = bench->crank().counts;
-    for (int m = 0; m < bench->crank().mark_count; ++m) {
-        result.mark_spacings.push_back(double(bench->crank().mark_spacings[m]) / SD_SPACING_ONE);
-    }
-    count_revolutions(result);
-    return result;
+    return rows.finish(*bench);
 }
 
 std::string teeth_csv(const ReplayResult &result) {
@@ -74,11 +79,11 @@ std::string teeth_csv(const ReplayResult &result) {
     return text;
 }
 
-std::string cycles_csv(const ReplayResult &result, const EngineFile &engine) {
+std::string cycles_csv(const ReplayResult &result, const std::vector<int> &firing_order) {
     std::string text = "cycle,t_s,cylinder,rpm,torque_nm,health\n";
     for (std::size_t i = 0; i < result.cycles.size(); ++i) {
         const CycleRow &row = result.cycles[i];
-        for (const int cylinder : engine.firing_order) {
+        for (const int cylinder : firing_order) {
             fmt::format_to(std::back_inserter(text), "{},{:.9f},{},{:.3f},{:.3f},{}\n", i, row.t_s, cylinder, row.signals.cycle_speed_rpm,
                            row.signals.cycle_cylinder_torque_nm[cylinder - 1], health_name(row.health));
         }

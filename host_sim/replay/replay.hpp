@@ -6,10 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "common/engine_file.hpp"
-extern "C" {
-#include "sd_ecu.h"
-}
+#include "replay/ecu_bench.hpp"
 
 namespace sixdeg {
 
@@ -37,12 +34,24 @@ struct ReplayResult {
     std::optional<double> rpm_last;   ///< Mean over the last of them.
 };
 
+/// Gathers the rows while edges go through a bench.
+class ReplayRows {
+  public:
+    void reserve(std::size_t edges) { result_.teeth.reserve(edges); }
+    /// The bench has just answered a crank edge.
+    void edge(double t_s, bool cycle_ended, const EcuBench &bench);
+    ReplayResult finish(const EcuBench &bench);
+
+  private:
+    ReplayResult result_;
+};
+
 /// Feeds crank and cam edges (ascending times, s) and a time event every 10 ms to a fresh ecu through the in-process
 /// port. Throws InputError naming `file` when times do not fit the engine's capture timer.
 ReplayResult replay(const std::string &file, const std::vector<double> &crank_s, const std::vector<double> &cam_s,
                     const sd_calibration_t &calibration);
 
 std::string teeth_csv(const ReplayResult &result);
-std::string cycles_csv(const ReplayResult &result, const EngineFile &engine);
+std::string cycles_csv(const ReplayResult &result, const std::vector<int> &firing_order);
 
 } // namespace sixdeg

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <memory>
 
+#include "common/stop.hpp"
 #include "engine/units.hpp"
 #include "scenario/plant.hpp"
 
@@ -13,16 +14,17 @@ namespace {
 /// One run while it lasts.
 class Run {
   public:
-    Run(const Scenario &scenario, const sd_calibration_t &calibration, RunTables *tables)
+    Run(const Scenario &scenario, const sd_calibration_t &calibration, RunTables *tables, const EventListener &listener)
         : scenario_(scenario), calibration_(calibration), plant_(scenario, scenario.seed), ecu_(calibration),
           tables_(tables),
           score_(int(calibration.parameters.torque_harmonics), plant_.model().tables().steps, kScoredCycles) {
         plant_.record_steps(&steps_);
+        if (listener) ecu_.listen(listener);
     }
 
     RunResult finish() {
         EncoderEdge edge;
-        while (plant_.next_edge(edge)) take(edge);
+        while (stop_signal() == 0 && plant_.next_edge(edge)) take(edge);
         take_cycles();
         if (plant_.stalled()) ecu_.tell_time_until(rest_ends_s());
         result_.stalled = plant_.stalled();
@@ -98,8 +100,9 @@ class Run {
 
 } // namespace
 
-RunResult run_on_bench(const Scenario &scenario, const sd_calibration_t &calibration, RunTables *tables) {
-    return std::make_unique<Run>(scenario, calibration, tables)->finish();
+RunResult run_on_bench(const Scenario &scenario, const sd_calibration_t &calibration, RunTables *tables,
+                       const EventListener &listener) {
+    return std::make_unique<Run>(scenario, calibration, tables, listener)->finish();
 }
 
 } // namespace sixdeg

@@ -27,7 +27,9 @@ struct RunResult {
 };
 
 /// Runs the scenario to its end. `calibration` comes from calibrate() and need not be of the scenario's
-/// engine. `tables` (nullptr: nothing is kept per tooth) takes the rows. Throws InputError.
-RunResult run_on_bench(const Scenario &scenario, const sd_calibration_t &calibration, RunTables *tables);
+/// engine. `tables` (nullptr: nothing is kept per tooth) takes the rows, `listener` (may be empty) every event in and
+/// out. A signal that wants the program to stop ends the run early. Throws InputError.
+RunResult run_on_bench(const Scenario &scenario, const sd_calibration_t &calibration, RunTables *tables,
+                       const EventListener &listener = {});
 
 } // namespace sixdeg

@@ -41,6 +41,10 @@ struct Ecu {
     const std::vector<sd_event_t> &send(std::uint16_t kind, std::uint32_t tick, std::uint16_t channel = 0, float value = 0) {
         sd_event_t event{tick, kind, channel, 0, 0};
         std::memcpy(&event.value, &value, sizeof value);
+        return send(event);
+    }
+
+    const std::vector<sd_event_t> &send(const sd_event_t &event) {
         EXPECT_EQ(1u, host_side.send(host_side.context, &event, 1));
         sd_ecu_run(ecu.get(), &ecu_side);
         answers.clear();
@@ -212,12 +216,68 @@ TEST(Ecu, StallMakesEverythingInvalidAndARestartWorks) {
     const auto last = std::uint32_t(std::llround(times.back() * 1e7));
     const auto answers = ecu.send(SD_EVENT_TIME, last + 20000000u);
     ASSERT_FALSE(answers.empty());
+    EXPECT_EQ(SD_EVENT_DONE, answers.back().kind);
     for (const sd_event_t &event : answers) {
+        if (event.kind != SD_EVENT_SIGNAL) continue;
         EXPECT_EQ(SD_INVALID, event.flags & 0xff) << event.channel;
         if (event.channel == SD_SIGNAL_CRANK_SPEED) { EXPECT_EQ(0.0f, value_of(event)); }
     }
     turn(last + 30000000u);
     EXPECT_EQ(SD_VALID, ecu.ecu->status[SD_OWNER_CRANK].health);
+}
+
+sd_event_t parameter(const char *name, sd_parameter_command_t command, float value = 0) {
+    std::uint16_t index = 0;
+    while (index < SD_PARAMETER_COUNT && std::string(sd_parameter_infos[index].name) != name) ++index;
+    sd_event_t event{0, SD_EVENT_PARAMETER, index, 0, command};
+    std::memcpy(&event.value, &value, sizeof value);
+    return event;
+}
+
+TEST(Ecu, ParametersAreSetWithinTheirRangeAndRestored) {
+    Ecu ecu(page());
+    const auto ask = [&](const sd_event_t &request) {
+        const auto answers = ecu.send(request);
+        EXPECT_EQ(1u, answers.size());
+        EXPECT_EQ(SD_EVENT_PARAMETER, answers.front().kind);
+        EXPECT_EQ(request.flags, answers.front().flags & 0xff);
+        return std::pair(answers.front().flags >> 8, value_of(answers.front()));
+    };
+    using Answer = std::pair<std::uint32_t, float>;
+    const char *const name = "torque.harmonics";
+    EXPECT_EQ(Answer(SD_PARAMETER_OK, 5), ask(parameter(name, SD_PARAMETER_READ)));
+    EXPECT_EQ(Answer(SD_PARAMETER_OK, 8), ask(parameter(name, SD_PARAMETER_SET, 8)));
+    EXPECT_EQ(8, ecu.ecu->torque.f32.harmonics) << "the block has it";
+    EXPECT_EQ(Answer(SD_PARAMETER_RANGE, 8), ask(parameter(name, SD_PARAMETER_SET, 13)));
+    EXPECT_EQ(Answer(SD_PARAMETER_RANGE, 8), ask(parameter(name, SD_PARAMETER_SET, NAN)));
+    EXPECT_EQ(Answer(SD_PARAMETER_OK, 5), ask(parameter(name, SD_PARAMETER_READ_REFERENCE)));
+    EXPECT_EQ(Answer(SD_PARAMETER_REFUSED, 1), ask(parameter("torque.gain_energy", SD_PARAMETER_SET, 37)))
+        << "in range, and beyond what converges";
+    EXPECT_EQ(8, ecu.ecu->torque.f32.harmonics) << "a refused value leaves the block as it was";
+    EXPECT_EQ(Answer(SD_PARAMETER_OK, 5), ask(parameter(name, SD_PARAMETER_RESTORE)));
+    EXPECT_EQ(Answer(SD_PARAMETER_UNKNOWN, 0), ask(parameter("none", SD_PARAMETER_SET, 1)));
+    EXPECT_EQ(Answer(SD_PARAMETER_OK, 1), ask(parameter("torque.fixed_point", SD_PARAMETER_SET, 1)));
+    EXPECT_EQ(5, ecu.ecu->torque.q31.harmonics);
+}
+
+TEST(Ecu, AfterAGapTheAngleIsSoughtAfresh) {
+    TorqueSignal signal;
+    Ecu ecu(page());
+    const auto times = signal.tooth_times(60, 120 * 8);
+    const auto turn = [&](int from, int to) {
+        for (int k = from; k < to; ++k) {
+            if (k % 60 < 58) ecu.send(SD_EVENT_CRANK_EDGE, std::uint32_t(std::llround(times[std::size_t(k)] * 1e7)));
+        }
+    };
+    turn(0, 300);
+    EXPECT_EQ(SD_VALID, ecu.ecu->status[SD_OWNER_CRANK].health);
+    for (const sd_event_t &event : ecu.send(SD_EVENT_GAP, 0)) EXPECT_EQ(SD_INVALID, event.flags & 0xff) << event.channel;
+    turn(310, 312);
+    EXPECT_EQ(SD_INVALID, ecu.ecu->status[SD_OWNER_CRANK].health);
+    turn(312, 600);
+    EXPECT_EQ(SD_VALID, ecu.ecu->status[SD_OWNER_CRANK].health);
+    EXPECT_EQ(57.0f, ecu.ecu->signals.crank_tooth) << "the right tooth, not the one ten before";
+    EXPECT_EQ(1u, ecu.ecu->crank.counts.sync_losses);
 }
 
 TEST(Ecu, IgnoresAndCountsWhatItDoesNotKnow) {

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Makes hal/generated/sd_signals.{h,c} and docs/signals.md from hal/signals.toml.
+"""Makes hal/generated/sd_signals.{h,c}, the bus files of bus.py and docs/signals.md from hal/signals.toml.
 
 Without arguments it rewrites the files that differ; with --check it only compares and fails on a difference.
 """
@@ -8,6 +8,8 @@ import pathlib
 import sys
 import tomllib
 import zlib
+
+import bus
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 TABLE = ROOT / "hal" / "signals.toml"
@@ -135,12 +137,14 @@ def main():
     signature = zlib.crc32(TABLE.read_bytes())
     files = {ROOT / "hal/generated/sd_signals.h": header(table, signature),
              ROOT / "hal/generated/sd_signals.c": source(table), ROOT / "docs/signals.md": page(table)}
+    files |= {ROOT / "hal/generated" / name: text for name, text in bus.files(table).items()}
     stale = [path for path, text in files.items() if not path.exists() or path.read_text() != text]
     if "--check" in sys.argv[1:]:
         for path in stale:
             print(f"{path.relative_to(ROOT)} is not what hal/signals.toml says: run tools/signals/generate.py")
         return 1 if stale else 0
     for path in stale:
+        path.parent.mkdir(exist_ok=True)
         path.write_text(files[path])
         print(f"wrote {path.relative_to(ROOT)}")
     return 0

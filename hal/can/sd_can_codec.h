@@ -1,0 +1,47 @@
+/* SPDX-License-Identifier: MIT */
+/// sd_can_codec.h - events to CAN frames and back, as sixdeg.dbc says. No socket: sd_can.h has that.
+#ifndef SD_CAN_CODEC_H
+#define SD_CAN_CODEC_H
+#include "sd_role.h"
+#include "sd_row.h"
+
+#define SD_CAN_TRUTH_FIRST 0xf0u ///< Identifiers of truth: 0xf0 to 0xf3.
+
+typedef struct sd_frame {
+    uint32_t id;
+    uint8_t  fd, length, bytes[64];
+} sd_frame_t;
+
+#define SD_CAN_FRAMES 512u ///< A power of two.
+#define SD_CAN_TEETH  14u  ///< Ticks in a teeth frame.
+
+/// Zero it, then set role and session. Caller-owned.
+typedef struct sd_can_codec {
+    sd_role_t role;
+    uint8_t   session;     ///< Drawn anew at each start.
+    uint16_t  sequence;    ///< Of the next teeth frame to send.
+    uint32_t  tick[SD_CAN_TEETH];
+    uint16_t  cam;         ///< Bit i: tick i is a cam edge.
+    uint8_t   ticks;
+    sd_row_t  row;         ///< Being collected.
+    sd_order_t order;      ///< Of the plant's teeth frames.
+    uint8_t   peer_session, peer_seen;
+    uint32_t  peer_starts; ///< Times the ecu on the other side has started anew.
+    sd_claim_t claim;      ///< The last one heard, and not yet taken.
+    uint8_t   claim_heard;
+    sd_queue_t in;         ///< Decoded events.
+    sd_frame_t out[SD_CAN_FRAMES];
+    uint32_t   written, read;
+    sd_truth_t truth;      ///< Decoded truth, when sd_can_decode returned 1.
+    sd_port_counts_t counts;
+} sd_can_codec_t;
+
+/// Queues the frames of an event. 0: there was no room, and nothing was taken.
+int sd_can_encode(sd_can_codec_t *self, const sd_event_t *event);
+int sd_can_encode_truth(sd_can_codec_t *self, const sd_truth_t *truth);
+int sd_can_encode_claim(sd_can_codec_t *self, sd_claim_t claim);
+
+/// Takes any frame at all. 1: self->truth holds what it said.
+int sd_can_decode(sd_can_codec_t *self, const sd_frame_t *frame);
+
+#endif

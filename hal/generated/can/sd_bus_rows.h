@@ -1,0 +1,147 @@
+/* Generated from hal/signals.toml by tools/signals/generate.py: change the table, not this file. */
+/* SPDX-License-Identifier: MIT */
+#ifndef SD_BUS_ROWS_H
+#define SD_BUS_ROWS_H
+#include "sd_bus.h"
+#include "sd_row.h"
+
+static inline void sd_bus_edge_from_row(struct sd_bus_edge_t *m, const sd_row_t *row) {
+    m->tick = (uint32_t)row->tick;
+    m->crank_health = row->health[SD_OWNER_CRANK];
+    m->crank_why = row->why[SD_OWNER_CRANK];
+    m->torque_health = row->health[SD_OWNER_TORQUE];
+    m->torque_why = row->why[SD_OWNER_TORQUE];
+    m->crank_edge_class = row->value[0];
+    m->crank_tooth = row->value[1];
+    m->crank_angle = row->value[2];
+    m->crank_phase_known = row->value[3];
+    m->crank_speed = row->value[4];
+    m->crank_acceleration = row->value[5];
+    m->torque_mass = row->value[6];
+    m->torque_innovation = row->value[7];
+}
+
+static inline void sd_bus_edge_to_row(sd_row_t *row, const struct sd_bus_edge_t *m) {
+    sd_row_begin(row, (uint32_t)m->tick, SD_RATE_EDGE);
+    sd_row_status(row, SD_OWNER_CRANK, (uint8_t)m->crank_health, (uint8_t)m->crank_why);
+    sd_row_status(row, SD_OWNER_TORQUE, (uint8_t)m->torque_health, (uint8_t)m->torque_why);
+    sd_row_put(row, 0, m->crank_edge_class);
+    sd_row_put(row, 1, m->crank_tooth);
+    sd_row_put(row, 2, m->crank_angle);
+    sd_row_put(row, 3, m->crank_phase_known);
+    sd_row_put(row, 4, m->crank_speed);
+    sd_row_put(row, 5, m->crank_acceleration);
+    sd_row_put(row, 6, m->torque_mass);
+    sd_row_put(row, 7, m->torque_innovation);
+}
+
+static inline void sd_bus_cycle_1_from_row(struct sd_bus_cycle_1_t *m, const sd_row_t *row) {
+    m->tick = (uint32_t)row->tick;
+    m->crank_health = row->health[SD_OWNER_CRANK];
+    m->crank_why = row->why[SD_OWNER_CRANK];
+    m->cylinder_health = row->health[SD_OWNER_CYLINDER];
+    m->cylinder_why = row->why[SD_OWNER_CYLINDER];
+    m->cycle_speed = row->value[8];
+    m->cycle_cylinder_torque_1 = row->value[9];
+    m->cycle_cylinder_torque_2 = row->value[10];
+    m->cycle_cylinder_torque_3 = row->value[11];
+    m->cycle_cylinder_torque_4 = row->value[12];
+    m->cycle_cylinder_torque_5 = row->value[13];
+    m->cycle_cylinder_torque_6 = row->value[14];
+    m->cycle_cylinder_torque_7 = row->value[15];
+    m->cycle_cylinder_torque_8 = row->value[16];
+    m->cycle_cylinder_sd_1 = row->value[17];
+    m->cycle_cylinder_sd_2 = row->value[18];
+    m->cycle_cylinder_sd_3 = row->value[19];
+    m->cycle_cylinder_sd_4 = row->value[20];
+    m->cycle_cylinder_sd_5 = row->value[21];
+}
+
+static inline void sd_bus_cycle_1_to_row(sd_row_t *row, const struct sd_bus_cycle_1_t *m) {
+    sd_row_begin(row, (uint32_t)m->tick, SD_RATE_CYCLE);
+    sd_row_status(row, SD_OWNER_CRANK, (uint8_t)m->crank_health, (uint8_t)m->crank_why);
+    sd_row_status(row, SD_OWNER_CYLINDER, (uint8_t)m->cylinder_health, (uint8_t)m->cylinder_why);
+    sd_row_put(row, 8, m->cycle_speed);
+    sd_row_put(row, 9, m->cycle_cylinder_torque_1);
+    sd_row_put(row, 10, m->cycle_cylinder_torque_2);
+    sd_row_put(row, 11, m->cycle_cylinder_torque_3);
+    sd_row_put(row, 12, m->cycle_cylinder_torque_4);
+    sd_row_put(row, 13, m->cycle_cylinder_torque_5);
+    sd_row_put(row, 14, m->cycle_cylinder_torque_6);
+    sd_row_put(row, 15, m->cycle_cylinder_torque_7);
+    sd_row_put(row, 16, m->cycle_cylinder_torque_8);
+    sd_row_put(row, 17, m->cycle_cylinder_sd_1);
+    sd_row_put(row, 18, m->cycle_cylinder_sd_2);
+    sd_row_put(row, 19, m->cycle_cylinder_sd_3);
+    sd_row_put(row, 20, m->cycle_cylinder_sd_4);
+    sd_row_put(row, 21, m->cycle_cylinder_sd_5);
+}
+
+static inline void sd_bus_cycle_2_from_row(struct sd_bus_cycle_2_t *m, const sd_row_t *row) {
+    m->tick = (uint32_t)row->tick;
+    m->cylinder_health = row->health[SD_OWNER_CYLINDER];
+    m->cylinder_why = row->why[SD_OWNER_CYLINDER];
+    m->cycle_cylinder_sd_6 = row->value[22];
+    m->cycle_cylinder_sd_7 = row->value[23];
+    m->cycle_cylinder_sd_8 = row->value[24];
+}
+
+static inline void sd_bus_cycle_2_to_row(sd_row_t *row, const struct sd_bus_cycle_2_t *m) {
+    sd_row_begin(row, (uint32_t)m->tick, SD_RATE_CYCLE);
+    sd_row_status(row, SD_OWNER_CYLINDER, (uint8_t)m->cylinder_health, (uint8_t)m->cylinder_why);
+    sd_row_put(row, 22, m->cycle_cylinder_sd_6);
+    sd_row_put(row, 23, m->cycle_cylinder_sd_7);
+    sd_row_put(row, 24, m->cycle_cylinder_sd_8);
+}
+
+#define SD_BUS_INPUTS_FIRST 0xa8u
+#define SD_BUS_INPUTS_END   0xacu /* the identifier after the last input's */
+
+/* How many bytes frame `part` of a row of `rate` takes, its identifier in *id; 0 when there is no such part. */
+static inline uint32_t sd_bus_row_pack(const sd_row_t *row, uint32_t part, uint32_t *id, uint8_t bytes[64]) {
+    uint32_t at = 0;
+    if ((row->rate == SD_RATE_EDGE) && (at++ == part)) {
+        struct sd_bus_edge_t m;
+        sd_bus_edge_from_row(&m, row);
+        *id = SD_BUS_EDGE_FRAME_ID;
+        return (uint32_t)sd_bus_edge_pack(bytes, &m, 64);
+    }
+    if ((row->rate == SD_RATE_CYCLE) && (at++ == part)) {
+        struct sd_bus_cycle_1_t m;
+        sd_bus_cycle_1_from_row(&m, row);
+        *id = SD_BUS_CYCLE_1_FRAME_ID;
+        return (uint32_t)sd_bus_cycle_1_pack(bytes, &m, 64);
+    }
+    if ((row->rate == SD_RATE_CYCLE) && (at++ == part)) {
+        struct sd_bus_cycle_2_t m;
+        sd_bus_cycle_2_from_row(&m, row);
+        *id = SD_BUS_CYCLE_2_FRAME_ID;
+        return (uint32_t)sd_bus_cycle_2_pack(bytes, &m, 64);
+    }
+    return 0;
+}
+
+/* 1: `id` is a row's and *row holds it; 0: it is not; -1: it is, and too short. */
+static inline int sd_bus_row_unpack(sd_row_t *row, uint32_t id, const uint8_t *bytes, size_t size) {
+    if (id == SD_BUS_EDGE_FRAME_ID) {
+        struct sd_bus_edge_t m;
+        if ((size != SD_BUS_EDGE_LENGTH) || (sd_bus_edge_unpack(&m, bytes, size) != 0)) { return -1; }
+        sd_bus_edge_to_row(row, &m);
+        return 1;
+    }
+    if (id == SD_BUS_CYCLE_1_FRAME_ID) {
+        struct sd_bus_cycle_1_t m;
+        if ((size != SD_BUS_CYCLE_1_LENGTH) || (sd_bus_cycle_1_unpack(&m, bytes, size) != 0)) { return -1; }
+        sd_bus_cycle_1_to_row(row, &m);
+        return 1;
+    }
+    if (id == SD_BUS_CYCLE_2_FRAME_ID) {
+        struct sd_bus_cycle_2_t m;
+        if ((size != SD_BUS_CYCLE_2_LENGTH) || (sd_bus_cycle_2_unpack(&m, bytes, size) != 0)) { return -1; }
+        sd_bus_cycle_2_to_row(row, &m);
+        return 1;
+    }
+    return 0;
+}
+
+#endif

@@ -1,0 +1,70 @@
+/* SPDX-License-Identifier: MIT */
+#include "sd_row.h"
+
+enum { STALE_IN_ROW_MAX = 8 }; /* then the sender has started anew with the session of before */
+
+void sd_queue_put(sd_queue_t *queue, const sd_event_t *event) {
+    if (queue->written - queue->read >= SD_QUEUE_EVENTS) { queue->overrun++; return; }
+    queue->events[queue->written++ % SD_QUEUE_EVENTS] = *event;
+}
+
+uint32_t sd_queue_take(sd_queue_t *queue, sd_event_t *events, uint32_t room) {
+    uint32_t count = 0;
+    while ((count < room) && (queue->read != queue->written)) {
+        events[count++] = queue->events[queue->read++ % SD_QUEUE_EVENTS];
+    }
+    return count;
+}
+
+static int is_last_of_rate(uint32_t channel) {
+    for (uint32_t c = channel + 1u; c < SD_SIGNAL_COUNT; ++c) {
+        if (sd_signal_infos[c].rate == sd_signal_infos[channel].rate) { return 0; }
+    }
+    return 1;
+}
+
+static int is_whole(const sd_row_t *row) {
+    for (uint32_t c = 0; c < SD_SIGNAL_COUNT; ++c) {
+        if ((sd_signal_infos[c].rate == row->rate) && (row->present[c] == 0u)) { return 0; }
+    }
+    return 1;
+}
+
+int sd_row_take(sd_row_t *row, const sd_event_t *event) {
+    if (event->channel >= SD_SIGNAL_COUNT) { return 0; }
+    const sd_signal_info_t *info = &sd_signal_infos[event->channel];
+    if ((event->tick != row->tick) || (info->rate != row->rate)) { sd_row_begin(row, event->tick, info->rate); }
+    float value;
+    memcpy(&value, &event->value, sizeof value);
+    sd_row_put(row, event->channel, value);
+    sd_row_status(row, info->owner, (uint8_t)(event->flags & 0xffu), (uint8_t)(event->flags >> 8));
+    return is_last_of_rate(event->channel) && is_whole(row);
+}
+
+int sd_row_events(const sd_row_t *row, sd_queue_t *queue) {
+    for (uint32_t c = 0; c < SD_SIGNAL_COUNT; ++c) {
+        const float difference = row->value[c] - row->value[c]; /* 0 for finite numbers only */
+        if (!(difference == 0.0f) || (row->health[sd_signal_infos[c].owner] > 2u)) { return 0; }
+    }
+    for (uint32_t c = 0; c < SD_SIGNAL_COUNT; ++c) {
+        if (row->present[c] == 0u) { continue; }
+        const uint8_t owner = sd_signal_infos[c].owner;
+        sd_event_t event = { .tick = row->tick, .kind = SD_EVENT_SIGNAL, .channel = (uint16_t)c,
+                             .flags = row->health[owner] | ((uint32_t)row->why[owner] << 8) };
+        memcpy(&event.value, &row->value[c], sizeof event.value);
+        sd_queue_put(queue, &event);
+    }
+    return 1;
+}
+
+sd_arrival_t sd_order_check(sd_order_t *order, uint8_t session, uint16_t sequence, uint16_t step) {
+    const uint16_t ahead = (uint16_t)(sequence - order->next);
+    const int same = (order->started != 0u) && (session == order->session);
+    if (same && (ahead >= 0x8000u) && (order->stale_in_row < STALE_IN_ROW_MAX)) {
+        order->stale_in_row++;
+        return SD_ARRIVAL_STALE;
+    }
+    const sd_arrival_t arrival = ((order->started == 0u) || (same && (ahead == 0u))) ? SD_ARRIVAL_NEXT : SD_ARRIVAL_GAP;
+    *order = (sd_order_t){ .next = (uint16_t)(sequence + step), .session = session, .started = 1 };
+    return arrival;
+}

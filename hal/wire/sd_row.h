@@ -1,0 +1,113 @@
+/* SPDX-License-Identifier: MIT */
+/// sd_row.h - what CAN and LCM share: between single events and what travels together.
+///
+/// A row is all signals of one rate at one tick. Ports collect the events of a row, send it as one, and hand it out as
+/// events again. An order tells on the other side whether something went missing on the way.
+#ifndef SD_ROW_H
+#define SD_ROW_H
+#include <string.h>
+
+#include "hal.h"
+#include "sd_signals.h"
+
+typedef struct sd_row {
+    uint32_t tick;
+    uint8_t  rate;                      ///< sd_rate_t.
+    uint8_t  health[SD_OWNER_COUNT], why[SD_OWNER_COUNT];
+    uint8_t  present[SD_SIGNAL_COUNT];  ///< 1: this channel is in the row.
+    float    value[SD_SIGNAL_COUNT];    ///< By channel.
+} sd_row_t;
+
+static inline void sd_row_begin(sd_row_t *row, uint32_t tick, uint8_t rate) {
+    memset(row, 0, sizeof *row);
+    row->tick = tick;
+    row->rate = rate;
+}
+
+static inline void sd_row_status(sd_row_t *row, uint32_t owner, uint8_t health, uint8_t why) {
+    row->health[owner] = health;
+    row->why[owner] = why;
+}
+
+static inline void sd_row_put(sd_row_t *row, uint32_t channel, float value) {
+    row->present[channel] = 1;
+    row->value[channel] = value;
+}
+
+/// Events waiting at one end of a port. Zero it to begin.
+#define SD_QUEUE_EVENTS 4096u ///< A power of two; more than 10 ms at the highest speed cause.
+typedef struct sd_queue {
+    sd_event_t events[SD_QUEUE_EVENTS];
+    uint32_t   written, read; ///< Both run on and wrap together.
+    uint32_t   overrun;       ///< Events that found it full.
+} sd_queue_t;
+
+void     sd_queue_put(sd_queue_t *queue, const sd_event_t *event);
+uint32_t sd_queue_take(sd_queue_t *queue, sd_event_t *events, uint32_t room);
+
+/// Adds an SD_EVENT_SIGNAL to the row. 1: the row now holds every channel of its rate and may go.
+int sd_row_take(sd_row_t *row, const sd_event_t *event);
+
+/// The row as events, in order of channels. 0, and nothing queued, when a health is none or a value no finite number.
+int sd_row_events(const sd_row_t *row, sd_queue_t *queue);
+
+/// Order of the messages of one sender. Zero it to begin.
+typedef struct sd_order {
+    uint16_t next;
+    uint8_t  session, started, stale_in_row;
+} sd_order_t;
+
+typedef enum sd_arrival {
+    SD_ARRIVAL_NEXT,  ///< As expected.
+    SD_ARRIVAL_GAP,   ///< Messages before it are lost, or the sender has started anew.
+    SD_ARRIVAL_STALE, ///< Came before, or came too late: leave it out.
+} sd_arrival_t;
+
+/// A message that says `sequence` is its number (step 1), or the number of the next one (step 0).
+sd_arrival_t sd_order_check(sd_order_t *order, uint8_t session, uint16_t sequence, uint16_t step);
+
+/// What became of messages; all wrap.
+typedef struct sd_port_counts {
+    uint32_t sent, received;
+    uint32_t unsent;    ///< Gone, because nobody took them off the bus for too long or the bus is down.
+    uint32_t foreign;   ///< Not ours.
+    uint32_t malformed; ///< Ours by name, with a wrong length or content.
+    uint32_t gaps;      ///< Times messages were missing.
+    uint32_t stale;     ///< Doubled or late.
+} sd_port_counts_t;
+
+/// Truth, which travels past the ecu: same meaning as in sixdeg.dbc.
+typedef struct sd_truth_edge {
+    double   time_s, angle_deg, crank_deg, speed_radps, net_torque_nm;
+    uint32_t tick;
+    uint8_t  tooth, flags;
+} sd_truth_edge_t;
+
+typedef struct sd_truth_cycle {
+    double  torque_nm, imep_pa;
+    int32_t cycle;
+    uint8_t cylinder, misfire;
+} sd_truth_cycle_t;
+
+/// The run is over; so much truth was sent.
+typedef struct sd_truth_end {
+    uint32_t edges, cycles;
+} sd_truth_end_t;
+
+typedef struct sd_truth {
+    enum { SD_TRUTH_EDGE, SD_TRUTH_CYCLE, SD_TRUTH_END } kind;
+    union {
+        sd_truth_edge_t  edge;
+        sd_truth_cycle_t cycle;
+        sd_truth_end_t   end;
+    };
+} sd_truth_t;
+
+/// Somebody who answers for an ecu, or asks for one: sixdeg.dbc, claim.
+typedef struct sd_claim {
+    uint32_t id, signature;
+} sd_claim_t;
+#define SD_CLAIM_RUNNING 0u
+#define SD_CLAIM_WHO     0xffffffffu
+
+#endif

@@ -1,0 +1,91 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""tools/log/mf4.py: what asammdf reads back is what the firmware said and what the plant knew."""
+import contextlib
+import io
+import os
+import pathlib
+import subprocess
+import sys
+import tomllib
+import unittest
+
+import numpy as np
+from asammdf import MDF
+
+from sixdeg_test import Folder, table
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+SIXDEG = os.environ["SIXDEG"]
+sys.path.append(str(ROOT / "tools" / "log"))
+import mf4  # in this process: asammdf takes seconds to import
+
+SIGNALS = {row["name"]: row for row in tomllib.loads((ROOT / "hal" / "signals.toml").read_text())["signal"]}
+
+
+class Mf4(Folder):
+    def setUp(self):
+        super().setUp()
+        scenario = self.folder / "scenario.toml"
+        scenario.write_text(f'engine = "{ROOT}/host_sim/engines/diesel_22.toml"\n[run]\ncycles = 20\n[speed]\nrpm = 1000\n'
+                            "[load]\nbmep_bar = 5\n[encoder]\nextra_rate = 0.002\n")
+        self.log = self.folder / "a.sdlog"
+        subprocess.run([SIXDEG, "run", scenario, "--record", self.log, "--out", self.folder / "run"], check=True, stdout=subprocess.DEVNULL)
+
+    def export(self, *options, status=0):
+        out, said = self.folder / "a.mf4", io.StringIO()
+        with contextlib.redirect_stderr(said), contextlib.redirect_stdout(io.StringIO()):
+            self.assertEqual(mf4.main(list(map(str, (self.log, out, *options)))), status, said.getvalue())
+        if status:
+            self.assertEqual(list(self.folder.glob("*.mf4")), [])
+            return said.getvalue()
+        return MDF(out)
+
+    def test_values_times_units_and_comments(self):
+        subprocess.run([SIXDEG, "replay", self.log, "--out", self.folder / "replayed"], check=True, stdout=subprocess.DEVNULL)
+        teeth, cycles = table(self.folder / "replayed" / "teeth.csv"), table(self.folder / "replayed" / "cycles.csv")
+        with self.export("--truth", self.folder / "run") as mdf:
+            for name, column, digits in (("crank.angle", "angle_deg", 3), ("torque.mass", "torque_nm", 3), ("crank.speed", "rpm", 3)):
+                signal = mdf.get(name, ignore_invalidation_bits=True)
+                self.assertEqual((signal.unit, signal.comment), (SIGNALS[name]["unit"], SIGNALS[name]["text"]))
+                self.assertEqual(len(signal.samples), len(teeth))
+                self.assertEqual(list(np.round(signal.timestamps, 9)), [float(row["t_s"]) for row in teeth])
+                known = [i for i, row in enumerate(teeth) if row[column]]
+                self.assertGreater(len(known), 2000)
+                np.testing.assert_allclose(signal.samples[known], [float(teeth[i][column]) for i in known], atol=0.6 * 10**-digits)
+            valid = mdf.get("torque.mass")
+            self.assertEqual(len(valid.samples), sum(row["torque_health"] != "invalid" for row in teeth))
+            self.assertEqual([text.decode() for text in mdf.get("torque.health").samples], [row["torque_health"] for row in teeth])
+            third = mdf.get("cycle.cylinder_torque[3]", ignore_invalidation_bits=True)
+            np.testing.assert_allclose(third.samples, [float(row["torque_nm"]) for row in cycles if row["cylinder"] == "3"], atol=0.0006)
+
+    def test_truth_stands_beside_the_estimate(self):
+        teeth, cycles = table(self.folder / "run" / "teeth.csv"), table(self.folder / "run" / "cycles.csv")
+        with self.export("--truth", self.folder / "run") as mdf:
+            estimate, truth = mdf.get("torque.mass"), mdf.get("torque.mass_true")
+            self.assertEqual(truth.unit, estimate.unit)
+            np.testing.assert_allclose(truth.samples, [float(row["torque_true_nm"]) for row in teeth])
+            np.testing.assert_allclose(truth.timestamps, [float(row["t_s"]) for row in teeth])
+            # Both are torques of the same teeth: after settling they belong together.
+            late = estimate.timestamps > 1.5
+            self.assertGreater(np.corrcoef(estimate.samples[late], np.interp(estimate.timestamps[late], truth.timestamps, truth.samples))[0, 1], 0.8)
+            cylinder = mdf.get("cycle.cylinder_torque_true[1]")
+            np.testing.assert_allclose(cylinder.samples, [float(row["torque_true_nm"]) for row in cycles if row["cylinder"] == "1"][:len(cylinder.samples)])
+            self.assertAlmostEqual(float(np.diff(cylinder.timestamps).mean()), 0.12, delta=0.004)
+
+    def test_without_truth_there_is_none(self):
+        with self.export() as mdf:
+            self.assertFalse([name for name in mdf.channels_db if "_true" in name])
+            self.assertEqual(len(mdf.get("input.crank_edge").samples), len(table(self.folder / "run" / "teeth.csv")))
+
+    def test_errors_are_one_line(self):
+        self.assertIn("cannot be read", self.export("--truth", self.folder / "none", status=2))
+        teeth = self.folder / "run" / "teeth.csv"
+        teeth.write_text("".join(teeth.read_text().splitlines(True)[:-1]))
+        self.assertIn("is of another run", self.export("--truth", self.folder / "run", status=2))
+        self.log.write_bytes(self.log.read_bytes()[:-1])
+        self.assertEqual(self.export(status=2), f"mf4: {self.log}: is truncated or damaged: its checksum is wrong\n")
+
+
+if __name__ == "__main__":
+    unittest.main()

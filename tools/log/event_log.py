@@ -1,0 +1,44 @@
+# SPDX-License-Identifier: MIT
+"""Reads an event log, .sdlog (docs/log.md), into arrays."""
+import hashlib
+import json
+import struct
+
+import numpy as np
+
+HEADER = struct.Struct("<4sIIId")  # magic, signature of the signal table, bytes of description and page, ticks a second
+EVENT = np.dtype([("tick", "<u4"), ("kind", "<u2"), ("channel", "<u2"), ("value", "<u4"), ("flags", "<u4")])
+OUT = 0x8000  # in kind: from the ecu
+CRANK_EDGE, CAM_EDGE, SIGNAL = 1, 2, 16  # sd_event_kind_t
+
+
+class LogError(Exception):
+    """One line: the file, and what is wrong with it."""
+
+
+class EventLog:
+    """about (a dictionary), signature, page (bytes), tick_hz, and per event: time_s, out, kind, channel, value, flags."""
+
+    def __init__(self, path):
+        data = path.read_bytes()
+        if data[:4] != b"SDL1":
+            raise LogError(f"{path}: is no event log: it does not begin with SDL1")
+        if len(data) < HEADER.size + 32 or hashlib.sha256(data[:-32]).digest() != data[-32:]:
+            raise LogError(f"{path}: is truncated or damaged: its checksum is wrong")
+        _, self.signature, about, page, self.tick_hz = HEADER.unpack_from(data)
+        first = HEADER.size + about
+        self.about = json.loads(data[HEADER.size:first])
+        self.page = data[first:first + page]
+        events = np.frombuffer(data[first + page:-32], EVENT)
+        self.out = (events["kind"] & OUT) != 0
+        self.kind = events["kind"] & ~np.uint16(OUT)
+        self.channel, self.value, self.flags = events["channel"], events["value"], events["flags"]
+        self.time_s = seconds(events["tick"], self.tick_hz)
+
+
+def seconds(tick, tick_hz):
+    """Time of ticks that wrap at 2^32; steps back, as of a cam edge between two teeth, are small."""
+    if len(tick) == 0:
+        return np.zeros(0)
+    step = np.diff(tick).astype(np.uint32).view(np.int32).astype(np.int64)
+    return (int(tick[0]) + np.concatenate(([0], np.cumsum(step)))) / tick_hz

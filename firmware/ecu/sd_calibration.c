@@ -56,6 +56,32 @@ static void walk_map(sd_walk_t *walk, sd_cylinder_map_t *map) {
     }
 }
 
+static void walk_floats(sd_walk_t *walk, float *values, uint32_t count) {
+    for (uint32_t i = 0; i < count; ++i) { walk_32(walk, &values[i]); }
+}
+
+static void walk_afr(sd_walk_t *walk, sd_afr_grid_t *afr) {
+    walk_u8(walk, &afr->present);
+    if (afr->present == 0u) { return; }
+    walk_u16(walk, &afr->open_position);
+    walk_floats(walk, afr->speed_radps, SD_AFR_SPEEDS);
+    walk_floats(walk, afr->pressure_bar, SD_AFR_PRESSURES);
+    walk_floats(walk, afr->lambda, SD_AFR_LAMBDAS);
+    walk_32(walk, &afr->air_kg_per_bar);
+    walk_32(walk, &afr->dead_s);
+    walk_32(walk, &afr->tau1_s);
+    walk_32(walk, &afr->tau2_s);
+    walk_32(walk, &afr->mass_base_kg);
+    walk_floats(walk, afr->psi, SD_EXHAUST_PSI + 1u);
+    sd_afr_node_t *node = &afr->node[0][0][0];
+    for (uint32_t i = 0; i < SD_AFR_SPEEDS * SD_AFR_PRESSURES * SD_AFR_LAMBDAS; ++i, ++node) {
+        for (uint32_t k = 0; k < SD_AFR_OPEN; ++k) { walk_u16(walk, &node->share[k]); }
+        walk_32(walk, &node->rate_hz);
+        walk_32(walk, &node->z0_kg);
+        walk_32(walk, &node->transport_kg);
+    }
+}
+
 static void walk_fields(sd_walk_t *walk, sd_calibration_t *c) {
     walk_32(walk, &c->tick_hz);
     walk_u8(walk, &c->positions);
@@ -70,6 +96,7 @@ static void walk_fields(sd_walk_t *walk, sd_calibration_t *c) {
     for (uint32_t i = 0; i < SD_FOURIER_POSITIONS_MAX; ++i) { walk_32(walk, &c->inertia_kgm2[i]); }
     for (uint32_t i = 0; i < 2u * SD_FOURIER_POSITIONS_MAX; ++i) { walk_32(walk, &c->sine_q31[i]); }
     walk_map(walk, &c->cylinder_map);
+    walk_afr(walk, &c->afr);
     float *parameter = (float *)&c->parameters;
     for (uint32_t i = 0; i < SD_PARAMETER_COUNT; ++i) { walk_32(walk, &parameter[i]); }
 }

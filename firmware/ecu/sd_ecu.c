@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "sd_ecu.h"
+#include "sd_ecu_afr.h"
 
 #include <string.h>
 
@@ -60,8 +61,9 @@ sd_result_t sd_ecu_init(sd_ecu_t *self, const sd_calibration_t *calibration) {
     if (sd_crank_init(&fresh.crank, &crank) != SD_OK) { return SD_ERR_CONFIG; }
     const sd_result_t result = fixed_point(&fresh) ? sd_fourier_init_q31(&fresh.torque.q31, &torque)
                                                    : sd_fourier_init_f32(&fresh.torque.f32, &torque);
-    if (result == SD_OK) { *self = fresh; }
-    return result;
+    if ((result != SD_OK) || (sd_ecu_afr_init(&fresh) != SD_OK) || (sd_ecu_balance_init(&fresh) != SD_OK)) { return SD_ERR_CONFIG; }
+    *self = fresh;
+    return SD_OK;
 }
 
 /* ---- signals --------------------------------------------------------------------------------------------------- */
@@ -128,6 +130,7 @@ static void end_cycle(sd_ecu_t *self, const sd_port_t *port, uint32_t tick) {
     const float turns = (float)self->cycle_positions / (float)c->positions;
     self->signals.cycle_speed_rpm = (self->cycle_ticks > 0u) ? 60.0f * turns * c->tick_hz / (float)self->cycle_ticks : 0.0f;
     read_cylinders(self);
+    sd_ecu_afr_cycle(self);
     publish(self, port, tick, SD_RATE_CYCLE);
 }
 
@@ -146,9 +149,11 @@ static void follow(sd_ecu_t *self, const sd_tooth_t *tooth) {
     const uint32_t off = (tooth->cycle_position + cycle - expected) % cycle;
     if ((self->following == 0u) || ((off != 0u) && (off != self->calibration.positions))) {
         torque_restart(self);
+        sd_afr_restart(&self->afr);
         begin_cycle(self);
     } else if (off != 0u) {
         torque_shift(self);
+        sd_afr_restart(&self->afr);
         begin_cycle(self);
     }
     self->following = 1;
@@ -167,10 +172,12 @@ static void on_tooth(sd_ecu_t *self, const sd_port_t *port, const sd_tooth_t *to
     worst_of(status, tooth->health, tooth->why);
     self->signals.torque_innovation_j = status->innovation;
     add_to_cycle(self, tooth);
+    sd_ecu_afr_tooth(self, tooth);
 }
 
 static void lose_angle(sd_ecu_t *self, uint8_t why) {
     self->following = 0;
+    sd_afr_restart(&self->afr);
     self->signals.torque_mass_nm = 0.0f;
     worst_of(&self->status[SD_OWNER_TORQUE], SD_INVALID, why);
 }
@@ -216,6 +223,7 @@ static void on_sample(sd_ecu_t *self, const sd_event_t *event) {
         self->bad_samples++;
         return;
     }
+    if (event->channel == SD_INPUT_EXHAUST_LAMBDA) { sd_ecu_afr_sample(self, value); }
     self->sample[event->channel] = (sd_sample_t){ .value = value, .tick = event->tick, .seen = 1 };
 }
 
@@ -241,6 +249,8 @@ static sd_result_t apply(sd_ecu_t *self, uint8_t owner) {
     case SD_OWNER_TORQUE:
         return fixed_point(self) ? sd_fourier_init_q31(&self->torque.q31, &torque)
                                  : sd_fourier_init_f32(&self->torque.f32, &torque);
+    case SD_OWNER_AFR: return sd_ecu_afr_init(self);
+    case SD_OWNER_BALANCE: return sd_ecu_balance_init(self);
     default: return SD_ERR_CONFIG;
     }
 }

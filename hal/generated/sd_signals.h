@@ -7,7 +7,7 @@
 #include <stdint.h>
 
 /// Changes whenever the table does; calibration pages and logs carry it.
-#define SD_SIGNALS_SIGNATURE 0xeca81edfu
+#define SD_SIGNALS_SIGNATURE 0x8993d65au
 
 /// Channel of an SD_EVENT_SAMPLE.
 typedef enum sd_input {
@@ -15,8 +15,9 @@ typedef enum sd_input {
     SD_INPUT_FUEL_INJECTED = 1, ///< The controller's own command, a stroke and cylinder; 0 in fuel cut. [mg]
     SD_INPUT_EXHAUST_LAMBDA = 2, ///< Air to fuel, over stoichiometric, as the wide-range oxygen sensor (UEGO) reads it. [-]
     SD_INPUT_EXHAUST_PRESSURE = 3, ///< Absolute pressure in the exhaust manifold. [bar]
+    SD_INPUT_BALANCE_ENABLE = 4, ///< Above 0.5 the trims learn; otherwise, and until it is read, they are 0. [-]
 } sd_input_t;
-#define SD_INPUT_COUNT 4u
+#define SD_INPUT_COUNT 5u
 
 /// Channel of an SD_EVENT_SIGNAL.
 typedef enum sd_signal {
@@ -31,8 +32,12 @@ typedef enum sd_signal {
     SD_SIGNAL_CYCLE_SPEED = 8, ///< Mean speed of the cycle just ended. [rpm]
     SD_SIGNAL_CYCLE_CYLINDER_TORQUE = 9, ///< Combustion torque of a cylinder over the 180 deg after its TDC, mean of the last cycles, by physical number; from the harmonics, the known pulse shape and the intake pressure. [Nm, 8 channels]
     SD_SIGNAL_CYCLE_CYLINDER_SD = 17, ///< Standard deviation of cycle.cylinder_torque from errors of the tooth times (torque.tooth_sd, timer); errors of the engine model are not in it. [Nm, 8 channels]
+    SD_SIGNAL_AFR_CYLINDER_BURNED = 25, ///< Burned share of each cylinder's exhaust gas, by physical number: lambda = 1 - air/gas of document 004, above 1 where air is missing. [-, 8 channels]
+    SD_SIGNAL_AFR_CYLINDER_SD = 33, ///< Standard deviation that the filter states for a cylinder's deviation from the mean, over the mean. [-, 8 channels]
+    SD_SIGNAL_AFR_SLOW = 41, ///< 1: the sensor is too slow for this speed; the estimate learns over some tens of seconds. [-]
+    SD_SIGNAL_BALANCE_TRIM = 42, ///< Fuel to add to each cylinder, over its nominal, by physical number; their mean is 0. [-, 8 channels]
 } sd_signal_t;
-#define SD_SIGNAL_COUNT 25u
+#define SD_SIGNAL_COUNT 50u
 
 /// Present values, in channel order.
 typedef struct sd_signals {
@@ -47,6 +52,10 @@ typedef struct sd_signals {
     float cycle_speed_rpm;
     float cycle_cylinder_torque_nm[8];
     float cycle_cylinder_sd_nm[8];
+    float afr_cylinder_burned[8];
+    float afr_cylinder_sd[8];
+    float afr_slow;
+    float balance_trim[8];
 } sd_signals_t;
 
 /// Parameters of the working page; names, ranges and defaults in sd_parameter_infos.
@@ -62,11 +71,22 @@ typedef struct sd_parameters {
     float torque_speed_base_rpm; ///< Highest speed; base of the fixed-point variant.
     float torque_torque_base_nm; ///< Highest instantaneous torque; base of the fixed-point variant.
     float torque_fixed_point; ///< 1 runs the q31 variant, 0 the float one.
+    float afr_noise; ///< Density of the lambda sensor's noise, of burned share over sqrt(Hz), one-sided: what the filter expects.
+    float afr_drift; ///< q: how far a cylinder is expected to move in one cycle, of the mean burned share. Larger settles faster and is noisier.
+    float afr_drift_slow; ///< The same in slow mode.
+    float afr_slow_above; ///< Slow mode where crank speed (rad/s) times the sum of the sensor's lags (s) is above this.
+    float afr_stoichiometric; ///< Air to fuel of the fuel in use.
+    float balance_source; ///< 0 no trims, 1 from afr.cylinder_burned, 2 from cycle.cylinder_torque.
+    float balance_gain; ///< Of the deviation, taken off the trim each cycle.
+    float balance_rate; ///< Largest change of a trim in a cycle.
+    float balance_limit; ///< Largest trim.
+    float balance_sd_max; ///< Stated standard deviation of a deviation above which nothing is learned.
+    float balance_hold_cycles; ///< How long trims hold after a transient or an estimate that is not valid.
 } sd_parameters_t;
-#define SD_PARAMETER_COUNT 11u
+#define SD_PARAMETER_COUNT 22u
 
 typedef enum sd_rate { SD_RATE_EDGE, SD_RATE_CYCLE } sd_rate_t;
-typedef enum sd_owner { SD_OWNER_CRANK, SD_OWNER_TORQUE, SD_OWNER_CYLINDER, SD_OWNER_COUNT } sd_owner_t;
+typedef enum sd_owner { SD_OWNER_CRANK, SD_OWNER_TORQUE, SD_OWNER_CYLINDER, SD_OWNER_AFR, SD_OWNER_BALANCE, SD_OWNER_COUNT } sd_owner_t;
 
 /// One row of the table. `value` is the default of a parameter.
 typedef struct sd_signal_info {

@@ -8,6 +8,7 @@
 
 #include "calibration/cylinder_map.hpp"
 #include "calibration/observer_map.hpp"
+#include "calibration/exhaust_tables.hpp"
 #include "common/error.hpp"
 extern "C" {
 #include "sd_ecu.h"
@@ -131,6 +132,7 @@ sd_calibration_t calibrate(const EngineFile &engine, const sd_parameters_t &tune
     c.parameters = resolve(engine, tune);
     check(c, engine, tune_name);
     c.cylinder_map = page_map(engine, c);
+    c.afr = afr_grid(engine);
     return c;
 }
 

@@ -66,10 +66,11 @@ class Blowdown {
         for (double s : share_) passed += s;
         for (double &s : share_) s = std::max(s / passed, 0.0);
         const double charge = trapped_ + fuel_, flow = charge * double(gas_.size()) * speed_ / (4 * M_PI);
+        const double transport = (exhaust_.pipe_m3 + exhaust_.mixing_m3) * kAmbientPa / (kR * manifold_k_);
         const double area = exhaust_.turbine_area_m2.at(speed_);
         return {share_, charge, area * std::sqrt(kR * manifold_k_) / exhaust_.manifold_m3,
-                kAmbientPa * exhaust_.manifold_m3 / (kR * manifold_k_), sum_kg_ / steps,
-                (exhaust_.pipe_m3 + exhaust_.mixing_m3) * kAmbientPa / (kR * manifold_k_) / flow + exhaust_.dead_time_s};
+                kAmbientPa * exhaust_.manifold_m3 / (kR * manifold_k_), sum_kg_ / steps, transport,
+                transport / flow + exhaust_.dead_time_s, trapped_};
     }
 
   private:
@@ -141,6 +142,53 @@ class Blowdown {
 ExhaustPoint exhaust_point(const EngineFile &engine, double speed_radps, double intake_pa,
                            double lambda) {
     return Blowdown(engine, speed_radps, intake_pa, lambda).run();
+}
+
+namespace {
+
+constexpr double kRpm[SD_AFR_SPEEDS] = {800, 1700, 3000, 4800}, kBar[SD_AFR_PRESSURES] = {0.9, 1.5, 2.5},
+                 kLambda[SD_AFR_LAMBDAS] = {0.25, 0.75};
+constexpr double kMassCharges = 12; // the manifold never holds the gas of so many cylinders
+
+sd_afr_node_t page_node(const ExhaustPoint &point, int open_position) {
+    sd_afr_node_t node{};
+    const auto cycle = point.share.size();
+    for (std::size_t k = 0; k < std::min<std::size_t>(SD_AFR_OPEN, cycle); ++k)
+        node.share[k] = std::uint16_t(std::lround(65535 * point.share[(std::size_t(open_position) + k) % cycle]));
+    node.rate_hz = float(point.rate_hz);
+    node.z0_kg = float(point.z0_kg);
+    node.transport_kg = float(point.transport_kg);
+    return node;
+}
+
+} // namespace
+
+sd_afr_grid_t afr_grid(const EngineFile &engine) {
+    sd_afr_grid_t grid{};
+    if (!engine.exhaust) return grid;
+    grid.present = 1;
+    const int open = int(std::floor(engine.exhaust_open_deg / 360 * engine.wheel.positions));
+    grid.open_position = std::uint16_t(open);
+    ExhaustPoint point;
+    for (int s = 0; s < SD_AFR_SPEEDS; ++s) {
+        for (int p = 0; p < SD_AFR_PRESSURES; ++p) {
+            for (int l = 0; l < SD_AFR_LAMBDAS; ++l) {
+                point = exhaust_point(engine, kRpm[s] * M_PI / 30, kBar[p] * 1e5, kLambda[l]);
+                grid.node[s][p][l] = page_node(point, open);
+            }
+        }
+    }
+    for (int s = 0; s < SD_AFR_SPEEDS; ++s) grid.speed_radps[s] = float(kRpm[s] * M_PI / 30);
+    std::copy(std::begin(kBar), std::end(kBar), grid.pressure_bar);
+    std::copy(std::begin(kLambda), std::end(kLambda), grid.lambda);
+    grid.air_kg_per_bar = float(point.air_kg / kBar[SD_AFR_PRESSURES - 1]);
+    grid.mass_base_kg = float(kMassCharges * point.charge_kg);
+    grid.dead_s = float(engine.exhaust->dead_time_s);
+    grid.tau1_s = float(engine.exhaust->uego_tau_s[0]);
+    grid.tau2_s = float(engine.exhaust->uego_tau_s[1]);
+    const auto psi = exhaust_psi();
+    std::copy(psi.begin(), psi.end(), grid.psi);
+    return grid;
 }
 
 std::array<double, 33> exhaust_psi() {

@@ -6,6 +6,9 @@
 #include <vector>
 
 #include "common/engine_file.hpp"
+extern "C" {
+#include "sd_afr.h"
+}
 
 namespace sixdeg {
 
@@ -16,12 +19,17 @@ struct ExhaustPoint {
     double rate_hz = 0;        ///< Turbine area sqrt(R T)/manifold volume.
     double z0_kg = 0;          ///< In the manifold at ambient pressure.
     double mean_kg = 0;        ///< In the manifold, mean over the cycle.
-    double delay_s = 0;        ///< Turbine to sensor.
+    double transport_kg = 0;   ///< Gas between turbine and sensor.
+    double delay_s = 0;        ///< Turbine to sensor, dead time included.
+    double air_kg = 0;         ///< Of the charge.
 };
 
 /// Periodic flow at a constant speed, with fuel for `lambda` of document 004 in the exhaust. engine.exhaust is set.
 ExhaustPoint exhaust_point(const EngineFile &engine, double speed_radps, double intake_pa,
                            double lambda);
+
+/// The grid for the calibration page; not present without engine.exhaust.
+sd_afr_grid_t afr_grid(const EngineFile &engine);
 
 /// psi(1 + k/32), k = 0 to 32, of sd_exhaust.h.
 std::array<double, 33> exhaust_psi();

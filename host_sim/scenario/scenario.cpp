@@ -159,6 +159,12 @@ void read_encoder(TomlFile &file, Scenario &s) {
     e.cam_drop_rate = file.number_or("encoder.cam.drop_rate", {0, 1, ""}, 0);
 }
 
+void read_balance(TomlFile &file, Scenario &s) {
+    if (file.has("control.balance_on_s")) s.balance_on_s = file.numbers("control.balance_on_s", {0, kLongest, "s"});
+    if (s.balance_on_s.size() % 2 != 0) file.fail("control.balance_on_s", "is not a list of pairs: from, to, from, to");
+    if (!std::is_sorted(s.balance_on_s.begin(), s.balance_on_s.end())) file.fail("control.balance_on_s", "is not ascending");
+}
+
 void read_uego(TomlFile &file, Scenario &s) {
     if (!file.has("uego")) return;
     if (!s.engine.shared.exhaust) file.fail("uego", "needs an engine file with [exhaust] and [uego]");
@@ -187,6 +193,7 @@ Scenario read_scenario(TomlFile &file, const std::filesystem::path &folder) {
     read_misfires(file, s);
     read_encoder(file, s);
     read_uego(file, s);
+    read_balance(file, s);
     file.finish();
     return s;
 }

@@ -71,6 +71,7 @@ struct Scenario {
     double misfire_burned_fraction = 0; ///< Of random and continuous ones.
 
     EncoderFaults encoder;
+    std::vector<double> balance_on_s; ///< Pairs from, to: the firmware may trim the fuel.
     std::optional<UegoSetup> uego; ///< With it the exhaust side runs; needs engine.shared.exhaust.
 };
 

@@ -14,7 +14,7 @@ import bus
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 TABLE = ROOT / "hal" / "signals.toml"
 RATES = ("edge", "cycle")
-OWNERS = ("crank", "torque", "cylinder")
+OWNERS = ("crank", "torque", "cylinder", "afr", "balance")
 REQUIRED = {"input": {"name", "unit", "range", "text"},
             "signal": {"name", "unit", "range", "rate", "owner", "text"},
             "parameter": {"name", "unit", "range", "default", "owner", "text"}}

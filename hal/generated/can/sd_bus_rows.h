@@ -81,21 +81,88 @@ static inline void sd_bus_cycle_2_from_row(struct sd_bus_cycle_2_t *m, const sd_
     m->tick = (uint32_t)row->tick;
     m->cylinder_health = row->health[SD_OWNER_CYLINDER];
     m->cylinder_why = row->why[SD_OWNER_CYLINDER];
+    m->afr_health = row->health[SD_OWNER_AFR];
+    m->afr_why = row->why[SD_OWNER_AFR];
     m->cycle_cylinder_sd_6 = row->value[22];
     m->cycle_cylinder_sd_7 = row->value[23];
     m->cycle_cylinder_sd_8 = row->value[24];
+    m->afr_cylinder_burned_1 = row->value[25];
+    m->afr_cylinder_burned_2 = row->value[26];
+    m->afr_cylinder_burned_3 = row->value[27];
+    m->afr_cylinder_burned_4 = row->value[28];
+    m->afr_cylinder_burned_5 = row->value[29];
+    m->afr_cylinder_burned_6 = row->value[30];
+    m->afr_cylinder_burned_7 = row->value[31];
+    m->afr_cylinder_burned_8 = row->value[32];
+    m->afr_cylinder_sd_1 = row->value[33];
+    m->afr_cylinder_sd_2 = row->value[34];
+    m->afr_cylinder_sd_3 = row->value[35];
 }
 
 static inline void sd_bus_cycle_2_to_row(sd_row_t *row, const struct sd_bus_cycle_2_t *m) {
     sd_row_begin(row, (uint32_t)m->tick, SD_RATE_CYCLE);
     sd_row_status(row, SD_OWNER_CYLINDER, (uint8_t)m->cylinder_health, (uint8_t)m->cylinder_why);
+    sd_row_status(row, SD_OWNER_AFR, (uint8_t)m->afr_health, (uint8_t)m->afr_why);
     sd_row_put(row, 22, m->cycle_cylinder_sd_6);
     sd_row_put(row, 23, m->cycle_cylinder_sd_7);
     sd_row_put(row, 24, m->cycle_cylinder_sd_8);
+    sd_row_put(row, 25, m->afr_cylinder_burned_1);
+    sd_row_put(row, 26, m->afr_cylinder_burned_2);
+    sd_row_put(row, 27, m->afr_cylinder_burned_3);
+    sd_row_put(row, 28, m->afr_cylinder_burned_4);
+    sd_row_put(row, 29, m->afr_cylinder_burned_5);
+    sd_row_put(row, 30, m->afr_cylinder_burned_6);
+    sd_row_put(row, 31, m->afr_cylinder_burned_7);
+    sd_row_put(row, 32, m->afr_cylinder_burned_8);
+    sd_row_put(row, 33, m->afr_cylinder_sd_1);
+    sd_row_put(row, 34, m->afr_cylinder_sd_2);
+    sd_row_put(row, 35, m->afr_cylinder_sd_3);
+}
+
+static inline void sd_bus_cycle_3_from_row(struct sd_bus_cycle_3_t *m, const sd_row_t *row) {
+    m->tick = (uint32_t)row->tick;
+    m->afr_health = row->health[SD_OWNER_AFR];
+    m->afr_why = row->why[SD_OWNER_AFR];
+    m->balance_health = row->health[SD_OWNER_BALANCE];
+    m->balance_why = row->why[SD_OWNER_BALANCE];
+    m->afr_cylinder_sd_4 = row->value[36];
+    m->afr_cylinder_sd_5 = row->value[37];
+    m->afr_cylinder_sd_6 = row->value[38];
+    m->afr_cylinder_sd_7 = row->value[39];
+    m->afr_cylinder_sd_8 = row->value[40];
+    m->afr_slow = row->value[41];
+    m->balance_trim_1 = row->value[42];
+    m->balance_trim_2 = row->value[43];
+    m->balance_trim_3 = row->value[44];
+    m->balance_trim_4 = row->value[45];
+    m->balance_trim_5 = row->value[46];
+    m->balance_trim_6 = row->value[47];
+    m->balance_trim_7 = row->value[48];
+    m->balance_trim_8 = row->value[49];
+}
+
+static inline void sd_bus_cycle_3_to_row(sd_row_t *row, const struct sd_bus_cycle_3_t *m) {
+    sd_row_begin(row, (uint32_t)m->tick, SD_RATE_CYCLE);
+    sd_row_status(row, SD_OWNER_AFR, (uint8_t)m->afr_health, (uint8_t)m->afr_why);
+    sd_row_status(row, SD_OWNER_BALANCE, (uint8_t)m->balance_health, (uint8_t)m->balance_why);
+    sd_row_put(row, 36, m->afr_cylinder_sd_4);
+    sd_row_put(row, 37, m->afr_cylinder_sd_5);
+    sd_row_put(row, 38, m->afr_cylinder_sd_6);
+    sd_row_put(row, 39, m->afr_cylinder_sd_7);
+    sd_row_put(row, 40, m->afr_cylinder_sd_8);
+    sd_row_put(row, 41, m->afr_slow);
+    sd_row_put(row, 42, m->balance_trim_1);
+    sd_row_put(row, 43, m->balance_trim_2);
+    sd_row_put(row, 44, m->balance_trim_3);
+    sd_row_put(row, 45, m->balance_trim_4);
+    sd_row_put(row, 46, m->balance_trim_5);
+    sd_row_put(row, 47, m->balance_trim_6);
+    sd_row_put(row, 48, m->balance_trim_7);
+    sd_row_put(row, 49, m->balance_trim_8);
 }
 
 #define SD_BUS_INPUTS_FIRST 0xa8u
-#define SD_BUS_INPUTS_END   0xacu /* the identifier after the last input's */
+#define SD_BUS_INPUTS_END   0xadu /* the identifier after the last input's */
 
 /* How many bytes frame `part` of a row of `rate` takes, its identifier in *id; 0 when there is no such part. */
 static inline uint32_t sd_bus_row_pack(const sd_row_t *row, uint32_t part, uint32_t *id, uint8_t bytes[64]) {
@@ -118,6 +185,12 @@ static inline uint32_t sd_bus_row_pack(const sd_row_t *row, uint32_t part, uint3
         *id = SD_BUS_CYCLE_2_FRAME_ID;
         return (uint32_t)sd_bus_cycle_2_pack(bytes, &m, 64);
     }
+    if ((row->rate == SD_RATE_CYCLE) && (at++ == part)) {
+        struct sd_bus_cycle_3_t m;
+        sd_bus_cycle_3_from_row(&m, row);
+        *id = SD_BUS_CYCLE_3_FRAME_ID;
+        return (uint32_t)sd_bus_cycle_3_pack(bytes, &m, 64);
+    }
     return 0;
 }
 
@@ -139,6 +212,12 @@ static inline int sd_bus_row_unpack(sd_row_t *row, uint32_t id, const uint8_t *b
         struct sd_bus_cycle_2_t m;
         if ((size != SD_BUS_CYCLE_2_LENGTH) || (sd_bus_cycle_2_unpack(&m, bytes, size) != 0)) { return -1; }
         sd_bus_cycle_2_to_row(row, &m);
+        return 1;
+    }
+    if (id == SD_BUS_CYCLE_3_FRAME_ID) {
+        struct sd_bus_cycle_3_t m;
+        if ((size != SD_BUS_CYCLE_3_LENGTH) || (sd_bus_cycle_3_unpack(&m, bytes, size) != 0)) { return -1; }
+        sd_bus_cycle_3_to_row(row, &m);
         return 1;
     }
     return 0;

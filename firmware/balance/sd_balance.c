@@ -24,7 +24,7 @@ void sd_balance_restart(sd_balance_t *self) {
     self->mean_square = self->noise = 0.0f;
     self->least = 1e9f;
     self->learned = 0;
-    self->hold = self->config.hold_cycles;
+    self->hold = 0;
     self->diverged = self->at_limit = 0;
 }
 

@@ -7,7 +7,7 @@
 #include <stdint.h>
 
 /// Changes whenever the table does; calibration pages and logs carry it.
-#define SD_SIGNALS_SIGNATURE 0x8993d65au
+#define SD_SIGNALS_SIGNATURE 0x07ef37e5u
 
 /// Channel of an SD_EVENT_SAMPLE.
 typedef enum sd_input {

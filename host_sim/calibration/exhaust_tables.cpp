@@ -51,7 +51,7 @@ class Blowdown {
   public:
     Blowdown(const EngineFile &engine, double speed, double intake_pa, double lambda)
         : engine_(engine), exhaust_(*engine.exhaust), open_rad_(kRadPerDeg * engine.exhaust_open_deg), piston_(engine), speed_(speed),
-          trapped_(intake_pa * piston_.volume(kRadPerDeg * engine.intake_close_deg) / (kR * kChargeK)), fuel_(trapped_ * lambda / (1 + kStoichiometric - lambda)),
+          trapped_(exhaust_.flow_factor * intake_pa * piston_.volume(kRadPerDeg * engine.intake_close_deg) / (kR * kChargeK)), fuel_(trapped_ * lambda / (1 + kStoichiometric - lambda)),
           opening_pa_(opening_pressure(piston_, engine, fuel_, intake_pa)),
           manifold_k_(700), share_(std::size_t(2 * engine.wheel.positions), 0.0), gas_(engine.firing_tdc_deg.size(), Gas{trapped_, kAmbientPa, piston_.volume(M_PI)}) {}
 
@@ -74,6 +74,14 @@ class Blowdown {
     }
 
   private:
+    /// Positions are counted from the first at or after TDC, and hold what passes in the pitch that ends there.
+    std::size_t share_index(double theta) const {
+        const double after_tdc = (engine_.firing_tdc_deg[0] - engine_.position_0_deg) / 360 * engine_.wheel.positions;
+        const double late = std::ceil(after_tdc - 1e-9) - after_tdc;
+        const long k = std::lround(std::ceil(theta / (2 * M_PI) * engine_.wheel.positions - late - 1e-9));
+        return std::size_t(std::max(k, 0L));
+    }
+
     double valve_area(double theta) const {
         const double x = (theta - open_rad_) / (exhaust_.valve_close_rad - open_rad_);
         return x <= 0 || x >= 1 ? 0 : exhaust_.valve_area_m2 * std::pow(std::sin(M_PI * x), 2);
@@ -104,7 +112,7 @@ class Blowdown {
             gas_[i].change(gas_[i].kg - passed, volume);
             inflow += passed;
             heat_ += passed * gas_[i].kelvin(), flowed_ += passed;
-            if (measured && i == 0) share_[std::size_t(std::ceil(theta / (2 * M_PI) * engine_.wheel.positions - 1e-9))] += passed;
+            if (measured && i == 0) share_[share_index(theta)] += passed;
         }
         return inflow;
     }

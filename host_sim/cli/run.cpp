@@ -12,6 +12,7 @@
 
 #include "calibration/calibration.hpp"
 #include "cli/commands.hpp"
+#include "cli/run_figures.hpp"
 #include "cli/tune_options.hpp"
 #include "common/files.hpp"
 #include "common/stop.hpp"
@@ -26,11 +27,13 @@ struct Options {
     std::string scenario, tune, number, out, json, record;
     std::vector<std::string> set;
     std::optional<std::uint64_t> seed;
+    bool nominal = false;
 };
 
 struct Inputs {
     Scenario scenario;
     sd_parameters_t tune;
+    std::string tune_name;
     sd_calibration_t calibration;
     Json files;
 };
@@ -61,6 +64,7 @@ Inputs read_inputs(const Options &options) {
 
     TomlFile tune = open_tune(options.tune, of_tune, options.number);
     inputs.tune = read_tune(tune);
+    inputs.tune_name = tune.name();
     if (!options.tune.empty()) inputs.files[options.tune] = sha256(tune.content());
     inputs.calibration = calibrate(inputs.scenario.engine.shared, inputs.tune, tune.name());
     return inputs;
@@ -74,18 +78,16 @@ Json about(const Options &options, const Inputs &inputs) {
             {"set", options.set}, {"seed", inputs.scenario.seed}, {"files", inputs.files}};
 }
 
-Json torque_json(const std::optional<TorqueFigures> &torque) {
-    if (!torque) return Json();
-    return {{"cycles_measured", torque->cycles},
-            {"true_peak_to_peak_nm", torque->true_pp_nm},
-            {"rms_true_percent", torque->rms_true_percent},
-            {"rms_projection_percent", torque->rms_projection_percent},
-            {"truncation_percent", torque->truncation_percent},
-            {"shift_deg", torque->shift_deg}};
+/// What the figures rest on beside the parameters.
+Json thresholds() {
+    return {{"scored_cycles", kScoredCycles},
+            {"misfire_true_burned_below", 0.5},
+            {"wrong_revolution_beyond_deg", kWrongRevolutionDeg},
+            {"health_counted", {{"torque", "valid"}, {"cylinders", "valid, degraded"}}}};
 }
 
 Json summarise(const Options &options, const Inputs &inputs, const RunResult &result,
-               double realtime_factor) {
+               const std::optional<PerturbedRun> &perturbed, double realtime_factor) {
     const EngineFile &engine = inputs.scenario.engine.shared;
     Json summary;
     summary["scenario"] = inputs.scenario.name;
@@ -99,20 +101,20 @@ Json summarise(const Options &options, const Inputs &inputs, const RunResult &re
     summary["cylinder_cycles"] = result.true_cycles;
     summary["misfires_true"] = result.misfires;
     summary["stalled"] = result.stalled;
-    summary["torque"] = torque_json(result.torque);
-    summary["calibration"] = "nominal";
-    summary["number"] = inputs.tune.torque_fixed_point > 0.5f ? "q31" : "f32";
+    add_figures(summary, result, perturbed);
+    summary["number"] = inputs.calibration.parameters.torque_fixed_point > 0.5f ? "q31" : "f32";
     summary["seed"] = inputs.scenario.seed;
     summary["set"] = options.set;
-    summary["parameters"] = parameters_json(inputs.tune);
-    summary["scored_cycles"] = kScoredCycles;
+    summary["parameters"] = parameters_json(inputs.calibration.parameters);
+    summary["thresholds"] = thresholds();
     summary["engine"] = {{"name", engine.name}, {"guessed", engine.guessed}};
     summary["versions"] = {{"sixdeg", SD_VERSION}, {"signals", fmt::format("{:08x}", SD_SIGNALS_SIGNATURE)}};
     summary["files"] = inputs.files;
     return summary;
 }
 
-void print_figures(const Inputs &inputs, const RunResult &result, double realtime_factor) {
+void print_figures(const Inputs &inputs, const RunResult &result, const std::optional<PerturbedRun> &perturbed,
+                   double realtime_factor) {
     const auto row = [](const char *name, const std::string &value) {
         fmt::print("{:<34}{}\n", name, value);
     };
@@ -124,17 +126,15 @@ void print_figures(const Inputs &inputs, const RunResult &result, double realtim
     row("wrong teeth, revolutions", fmt::format("{}, {}", result.wrong_teeth, result.wrong_revolutions));
     row("cylinder cycles", fmt::format("{} ({} misfires)", result.true_cycles, result.misfires));
     if (result.stalled) row("the engine", "stalled");
-    if (!result.torque) {
-        row("torque against truth", "none: no settled cycle, or the speed is prescribed");
-        return;
-    }
-    const TorqueFigures &t = *result.torque;
-    row("torque against truth over", fmt::format("{} cycles", t.cycles));
-    row("  true peak to peak", fmt::format("{:.1f} Nm", t.true_pp_nm));
-    row("  rms, all harmonics",
-        fmt::format("{:.2f} % (truncation alone {:.2f} %)", t.rms_true_percent, t.truncation_percent));
-    row("  rms, the estimate's harmonics", fmt::format("{:.2f} %", t.rms_projection_percent));
-    row("  shift", fmt::format("{:+.3f} deg", t.shift_deg));
+    print_accuracy(result, perturbed);
+}
+
+/// The same run with a calibration that is wrong, drawn from the scenario's seed.
+PerturbedRun run_perturbed(const Inputs &inputs) {
+    const EngineFile &engine = inputs.scenario.engine.shared;
+    const Perturbation drawn = draw_perturbation(engine, inputs.scenario.seed);
+    const sd_calibration_t page = calibrate(perturbed(engine, drawn), inputs.tune, inputs.tune_name);
+    return {drawn, run_on_bench(inputs.scenario, page, nullptr)};
 }
 
 void run(const Options &options) {
@@ -150,7 +150,9 @@ void run(const Options &options) {
     const RunResult result = run_on_bench(inputs.scenario, inputs.calibration, tables ? &*tables : nullptr, listener);
     const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
     const double realtime_factor = result.simulated_s / took.count();
-    const std::string summary = summarise(options, inputs, result, realtime_factor).dump(2) + "\n";
+    std::optional<PerturbedRun> perturbed;
+    if (!options.nominal) perturbed = run_perturbed(inputs);
+    const std::string summary = summarise(options, inputs, result, perturbed, realtime_factor).dump(2) + "\n";
     if (log) log->finish();
     if (tables) {
         OutputFolder out(options.out);
@@ -160,7 +162,7 @@ void run(const Options &options) {
         out.commit();
     }
     if (!options.json.empty()) write_file(options.json, summary);
-    print_figures(inputs, result, realtime_factor);
+    print_figures(inputs, result, perturbed, realtime_factor);
     end_by_signal();
 }
 
@@ -179,6 +181,7 @@ void add_run(CLI::App &app) {
         ->check(CLI::Range(std::uint64_t(0), std::uint64_t(1) << 52));
     command->add_option("--out", options->out, "folder for summary.json, teeth.csv and cycles.csv");
     command->add_option("--json", options->json, "the summary alone");
+    command->add_flag("--nominal", options->nominal, "skip the second run, whose calibration is wrong on purpose");
     command->add_option("--record", options->record, "event log of all that goes in and out (docs/log.md)");
     command->callback([options] { run(*options); });
 }

@@ -15,6 +15,7 @@ struct ExhaustSystem {
     Profile turbine_area_m2;    ///< Effective, over engine speed in rad/s.
     double pipe_m3 = 0, mixing_m3 = 0, dead_time_s = 0; ///< Between turbine and sensor.
     double uego_tau_s[2] = {0, 0};
+    double flow_factor = 1; ///< On the charge as the calibration believes it; no field of the file.
 };
 
 /// None when the file has no [exhaust]. Throws InputError.

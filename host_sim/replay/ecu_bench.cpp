@@ -43,6 +43,13 @@ void EcuBench::tell_time_until(double t_s) {
     }
 }
 
+void EcuBench::sample(sd_input_t input, double value, double t_s) {
+    const float reading = float(value);
+    sd_event_t event{tick_at(t_s), SD_EVENT_SAMPLE, std::uint16_t(input), 0, 0};
+    std::memcpy(&event.value, &reading, sizeof event.value);
+    exchange(event);
+}
+
 void EcuBench::read_sensors(std::uint32_t tick) {
     for (std::size_t input = 0; input < shown_.size(); ++input) {
         if (!shown_[input]) continue;

@@ -31,6 +31,8 @@ class EcuBench {
     bool exchange(std::uint16_t kind, std::uint32_t tick) { return exchange({tick, kind, 0, 0, 0}); }
     /// What a sampled sensor shows from now on; it is read every 10 ms, right before the time event.
     void show(sd_input_t input, double value) { shown_[input] = float(value); }
+    /// One reading of a sampled sensor, now: for those that are read more often.
+    void sample(sd_input_t input, double value, double t_s);
     /// Sends the time event that falls due every 10 ms before t_s; the first call sets where they begin.
     void tell_time_until(double t_s);
     /// Capture tick of a time, modulo 2^32.

@@ -62,7 +62,7 @@ template <class V> class AfrBlocks {
         std::copy(psi.begin(), psi.end(), e.psi);
         must(V::exhaust_init(&exhaust_, &e));
         // Lags stepped from their own ends lead by half a position each, the mean over a position lags by half.
-        const double lead = setup.method == AfrMethod::joint || setup.method == AfrMethod::joint_fixed ? 1.5
+        const double lead = setup.method == AfrMethod::joint ? 1.5
                             : setup.method == AfrMethod::true_gas ? 0 : 0.5;
         const double delay = setup.method == AfrMethod::true_gas ? 0 : point.delay_s / trace.step_s + error.delay_deg / 360 * engine.wheel.positions;
         const sd_exhaust_point_t p{share_.data(), float(charge), float(point.rate_hz * (1 + error.turbine)), float(point.z0_kg),

@@ -19,7 +19,7 @@ struct AfrError {
     double turbine = 0;   ///< Of its area, share.
 };
 
-enum class AfrMethod { joint, joint_fixed, fourier, oscillator, true_gas };
+enum class AfrMethod { joint, fourier, oscillator, true_gas };
 
 struct AfrSetup {
     AfrMethod method = AfrMethod::joint;

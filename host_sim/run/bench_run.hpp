@@ -5,13 +5,16 @@
 #include <cstdint>
 #include <optional>
 
+#include "run/afr_score.hpp"
+#include "run/cylinder_score.hpp"
 #include "run/run_tables.hpp"
 #include "run/torque_score.hpp"
 #include "scenario/scenario.hpp"
 
 namespace sixdeg {
 
-constexpr std::size_t kScoredCycles = 20; ///< The last settled ones go into TorqueFigures.
+constexpr double kWrongRevolutionDeg = 180; ///< Off by more, a right tooth is in the wrong revolution.
+constexpr std::size_t kScoredCycles = 20; ///< The last settled ones go into the figures.
 
 struct RunResult {
     double simulated_s = 0;            ///< To the last edge.
@@ -24,6 +27,9 @@ struct RunResult {
     bool stalled = false;
     sd_crank_counts_t counts{};          ///< The decoder's own.
     std::optional<TorqueFigures> torque; ///< None when the speed is prescribed: torques act on nothing then.
+    std::optional<CylinderFigures> cylinders; ///< The same.
+    std::optional<AfrFigures> afr;            ///< With a wideband sensor only.
+    std::optional<BalanceFigures> balance;    ///< Where fuel trims were allowed.
 };
 
 /// Runs the scenario to its end. `calibration` comes from calibrate() and need not be of the scenario's

@@ -37,7 +37,7 @@ class RunTables {
   private:
     struct FirmwareCycle {
         sd_signals_t signals;
-        std::uint8_t health;
+        std::uint8_t health, afr_health;
     };
     EngineFile engine_;
     std::string teeth_ =

@@ -9,6 +9,7 @@ void add_bench(CLI::App &app);
 void add_calibrate(CLI::App &app);
 void add_replay(CLI::App &app);
 void add_run(CLI::App &app);
+void add_sweep(CLI::App &app);
 void add_sensors(CLI::App &app); ///< sensors: which sensors observe which states
 
 } // namespace sixdeg

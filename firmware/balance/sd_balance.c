@@ -3,9 +3,10 @@
 
 #include <string.h>
 
-#define SMOOTH 0.0625f /* a cycle */
+#define SMOOTH 0.25f /* a cycle */
 
-enum { WATCH_AFTER = 32 }; /* cycles of learning until the smoothed rms means something */
+enum { WATCH_AFTER = 8 }; /* cycles of learning until the smoothed rms means something */
+#define PATIENCE 3.0f     /* over the gain: in that many cycles a right loop has worn a step down */
 
 static bool above_to(float x, float above, float to) { return (x > above) && (x <= to); }
 
@@ -24,7 +25,7 @@ void sd_balance_restart(sd_balance_t *self) {
     self->mean_square = self->noise = 0.0f;
     self->least = 1e9f;
     self->learned = 0;
-    self->hold = 0;
+    self->hold = self->grown = 0;
     self->diverged = self->at_limit = 0;
 }
 
@@ -61,13 +62,15 @@ static void watch(sd_balance_t *self, const float *deviation, const float *sd) {
         square += deviation[i] * deviation[i] / (float)self->config.cylinders;
         noise += sd[i] * sd[i] / (float)self->config.cylinders;
     }
-    const float part = (self->learned == 0u) ? 1.0f : SMOOTH;
+    const float part = (self->learned < 3u) ? 1.0f / (float)(self->learned + 1u) : SMOOTH;
     self->mean_square += part * (square - self->mean_square);
     self->noise += part * (noise - self->noise);
     if (self->learned < UINT32_MAX) { self->learned++; }
     if (self->learned < WATCH_AFTER) { return; }
     if (self->mean_square < self->least) { self->least = self->mean_square; }
-    if (self->mean_square > 4.0f * self->least + 4.0f * self->noise) {
+    const bool grown = self->mean_square > 4.0f * self->least + 4.0f * self->noise;
+    self->grown = grown ? (uint16_t)(self->grown + 1u) : 0u;
+    if ((float)self->grown * self->config.gain > PATIENCE) {
         memset(self->trim, 0, sizeof self->trim);
         self->diverged = 1;
     }

@@ -7,8 +7,9 @@
 /// The clamp is the anti-windup: a trim at its limit leaves it with the first deviation of the other sign. Trims hold
 /// while the estimate is not valid, its stated standard deviation is above sd_max, or the caller says transient, and for
 /// hold_cycles after. A loop that drives deviations up instead of down (wrong phase) is caught by their rms, smoothed over
-/// some 16 cycles: at twice its least value since the loop closed and 2 rms deviations of noise above it, trims go back to
-/// 0 and the status is invalid until sd_balance_restart.
+/// some 4 cycles: when its square stays above 4 times its least since the loop closed plus 4 times the stated variance for
+/// 3/gain cycles, trims go back to 0 and the status is invalid until sd_balance_restart. A step of an injector is worn
+/// down sooner than that.
 ///
 /// Float only. Real-time contract: no heap, no globals, no libm; some passes over the cylinders. One writer per state.
 #ifndef SD_BALANCE_H
@@ -22,7 +23,7 @@
 typedef struct sd_balance_config {
     uint8_t  cylinders;    ///< 2 to SD_BALANCE_CYLINDERS_MAX.
     float    gain;         ///< Of the deviation, a cycle, (0, 1].
-    float    rate;         ///< Largest change of a trim in a cycle, (0, 1].
+    float    rate;         ///< Largest change of a trim in a cycle, before the mean of all is taken off, (0, 1].
     float    limit;        ///< Largest |trim|, (0, 0.5].
     float    sd_max;       ///< Of a deviation, above which nothing is learned, (0, 1].
     uint16_t hold_cycles;  ///< After a transient or an invalid estimate.
@@ -33,7 +34,7 @@ typedef struct sd_balance {
     float    trim[SD_BALANCE_CYLINDERS_MAX]; ///< Fuel factor less 1.
     float    mean_square, least, noise;      ///< Of the deviations, smoothed; its least; of their stated variance.
     uint32_t learned;                        ///< Cycles since restart in which trims moved.
-    uint16_t hold;
+    uint16_t hold, grown;                    ///< Cycles left on hold; since deviations are too large.
     uint8_t  diverged, at_limit;
 } sd_balance_t;
 

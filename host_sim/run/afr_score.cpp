@@ -18,6 +18,13 @@ double spread_percent(const std::vector<double> &x) {
     return 100 * (*high - *low) / mean_of(x);
 }
 
+double distance_percent(const std::vector<double> &x) {
+    const double mean = mean_of(x);
+    double sum = 0;
+    for (double v : x) sum += std::abs(v - mean);
+    return 100 * sum / mean / double(x.size());
+}
+
 std::size_t farthest(const std::vector<double> &x) {
     const double mean = mean_of(x);
     std::size_t best = 0;
@@ -34,6 +41,7 @@ void AfrScore::cycle(const std::vector<double> &truth, const std::vector<double>
     if (balancing && !balancing_) since_ = spread_.size(), ever_ = true;
     balancing_ = balancing;
     spread_.push_back(spread_percent(truth));
+    distance_.push_back(distance_percent(truth));
     if (!valid) return;
     kept_.push_back({truth, estimate, stated_sd});
     if (kept_.size() > keep_) kept_.pop_front();
@@ -64,17 +72,15 @@ std::optional<AfrFigures> AfrScore::estimate() const {
 
 std::optional<BalanceFigures> AfrScore::balance() const {
     if (!ever_ || since_ < kMeanOf || spread_.size() < since_ + kMeanOf) return std::nullopt;
-    const auto mean_from = [&](std::size_t at, std::size_t count) {
-        return std::accumulate(spread_.begin() + long(at), spread_.begin() + long(at + count), 0.0) / double(count);
+    const auto mean_from = [](const std::vector<double> &x, std::size_t at, std::size_t count) {
+        return std::accumulate(x.begin() + long(at), x.begin() + long(at + count), 0.0) / double(count);
     };
-    BalanceFigures b{mean_from(since_ - kMeanOf, kMeanOf), -1, 0};
-    for (std::size_t at = spread_.size() - kMeanOf; at + 1 > since_; --at) {
-        if (mean_from(at, kMeanOf) >= kBalancedPercent) break;
-        b.cycles_to_3_percent = double(at + kMeanOf - since_);
-        if (at == 0) break;
+    BalanceFigures b{mean_from(spread_, since_ - kMeanOf, kMeanOf), -1, 0};
+    for (std::size_t at = since_; at + kMeanOf <= spread_.size() && b.cycles_to_3_percent < 0; ++at) {
+        if (mean_from(spread_, at, kMeanOf) < kBalancedPercent) b.cycles_to_3_percent = double(at + kMeanOf - since_);
     }
     const std::size_t last = std::min(keep_, spread_.size() - since_);
-    b.residual_percent = mean_from(spread_.size() - last, last);
+    b.residual_percent = mean_from(distance_, distance_.size() - last, last);
     return b;
 }
 

@@ -21,8 +21,8 @@ struct AfrFigures {
 /// From the last time the trims were allowed.
 struct BalanceFigures {
     double spread_before_percent; ///< True, mean of the 4 cycles before.
-    double cycles_to_3_percent;   ///< Until the true spread, mean of 4 cycles, is below 3 % and stays; -1 never.
-    double residual_percent;      ///< Mean of it over the last cycles.
+    double cycles_to_3_percent;   ///< Until the true spread, mean of 4 cycles, is first below 3 %; -1 never.
+    double residual_percent;      ///< Mean over the last cycles of a cylinder's distance from the mean of all.
 };
 
 class AfrScore {
@@ -41,7 +41,7 @@ class AfrScore {
     };
     std::size_t keep_;
     std::deque<Cycle> kept_;
-    std::vector<double> spread_; ///< True, percent, of all cycles.
+    std::vector<double> spread_, distance_; ///< True, percent, of all cycles: largest less smallest; mean from the mean.
     std::size_t since_ = 0;      ///< Index in spread_ where the trims were allowed last.
     bool balancing_ = false, ever_ = false;
 };

@@ -63,8 +63,8 @@ class Blowdown {
             if (i % steps == steps - 1 && i < (kCycles - 1) * steps) new_temperature();
         }
         double passed = 0;
-        for (double s : share_) passed += s;
-        for (double &s : share_) s = std::max(s / passed, 0.0);
+        for (double &s : share_) passed += s = std::max(s, 0.0); // what flows back is left out
+        for (double &s : share_) s /= passed;
         const double charge = trapped_ + fuel_, flow = charge * double(gas_.size()) * speed_ / (4 * M_PI);
         const double transport = (exhaust_.pipe_m3 + exhaust_.mixing_m3) * kAmbientPa / (kR * manifold_k_);
         const double area = exhaust_.turbine_area_m2.at(speed_);

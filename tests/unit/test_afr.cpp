@@ -240,7 +240,7 @@ TEST(AfrUego, FourierLawInvertsTheSensorAndFixedPointFollowsFloat) {
             apart = std::max(apart, std::abs(u - fixed));
             if (k >= 120 * 58) worst = std::max(worst, std::abs(u - gas(k)));
         }
-        if (form == nullptr) EXPECT_LT(worst, 0.006);
+        if (form == nullptr) { EXPECT_LT(worst, 0.006); }
         EXPECT_LT(apart, 1e-4);
     }
 }

@@ -54,6 +54,28 @@ static void walk_kalman(sd_page_walk_t *walk, sd_kalman_tables_t *t) {
     walk_floats(walk, t->pool, (used <= SD_KALMAN_POOL) ? used : 0u);
 }
 
+static void walk_afr(sd_page_walk_t *walk, sd_afr_grid_t *afr) {
+    sd_page_u8(walk, &afr->present);
+    if (afr->present == 0u) { return; }
+    sd_page_u16(walk, &afr->open_position);
+    walk_floats(walk, afr->speed_radps, SD_AFR_SPEEDS);
+    walk_floats(walk, afr->pressure_bar, SD_AFR_PRESSURES);
+    walk_floats(walk, afr->lambda, SD_AFR_LAMBDAS);
+    sd_page_32(walk, &afr->air_kg_per_bar);
+    sd_page_32(walk, &afr->dead_s);
+    sd_page_32(walk, &afr->tau1_s);
+    sd_page_32(walk, &afr->tau2_s);
+    sd_page_32(walk, &afr->mass_base_kg);
+    walk_floats(walk, afr->psi, SD_EXHAUST_PSI + 1u);
+    sd_afr_node_t *node = &afr->node[0][0][0];
+    for (uint32_t i = 0; i < SD_AFR_SPEEDS * SD_AFR_PRESSURES * SD_AFR_LAMBDAS; ++i, ++node) {
+        for (uint32_t k = 0; k < SD_AFR_OPEN; ++k) { sd_page_u16(walk, &node->share[k]); }
+        sd_page_32(walk, &node->rate_hz);
+        sd_page_32(walk, &node->z0_kg);
+        sd_page_32(walk, &node->transport_kg);
+    }
+}
+
 static void walk_fields(sd_page_walk_t *walk, sd_calibration_t *c) {
     sd_page_32(walk, &c->tick_hz);
     sd_page_u8(walk, &c->positions);
@@ -69,6 +91,7 @@ static void walk_fields(sd_page_walk_t *walk, sd_calibration_t *c) {
     for (uint32_t i = 0; i < 2u * SD_FOURIER_POSITIONS_MAX; ++i) { sd_page_32(walk, &c->sine_q31[i]); }
     walk_map(walk, &c->cylinder_map);
     walk_kalman(walk, &c->kalman);
+    walk_afr(walk, &c->afr);
     float *parameter = (float *)&c->parameters;
     for (uint32_t i = 0; i < SD_PARAMETER_COUNT; ++i) { sd_page_32(walk, &parameter[i]); }
 }

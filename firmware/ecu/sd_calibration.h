@@ -3,6 +3,7 @@
 /// byte sequence of fixed order (little endian) that every target reads alike. `sixdeg calibrate` makes it.
 #ifndef SD_CALIBRATION_H
 #define SD_CALIBRATION_H
+#include "sd_afr.h"
 #include "sd_crank.h"
 #include "sd_cylinders.h"
 #include "sd_fourier.h"
@@ -25,10 +26,11 @@ typedef struct sd_calibration {
     int32_t  sine_q31[2 * SD_FOURIER_POSITIONS_MAX]; ///< sin(pi k / positions) 2^31.
     sd_cylinder_map_t cylinder_map; ///< Of the gains in parameters as they came.
     sd_kalman_tables_t kalman;      ///< Of the parameters firing.* as they came; positions 0: none.
+    sd_afr_grid_t afr;              ///< present 0: the engine file names no exhaust.
     sd_parameters_t parameters;
 } sd_calibration_t;
 
-#define SD_CALIBRATION_BYTES_MAX 61440u
+#define SD_CALIBRATION_BYTES_MAX 69632u
 
 /// Writes the page to `bytes` (room for SD_CALIBRATION_BYTES_MAX); returns its size.
 uint32_t sd_calibration_encode(const sd_calibration_t *calibration, uint8_t *bytes);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "sd_ecu.h"
+#include "sd_ecu_afr.h"
 
 #include <string.h>
 
@@ -58,6 +59,8 @@ sd_result_t sd_ecu_init(sd_ecu_t *self, const sd_calibration_t *calibration) {
     sd_torque_t torque;
     sd_kalman_t filter;
     sd_misfire_t misfire;
+    sd_afr_t afr;
+    sd_balance_t balance;
     const sd_misfire_config_t misfire_config = sd_calibration_misfire(calibration);
     if (!cylinders_ok(calibration)) { return SD_ERR_CONFIG; }
     if (sd_crank_init(&crank, &crank_config) != SD_OK) { return SD_ERR_CONFIG; }
@@ -69,12 +72,15 @@ sd_result_t sd_ecu_init(sd_ecu_t *self, const sd_calibration_t *calibration) {
     const bool has_filter = calibration->kalman.positions != 0u;
     if (has_filter && (calibration->kalman.positions != calibration->positions)) { return SD_ERR_CONFIG; }
     if (has_filter && (sd_kalman_init(&filter, &calibration->kalman) != SD_OK)) { return SD_ERR_CONFIG; }
+    if ((sd_ecu_afr_init(&afr, calibration) != SD_OK) || (sd_ecu_balance_init(&balance, calibration) != SD_OK)) { return SD_ERR_CONFIG; }
     memset(self, 0, sizeof *self); /* from here on nothing fails; the struct is too large to be built aside */
     self->calibration = *calibration;
     self->reference = calibration->parameters;
     self->crank = crank;
     self->torque = torque;
     self->misfire = misfire;
+    self->afr = afr;
+    self->balance = balance;
     if (has_filter) {
         self->filter = filter;
         sd_pattern_init(&self->pattern, &self->calibration.kalman);
@@ -146,6 +152,7 @@ static void end_cycle(sd_ecu_t *self, const sd_port_t *port, uint32_t tick) {
     const float turns = (float)self->cycle_positions / (float)c->positions;
     self->signals.cycle_speed_rpm = (self->cycle_ticks > 0u) ? 60.0f * turns * c->tick_hz / (float)self->cycle_ticks : 0.0f;
     read_cylinders(self);
+    sd_ecu_afr_cycle(self);
     sd_ecu_publish(self, port, tick, SD_RATE_CYCLE);
 }
 
@@ -165,10 +172,12 @@ static void follow(sd_ecu_t *self, const sd_tooth_t *tooth) {
     if ((self->following == 0u) || ((off != 0u) && (off != self->calibration.positions))) {
         torque_restart(self);
         sd_ecu_firing_restart(self);
+        sd_afr_restart(&self->afr);
         begin_cycle(self);
     } else if (off != 0u) {
         torque_shift(self);
         sd_ecu_firing_restart(self);
+        sd_afr_restart(&self->afr);
         begin_cycle(self);
     }
     self->following = 1;
@@ -188,10 +197,12 @@ static void on_tooth(sd_ecu_t *self, const sd_port_t *port, const sd_tooth_t *to
     self->signals.torque_innovation_j = status->innovation;
     add_to_cycle(self, tooth);
     sd_ecu_firing_tooth(self, port, tooth);
+    sd_ecu_afr_tooth(self, tooth);
 }
 
 static void lose_angle(sd_ecu_t *self, uint8_t why) {
     self->following = 0;
+    sd_afr_restart(&self->afr);
     self->signals.torque_mass_nm = 0.0f;
     sd_ecu_worst_of(&self->status[SD_OWNER_TORQUE], SD_INVALID, why);
     sd_ecu_worst_of(&self->status[SD_OWNER_FIRING], SD_INVALID, why);
@@ -238,6 +249,7 @@ static void on_sample(sd_ecu_t *self, const sd_event_t *event) {
         self->bad_samples++;
         return;
     }
+    if (event->channel == SD_INPUT_EXHAUST_LAMBDA) { sd_ecu_afr_sample(self, value); }
     self->sample[event->channel] = (sd_sample_t){ .value = value, .tick = event->tick, .seen = 1 };
 }
 
@@ -263,6 +275,8 @@ static sd_result_t apply(sd_ecu_t *self, uint8_t owner) {
     case SD_OWNER_TORQUE:
         return fixed_point(self) ? sd_fourier_init_q31(&self->torque.q31, &torque)
                                  : sd_fourier_init_f32(&self->torque.f32, &torque);
+    case SD_OWNER_AFR: return sd_ecu_afr_init(self);
+    case SD_OWNER_BALANCE: return sd_ecu_balance_init(self);
     default: return SD_ERR_CONFIG;
     }
 }

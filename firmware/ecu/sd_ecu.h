@@ -6,15 +6,18 @@
 ///                                  "firing"
 ///   cam edge   -> phase
 ///   time       -> stall detection, and the answer that all up to now is done
-///   sample     -> kept as the latest reading of its sensor
+///   sample     -> kept as the latest reading of its sensor; those of the lambda sensor are averaged between teeth
 ///   gap        -> events were lost: angle and phase are unknown until they are found again
 ///   parameter  -> the working page; since events are handled one by one, a change falls between two teeth
+///
+/// With an exhaust in the calibration every tooth also steps the AFR blocks, and every cycle the fuel trims.
 ///
 /// Real-time contract: no heap, no globals, no I/O of its own; one writer. Call sd_ecu_run from the tooth interrupt or
 /// whenever the port may hold events.
 #ifndef SD_ECU_H
 #define SD_ECU_H
 #include "hal.h"
+#include "sd_balance.h"
 #include "sd_calibration.h"
 #include "sd_learned.h"
 
@@ -41,6 +44,12 @@ typedef struct sd_ecu {
     float    fuel_mg[SD_CYLINDERS_MAX]; ///< Commanded at the last TDC of each firing; below 0: unknown.
     uint16_t firing_doubt;        ///< Positions until no firing under way holds a tooth that was not trusted.
     uint16_t motored;             ///< Positions since the fuel was cut, saturating.
+    sd_afr_t     afr;             ///< Idle without an exhaust in the calibration.
+    sd_balance_t balance;
+    float    burned_sum;          ///< Of the wide-band samples since the last tooth,
+    uint32_t burned_count;        ///< and how many.
+    float    last_speed_radps, last_fuel_mg; ///< Of the last cycle, for transients.
+    uint32_t burned_seen;         ///< Samples in this cycle.
     sd_sample_t  sample[SD_INPUT_COUNT]; ///< By sd_input_t.
     sd_signals_t signals;         ///< Present values.
     sd_status_t  status[SD_OWNER_COUNT]; ///< Health of each owner's signals.

@@ -7,7 +7,7 @@
 #include <stdint.h>
 
 /// Changes whenever the table does; calibration pages and logs carry it.
-#define SD_SIGNALS_SIGNATURE 0x78a64f1fu
+#define SD_SIGNALS_SIGNATURE 0xb8ec7ecdu
 
 /// Channel of an SD_EVENT_SAMPLE.
 typedef enum sd_input {
@@ -15,8 +15,9 @@ typedef enum sd_input {
     SD_INPUT_FUEL_INJECTED = 1, ///< The controller's own command, a stroke and cylinder; 0 in fuel cut. [mg]
     SD_INPUT_EXHAUST_LAMBDA = 2, ///< Air to fuel, over stoichiometric, as the wide-range oxygen sensor (UEGO) reads it. [-]
     SD_INPUT_EXHAUST_PRESSURE = 3, ///< Absolute pressure in the exhaust manifold. [bar]
+    SD_INPUT_BALANCE_ENABLE = 4, ///< Above 0.5 the trims learn; otherwise, and until it is read, they are 0. [-]
 } sd_input_t;
-#define SD_INPUT_COUNT 4u
+#define SD_INPUT_COUNT 5u
 
 /// Channel of an SD_EVENT_SIGNAL.
 typedef enum sd_signal {
@@ -39,21 +40,25 @@ typedef enum sd_signal {
     SD_SIGNAL_FIRING_SD = 30, ///< Standard deviation of firing.torque less the mean of all cylinders, from timing noise as met. [Nm]
     SD_SIGNAL_FIRING_MEAN = 31, ///< Mean of the cylinder's last 10 firings. [Nm]
     SD_SIGNAL_FIRING_MEAN_SD = 32, ///< Standard deviation of firing.mean less that of all cylinders: of the imbalance. [Nm]
-    SD_SIGNAL_MISFIRE_INDEX = 33, ///< Work of the firing over the work expected of its fuel: 1 healthy, 0 a misfire; 0 when not judged. [-]
-    SD_SIGNAL_MISFIRE_LIMIT = 34, ///< Index below which this firing counted as a misfire; 0 when not judged. [-]
-    SD_SIGNAL_MISFIRE_VERDICT = 35, ///< 0 healthy, 1 partial burn, 2 misfire, 3 not judged. [-]
-    SD_SIGNAL_MISFIRE_INHIBIT = 36, ///< Why not judged, bits: 1 start, 2 fuel cut or too little fuel, 4 gear shift, 8 no estimate, 16 fuel cut or shift ended a moment ago, 32 a faulty tooth or unknown fuel. [-]
-    SD_SIGNAL_MISFIRE_FIRING = 37, ///< Which firing of the firing order, from 0. [-]
-    SD_SIGNAL_MISFIRE_CYLINDER = 38, ///< Its physical cylinder. [-]
-    SD_SIGNAL_MISFIRE_RATE_200 = 39, ///< Misfires of the cylinder in the last complete window of 200 judged revolutions, of its firings. [%, 8 channels]
-    SD_SIGNAL_MISFIRE_RATE_1000 = 47, ///< The same in 1000. [%, 8 channels]
-    SD_SIGNAL_MISFIRE_CONTINUOUS = 55, ///< Bit n - 1: cylinder n misfires each time. [-]
-    SD_SIGNAL_MISFIRE_SUSPECTS = 56, ///< Bit n - 1: cylinder n had over a tenth of the misfires of the window that moved the lamp. [-]
-    SD_SIGNAL_MISFIRE_LAMP = 57, ///< Decision in the shape of OBD II, not verified against it: 0 off, 1 pending, 2 on, 3 blinking. [-]
-    SD_SIGNAL_MISFIRE_COUNT = 58, ///< Misfires since init. [-]
-    SD_SIGNAL_MISFIRE_PARTIAL_BURNS = 59, ///< Partial burns since init. [-]
+    SD_SIGNAL_AFR_CYLINDER_BURNED = 33, ///< Burned share of each cylinder's exhaust gas, by physical number: lambda = 1 - air/gas of document 004, above 1 where air is missing. [-, 8 channels]
+    SD_SIGNAL_AFR_CYLINDER_SD = 41, ///< Standard deviation that the filter states for a cylinder's deviation from the mean, over the mean. [-, 8 channels]
+    SD_SIGNAL_AFR_SLOW = 49, ///< 1: the sensor is too slow for this speed; the estimate learns over some tens of seconds. [-]
+    SD_SIGNAL_BALANCE_TRIM = 50, ///< Fuel to add to each cylinder, over its nominal, by physical number; their mean is 0. [-, 8 channels]
+    SD_SIGNAL_MISFIRE_INDEX = 58, ///< Work of the firing over the work expected of its fuel: 1 healthy, 0 a misfire; 0 when not judged. [-]
+    SD_SIGNAL_MISFIRE_LIMIT = 59, ///< Index below which this firing counted as a misfire; 0 when not judged. [-]
+    SD_SIGNAL_MISFIRE_VERDICT = 60, ///< 0 healthy, 1 partial burn, 2 misfire, 3 not judged. [-]
+    SD_SIGNAL_MISFIRE_INHIBIT = 61, ///< Why not judged, bits: 1 start, 2 fuel cut or too little fuel, 4 gear shift, 8 no estimate, 16 fuel cut or shift ended a moment ago, 32 a faulty tooth or unknown fuel. [-]
+    SD_SIGNAL_MISFIRE_FIRING = 62, ///< Which firing of the firing order, from 0. [-]
+    SD_SIGNAL_MISFIRE_CYLINDER = 63, ///< Its physical cylinder. [-]
+    SD_SIGNAL_MISFIRE_RATE_200 = 64, ///< Misfires of the cylinder in the last complete window of 200 judged revolutions, of its firings. [%, 8 channels]
+    SD_SIGNAL_MISFIRE_RATE_1000 = 72, ///< The same in 1000. [%, 8 channels]
+    SD_SIGNAL_MISFIRE_CONTINUOUS = 80, ///< Bit n - 1: cylinder n misfires each time. [-]
+    SD_SIGNAL_MISFIRE_SUSPECTS = 81, ///< Bit n - 1: cylinder n had over a tenth of the misfires of the window that moved the lamp. [-]
+    SD_SIGNAL_MISFIRE_LAMP = 82, ///< Decision in the shape of OBD II, not verified against it: 0 off, 1 pending, 2 on, 3 blinking. [-]
+    SD_SIGNAL_MISFIRE_COUNT = 83, ///< Misfires since init. [-]
+    SD_SIGNAL_MISFIRE_PARTIAL_BURNS = 84, ///< Partial burns since init. [-]
 } sd_signal_t;
-#define SD_SIGNAL_COUNT 60u
+#define SD_SIGNAL_COUNT 85u
 
 /// Present values, in channel order.
 typedef struct sd_signals {
@@ -76,6 +81,10 @@ typedef struct sd_signals {
     float firing_sd_nm;
     float firing_mean_nm;
     float firing_mean_sd_nm;
+    float afr_cylinder_burned[8];
+    float afr_cylinder_sd[8];
+    float afr_slow;
+    float balance_trim[8];
     float misfire_index;
     float misfire_limit;
     float misfire_verdict;
@@ -129,11 +138,22 @@ typedef struct sd_parameters {
     float misfire_catalyst_percent; ///< Misfires in 200 revolutions that harm the catalyst.
     float misfire_emission_windows; ///< Windows of 1000 over the limit that light the lamp; one is enough in the first.
     float misfire_catalyst_windows; ///< Windows of 200 over the limit that make it blink.
+    float afr_noise; ///< Density of the lambda sensor's noise, of burned share over sqrt(Hz), one-sided: what the filter expects.
+    float afr_drift; ///< q: how far a cylinder is expected to move in one cycle, of the mean burned share. Larger settles faster and is noisier.
+    float afr_drift_slow; ///< The same in slow mode.
+    float afr_slow_above; ///< Slow mode where crank speed (rad/s) times the sum of the sensor's lags (s) is above this.
+    float afr_stoichiometric; ///< Air to fuel of the fuel in use.
+    float balance_source; ///< 0 no trims, 1 from afr.cylinder_burned, 2 from cycle.cylinder_torque.
+    float balance_gain; ///< Of the deviation, taken off the trim each cycle.
+    float balance_rate; ///< Largest change of a trim in a cycle.
+    float balance_limit; ///< Largest trim.
+    float balance_sd_max; ///< Stated standard deviation of a deviation above which nothing is learned.
+    float balance_hold_cycles; ///< How long trims hold after a transient or an estimate that is not valid.
 } sd_parameters_t;
-#define SD_PARAMETER_COUNT 36u
+#define SD_PARAMETER_COUNT 47u
 
 typedef enum sd_rate { SD_RATE_EDGE, SD_RATE_CYCLE, SD_RATE_FIRING } sd_rate_t;
-typedef enum sd_owner { SD_OWNER_CRANK, SD_OWNER_TORQUE, SD_OWNER_CYLINDER, SD_OWNER_FIRING, SD_OWNER_MISFIRE, SD_OWNER_COUNT } sd_owner_t;
+typedef enum sd_owner { SD_OWNER_CRANK, SD_OWNER_TORQUE, SD_OWNER_CYLINDER, SD_OWNER_FIRING, SD_OWNER_MISFIRE, SD_OWNER_AFR, SD_OWNER_BALANCE, SD_OWNER_COUNT } sd_owner_t;
 
 /// One row of the table. `value` is the default of a parameter.
 typedef struct sd_signal_info {

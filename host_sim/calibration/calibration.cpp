@@ -10,6 +10,7 @@
 #include "calibration/cylinder_map.hpp"
 #include "calibration/known_torque.hpp"
 #include "calibration/observer_map.hpp"
+#include "calibration/exhaust_tables.hpp"
 #include "common/error.hpp"
 extern "C" {
 #include "sd_ecu.h"
@@ -147,6 +148,7 @@ sd_calibration_t calibrate(const EngineFile &engine, const sd_parameters_t &tune
     }
     c.cylinder_map = page_map(engine, c);
     page_filter(engine, tune_name, c);
+    c.afr = afr_grid(engine);
     return c;
 }
 

@@ -12,11 +12,14 @@ Perturbation draw_perturbation(const EngineFile &engine, std::uint64_t seed, con
     RandomStream random(seed, stream::kPerturbation);
     const auto within = [&](double range) { return range * (2 * random.uniform() - 1); };
     Perturbation p{within(ranges.inertia_percent), within(ranges.reciprocating_percent),
-                   within(ranges.wheel_offset_deg), {}, {}};
+                   within(ranges.wheel_offset_deg), {}, {}, 0, 0, 0};
     for (int i = 0; i < engine.cylinders(); ++i) {
         p.compression_percent.push_back(within(ranges.compression_percent));
         p.trapped_mass_percent.push_back(within(ranges.trapped_mass_percent));
     }
+    p.exhaust_flow_percent = within(ranges.exhaust_flow_percent);
+    p.uego_tau_percent = within(ranges.uego_tau_percent);
+    p.uego_delay_deg = within(ranges.uego_delay_deg);
     return p;
 }
 
@@ -32,6 +35,12 @@ EngineFile perturbed(const EngineFile &engine, const Perturbation &perturbation)
     belief.position_0_deg = std::fmod(engine.position_0_deg + perturbation.wheel_offset_deg + 360, 360);
     belief.compression_factors = factors(perturbation.compression_percent);
     belief.trapped_factors = factors(perturbation.trapped_mass_percent);
+    if (belief.exhaust) {
+        constexpr double kDegPerS = 9000; // at 1500 rpm
+        belief.exhaust->flow_factor = 1 + perturbation.exhaust_flow_percent / 100;
+        for (double &tau : belief.exhaust->uego_tau_s) tau *= 1 + perturbation.uego_tau_percent / 100;
+        belief.exhaust->dead_time_s += perturbation.uego_delay_deg / kDegPerS;
+    }
     return belief;
 }
 

@@ -31,6 +31,23 @@ Json cylinders_json(const std::optional<CylinderFigures> &cylinders) {
             {"imbalance_rms_percent", cylinders->imbalance_rms_percent}};
 }
 
+Json afr_json(const std::optional<AfrFigures> &afr) {
+    if (!afr) return Json();
+    return {{"cycles_measured", afr->cycles},
+            {"rms_points", afr->rms_points},
+            {"bias_points", afr->bias_points},
+            {"stated_points", afr->stated_points},
+            {"spread_true_percent", afr->spread_percent},
+            {"wrong_cylinder_percent", afr->wrong_cylinder_percent}};
+}
+
+Json balance_json(const std::optional<BalanceFigures> &balance) {
+    if (!balance) return Json();
+    return {{"spread_before_percent", balance->spread_before_percent},
+            {"cycles_to_3_percent", balance->cycles_to_3_percent},
+            {"residual_percent", balance->residual_percent}};
+}
+
 Json perturbation_json(const Perturbation &p) {
     const PerturbationRanges ranges;
     return {{"inertia_percent", p.inertia_percent},
@@ -38,12 +55,18 @@ Json perturbation_json(const Perturbation &p) {
             {"compression_percent", p.compression_percent},
             {"trapped_mass_percent", p.trapped_mass_percent},
             {"wheel_offset_deg", p.wheel_offset_deg},
+            {"exhaust_flow_percent", p.exhaust_flow_percent},
+            {"uego_tau_percent", p.uego_tau_percent},
+            {"uego_delay_deg", p.uego_delay_deg},
             {"ranges",
              {{"inertia_percent", ranges.inertia_percent},
               {"reciprocating_percent", ranges.reciprocating_percent},
               {"compression_percent", ranges.compression_percent},
               {"trapped_mass_percent", ranges.trapped_mass_percent},
-              {"wheel_offset_deg", ranges.wheel_offset_deg}}}};
+              {"wheel_offset_deg", ranges.wheel_offset_deg},
+              {"exhaust_flow_percent", ranges.exhaust_flow_percent},
+              {"uego_tau_percent", ranges.uego_tau_percent},
+              {"uego_delay_deg", ranges.uego_delay_deg}}}};
 }
 
 /// One figure of both runs; "-" where a run has none.
@@ -58,14 +81,43 @@ void row(const char *name, const RunResult &nominal, const std::optional<Perturb
 void add_figures(Json &summary, const RunResult &nominal, const std::optional<PerturbedRun> &perturbed) {
     summary["torque"] = torque_json(nominal.torque);
     summary["cylinders"] = cylinders_json(nominal.cylinders);
+    summary["afr"] = afr_json(nominal.afr);
+    summary["balance"] = balance_json(nominal.balance);
     summary["perturbed"] = Json();
     if (!perturbed) return;
     summary["perturbed"] = {{"torque", torque_json(perturbed->result.torque)},
                             {"cylinders", cylinders_json(perturbed->result.cylinders)},
+                            {"afr", afr_json(perturbed->result.afr)},
+                            {"balance", balance_json(perturbed->result.balance)},
                             {"calibration", perturbation_json(perturbed->perturbation)}};
 }
 
+void print_mixture(const RunResult &nominal, const std::optional<PerturbedRun> &perturbed) {
+    if (!nominal.afr) return;
+    fmt::print("mixture of each cylinder, last {} cycles; points are 0.01 of the mean burned share\n", nominal.afr->cycles);
+    const auto afr = [&](const char *name, const char *format, double AfrFigures::*figure) {
+        row(name, nominal, perturbed, [&](const RunResult &r) {
+            return r.afr ? fmt::format(fmt::runtime(format), (*r.afr).*figure) : "-";
+        });
+    };
+    const auto balance = [&](const char *name, const char *format, double BalanceFigures::*figure) {
+        if (!nominal.balance) return;
+        row(name, nominal, perturbed, [&](const RunResult &r) {
+            return r.balance ? fmt::format(fmt::runtime(format), (*r.balance).*figure) : "-";
+        });
+    };
+    afr("estimate, rms", "{:.2f} points", &AfrFigures::rms_points);
+    afr("bias, worst cylinder", "{:.2f} points", &AfrFigures::bias_points);
+    afr("stated deviation", "{:.2f} points", &AfrFigures::stated_points);
+    afr("wrong cylinder", "{:.1f} %", &AfrFigures::wrong_cylinder_percent);
+    afr("true spread", "{:.2f} %", &AfrFigures::spread_percent);
+    balance("spread before balancing", "{:.2f} %", &BalanceFigures::spread_before_percent);
+    balance("cycles to below 3 %, -1 never", "{:.0f}", &BalanceFigures::cycles_to_3_percent);
+    balance("residual", "{:.2f} %", &BalanceFigures::residual_percent);
+}
+
 void print_accuracy(const RunResult &nominal, const std::optional<PerturbedRun> &perturbed) {
+    print_mixture(nominal, perturbed);
     if (!nominal.torque) {
         fmt::print("torque against truth: none, no settled cycle or the speed is prescribed\n");
         return;

@@ -114,6 +114,7 @@ EngineFile read_engine(TomlFile &file) {
     engine.has_cam = file.has("cam.edge_deg");
     if (engine.has_cam) engine.cam_edge_deg = file.number("cam.edge_deg", {0, 719.999, "deg"});
     engine.tick_hz = file.number_or("timer.tick_hz", {1e5, 2e8, "Hz"}, 1e6);
+    engine.exhaust = read_exhaust_system(file);
     file.ignore("plant");
     return engine;
 }

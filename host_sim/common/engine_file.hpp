@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "common/exhaust_system.hpp"
 #include "common/toml_file.hpp"
 
 namespace sixdeg {
@@ -52,6 +53,8 @@ struct EngineFile {
     double cam_edge_deg = 0; ///< Crank angle of the one cam edge in a cycle, [0, 720).
 
     double tick_hz = 1e6; ///< Capture timer.
+
+    std::optional<ExhaustSystem> exhaust; ///< From the exhaust valves to the wideband sensor.
 
     /// How single cylinders are believed to differ, by entry of firing_order; empty: not at all. No field of the file:
     /// perturbed calibrations set them.

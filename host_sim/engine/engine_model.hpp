@@ -64,6 +64,7 @@ struct CycleTruth {
     double burned_fraction = 1;
     double peak_pressure_pa = 0;
     bool misfire = false; ///< Less than half of what could burn did.
+    double exhaust_lambda = 0; ///< 1 - air/gas of what its exhaust valve let out (exhaust/exhaust_model.hpp); 0 without it.
 };
 
 /// Valve and bookkeeping events; each falls on the step nearest to its angle.

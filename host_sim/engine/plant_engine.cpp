@@ -10,7 +10,7 @@ namespace sixdeg {
 namespace {
 
 // Tables and fields that belong to read_engine.
-constexpr const char *kSharedTables[] = {"cylinders", "valves", "combustion", "crank", "wheel", "cam", "timer"};
+constexpr const char *kSharedTables[] = {"cylinders", "valves", "combustion", "crank", "wheel", "cam", "timer", "exhaust", "uego"};
 
 void read_air(TomlFile &file, PlantEngine &engine) {
     const auto pressure = file.numbers("plant.air.intake_pressure_bar", {0.1, 5, "bar"});
@@ -55,6 +55,24 @@ void read_dual_mass(TomlFile &file, PlantEngine &engine) {
     dual.stiffness_nmprad = file.number("plant.dual_mass.stiffness_nmprad", {10, 1e5, "N m/rad"});
     dual.damping_nmsprad = file.number("plant.dual_mass.damping_nmsprad", {0, 1000, "N m s/rad"});
     engine.dual_mass = dual;
+}
+
+void read_exhaust(TomlFile &file, PlantEngine &engine) {
+    PlantExhaust &e = engine.exhaust;
+    const std::string at = "plant.exhaust.";
+    if (file.has(at + "runner_l")) e.runner_m3 = file.numbers(at + "runner_l", {0, 5, "L"}, engine.shared.firing_order.size());
+    for (double &volume : e.runner_m3) volume *= 1e-3;
+    e.wall_wpk = file.number_or(at + "wall_wpk", {0, 100, "W/K"}, 0);
+    e.wall_k = file.number_or(at + "wall_temperature_k", {250, 1200, "K"}, 500);
+    e.back_pressure_pa = kPaPerBar * file.number_or(at + "back_pressure_bar", {0, 2, "bar"}, 0);
+    e.rated_kgps = file.number_or(at + "back_pressure_kgps", {1e-3, 10, "kg/s"}, 0.1);
+    e.turbine_inertia_kgm2 = file.number_or(at + "turbine_inertia_kgm2", {1e-7, 1, "kg m2"}, 3e-5);
+    e.turbine_efficiency = file.number_or(at + "turbine_efficiency", {0.1, 0.9, ""}, 0.65);
+    e.turbine_rated_radps = kRadpsPerRpm * file.number_or(at + "turbine_rated_rpm", {1e4, 4e5, "rpm"}, 1.5e5);
+    e.turbine_rated_w = 1e3 * file.number_or(at + "turbine_rated_kw", {0.1, 1000, "kW"}, 10);
+    e.turbine_swallow_drop = file.number_or(at + "turbine_swallow_drop", {0, 0.5, ""}, 0.1);
+    e.egr_area_m2 = 1e-6 * file.number_or(at + "egr_area_mm2", {0, 5000, "mm2"}, 0);
+    e.intake_m3 = 1e-3 * file.number_or(at + "intake_l", {0.2, 100, "L"}, 3);
 }
 
 void read_torsion(TomlFile &file, PlantEngine &engine) {
@@ -105,6 +123,7 @@ PlantEngine read_plant_engine(const std::string &name, const std::string &text) 
         engine.pulses.push_back({kRadPerDeg * p.start_deg, kRadPerDeg * p.duration_deg, p.shape, p.share});
     read_losses(file, engine);
     engine.driveline_inertia_kgm2 = file.number_or("plant.driveline.inertia_kgm2", {0, 100, "kg m2"}, 0);
+    read_exhaust(file, engine);
     read_dual_mass(file, engine);
     read_torsion(file, engine);
     file.finish();

@@ -36,8 +36,19 @@ struct CrankTorsion {
     bool wheel_at_front;                           ///< Where the toothed wheel sits: front end or flywheel.
 };
 
+/// What the exhaust side has beyond the shared [exhaust].
+struct PlantExhaust {
+    std::vector<double> runner_m3; ///< By physical cylinder: gas that mixes between valve and manifold; empty none.
+    double wall_wpk, wall_k;       ///< Heat from the manifold's gas.
+    double back_pressure_pa, rated_kgps; ///< Behind the turbine: grows with the square of the flow.
+    double turbine_inertia_kgm2, turbine_efficiency, turbine_rated_radps, turbine_rated_w;
+    double turbine_swallow_drop; ///< Share of its area that it loses at rated speed.
+    double egr_area_m2, intake_m3;
+};
+
 struct PlantEngine {
     EngineFile shared;
+    PlantExhaust exhaust; ///< Means something only with shared.exhaust.
 
     Profile intake_pressure_pa; ///< Cylinder pressure when the intake valve closes, over demanded bmep in Pa.
     double exhaust_pressure_pa, crankcase_pressure_pa;

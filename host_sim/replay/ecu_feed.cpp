@@ -19,6 +19,12 @@ long channels_of(sd_rate_t rate) {
                          [rate](const sd_signal_info_t &info) { return info.rate == rate; });
 }
 
+sd_event_t reading(std::size_t input, float value, std::uint32_t tick) {
+    sd_event_t event{tick, SD_EVENT_SAMPLE, std::uint16_t(input), 0, 0};
+    std::memcpy(&event.value, &value, sizeof event.value);
+    return event;
+}
+
 } // namespace
 
 bool EcuSaid::take(const sd_event_t &event) {
@@ -52,12 +58,11 @@ void EcuFeed::finish(double t_s) {
 
 void EcuFeed::read_sensors(std::uint32_t tick) {
     for (std::size_t input = 0; input < shown_.size(); ++input) {
-        if (!shown_[input]) continue;
-        sd_event_t event{tick, SD_EVENT_SAMPLE, std::uint16_t(input), 0, 0};
-        std::memcpy(&event.value, &*shown_[input], sizeof event.value);
-        send(event);
+        if (shown_[input]) send(reading(input, *shown_[input], tick));
     }
 }
+
+void EcuFeed::sample(sd_input_t input, double value, double t_s) { send(reading(input, float(value), tick_at(t_s))); }
 
 void EcuFeed::tell_time(double t_s) {
     ++clock_events_;

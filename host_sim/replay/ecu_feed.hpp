@@ -46,6 +46,8 @@ class EcuFeed {
     virtual void send(const sd_event_t &event) = 0;
     /// What a sampled sensor shows from now on; it is read every 10 ms, right before the time event.
     void show(sd_input_t input, double value) { shown_[input] = float(value); }
+    /// One reading of a sampled sensor at t_s: for those that are read more often.
+    void sample(sd_input_t input, double value, double t_s);
     /// Sends the time event that falls due every 10 ms before t_s; the first call sets where they begin.
     void tell_time_until(double t_s);
     /// The time event that ends a run.

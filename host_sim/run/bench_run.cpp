@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "run/bench_run.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 
@@ -22,7 +23,7 @@ class Run {
           score_(int(calibration.parameters.torque_harmonics), plant_.model().tables().steps, kScoredCycles),
           waveform_(kWaveformHarmonics, plant_.model().tables().steps, kScoredCycles),
           cylinder_score_(scenario.engine.shared.cylinders(), kScoredCycles), firing_(scenario.engine.shared),
-          misfire_(scenario.engine.shared) {
+          misfire_(scenario.engine.shared), afr_score_(kScoredCycles) {
         plant_.record_steps(&steps_);
         ecu_.record_answers(&heard_);
     }
@@ -39,6 +40,7 @@ class Run {
         result_.misfire = misfire_.result();
         result_.sync_losses = said_.sync_losses();
         result_.unanswered = answers_.missing();
+        if (plant_.exhaust()) result_.afr = afr_score_.estimate(), result_.balance = afr_score_.balance();
         if (scenario_.speed_mode == SpeedMode::prescribed) return result_;
         result_.torque = score_.result();
         result_.waveform = waveform_.result();
@@ -62,6 +64,8 @@ class Run {
     void take(const EncoderEdge &edge) {
         ecu_.show(SD_INPUT_AIR_INTAKE_PRESSURE, plant_.intake_pressure_pa() / kPaPerBar);
         ecu_.show(SD_INPUT_FUEL_INJECTED, plant_.commanded_fuel_kg() * 1e6);
+        if (!scenario_.balance_on_s.empty()) ecu_.show(SD_INPUT_BALANCE_ENABLE, balancing(edge.time_s));
+        take_uego(edge.time_s);
         ecu_.tell_time_until(edge.time_s);
         if (ecu_.clock_events() != judged_) judge_answered();
         judged_ = ecu_.clock_events();
@@ -74,6 +78,38 @@ class Run {
         sent_.push_back({edge, unwrapped_deg(edge)});
         if (truth_) truth_->edge(edge, sent_.back().crank_deg);
         take_cycles();
+    }
+
+    bool balancing(double time_s) const {
+        const auto &on = scenario_.balance_on_s;
+        return (std::upper_bound(on.begin(), on.end(), time_s) - on.begin()) % 2 == 1;
+    }
+
+    /// The wideband reading is air to fuel over stoichiometric.
+    void take_uego(double until_s) {
+        UegoSample sample;
+        const double s = scenario_.engine.stoichiometric_ratio;
+        while (plant_.next_uego(until_s, sample)) {
+            ecu_.tell_time_until(sample.time_s);
+            ecu_.sample(SD_INPUT_EXHAUST_LAMBDA, ((1 + s) / std::max(sample.lambda, 1e-3) - 1) / s, sample.time_s);
+        }
+    }
+
+    void end_cycle(double time_s) {
+        const sd_signals_t &s = said_.signals();
+        cylinder_score_.estimate(s, said_.health(SD_OWNER_CYLINDER));
+        const auto &order = scenario_.engine.shared.firing_order;
+        if (!scenario_.balance_on_s.empty()) {
+            for (int cylinder : order) plant_.set_fuel_trim(cylinder, 1 + double(s.balance_trim[cylinder - 1]));
+        }
+        if (!plant_.exhaust()) return;
+        std::vector<double> truth(order.size()), estimate(order.size());
+        for (std::size_t lane = 0; lane < order.size(); ++lane) {
+            const auto i = std::size_t(order[lane] - 1);
+            truth[i] = plant_.exhaust()->lambda_of(int(lane));
+            estimate[i] = double(s.afr_cylinder_burned[i]);
+        }
+        afr_score_.cycle(truth, estimate, double(s.afr_cylinder_sd[0]), said_.health(SD_OWNER_AFR) == SD_VALID, balancing(time_s));
     }
 
     /// Whatever has no answer by now will get none.
@@ -102,7 +138,7 @@ class Run {
         if (sure && int(s.crank_tooth) == edge.tooth && s.crank_phase_known > 0 && std::abs(off_deg) > kWrongRevolutionDeg)
             ++result_.wrong_revolutions;
         take_firing(sent.crank_deg);
-        if (cycle_ended) cylinder_score_.estimate(s, said_.health(SD_OWNER_CYLINDER));
+        if (cycle_ended) end_cycle(edge.time_s);
         if (tables_) tables_->tooth(edge, said_);
         if (tables_ && cycle_ended)
             tables_->firmware_cycle_ended(ended_cycle(scenario_.engine.shared, sent.crank_deg), said_);
@@ -146,6 +182,7 @@ class Run {
     CylinderScore cylinder_score_;
     FiringScore firing_;
     MisfireScore misfire_;
+    AfrScore afr_score_;
     std::size_t firings_ = 0;
     std::vector<Sent> sent_;
     std::vector<sd_event_t> heard_;

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "replay/ecu_bench.hpp"
+#include "run/afr_score.hpp"
 #include "run/cylinder_score.hpp"
 #include "run/firing_score.hpp"
 #include "run/misfire_score.hpp"
@@ -37,6 +38,8 @@ struct RunResult {
     MisfireFigures misfire;
     sd_pattern_sums_t learned{};         ///< Tooth pattern at the end of the run,
     double pattern_sd_deg = 0;           ///< and its standard deviation; 0: nothing learned.
+    std::optional<AfrFigures> afr;            ///< With a wideband sensor only.
+    std::optional<BalanceFigures> balance;    ///< Where fuel trims were allowed.
 };
 
 /// Whoever gets the plant's truth as it happens; the ecu does not.

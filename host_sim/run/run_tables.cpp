@@ -39,12 +39,12 @@ void RunTables::tooth(const EncoderEdge &truth, const EcuSaid &ecu) {
 }
 
 void RunTables::firmware_cycle_ended(std::int64_t number, const EcuSaid &ecu) {
-    firmware_[number] = {ecu.signals(), ecu.health(SD_OWNER_CYLINDER)};
+    firmware_[number] = {ecu.signals(), ecu.health(SD_OWNER_CYLINDER), ecu.health(SD_OWNER_AFR)};
 }
 
 std::string RunTables::cycles_csv() const {
-    std::string text =
-        "cycle,cylinder,torque_true_nm,torque_nm,sd_nm,imep_true_bar,misfire_true,misfire_index,misfire_verdict,rpm,health\n";
+    std::string text = "cycle,cylinder,torque_true_nm,torque_nm,sd_nm,imep_true_bar,misfire_true,misfire_index,misfire_verdict,"
+                       "rpm,health,burned_true,burned,burned_sd,trim,t_s\n";
     const auto out = std::back_inserter(text);
     for (const CycleTruth &truth : truths_) {
         const auto &order = engine_.firing_order;
@@ -62,7 +62,16 @@ std::string RunTables::cycles_csv() const {
         else
             text += ",,";
         if (heard) fmt::format_to(out, "{:.3f}", said->second.signals.cycle_speed_rpm);
-        fmt::format_to(out, ",{}\n", health_name(heard ? said->second.health : std::uint8_t(SD_INVALID)));
+        fmt::format_to(out, ",{},", health_name(heard ? said->second.health : std::uint8_t(SD_INVALID)));
+        if (truth.exhaust_lambda != 0) fmt::format_to(out, "{:.5f}", truth.exhaust_lambda);
+        text += ',';
+        const bool mixture = heard && said->second.afr_health != SD_INVALID;
+        if (mixture) fmt::format_to(out, "{:.5f}", said->second.signals.afr_cylinder_burned[truth.cylinder - 1]);
+        text += ',';
+        if (mixture) fmt::format_to(out, "{:.5f}", said->second.signals.afr_cylinder_sd[truth.cylinder - 1]);
+        text += ',';
+        if (heard) fmt::format_to(out, "{:.5f}", said->second.signals.balance_trim[truth.cylinder - 1]);
+        fmt::format_to(out, ",{:.6f}\n", truth.tdc_time_s);
     }
     return text;
 }

@@ -42,7 +42,7 @@ class RunTables {
   private:
     struct FirmwareCycle {
         sd_signals_t signals;
-        std::uint8_t health;
+        std::uint8_t health, afr_health;
     };
     EngineFile engine_;
     MisfireScore verdicts_;

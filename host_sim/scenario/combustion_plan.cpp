@@ -36,11 +36,19 @@ double CombustionPlan::burned_fraction(int lane, std::int64_t cycle) {
     return continuous || by_chance ? scenario_.misfire_burned_fraction : 1;
 }
 
-Charge CombustionPlan::draw(int lane, std::int64_t cycle, double fuel_kg, double bmep_pa) {
-    const auto cylinder = std::size_t(scenario_.engine.shared.firing_order[std::size_t(lane)] - 1);
+double CombustionPlan::fuel_factor(int cylinder, double time_s) const {
+    double factor = scenario_.fuel_factor[std::size_t(cylinder - 1)];
+    for (const FuelStep &step : scenario_.fuel_steps) {
+        if (step.cylinder == cylinder && step.at_s <= time_s) factor = step.factor;
+    }
+    return factor;
+}
+
+Charge CombustionPlan::draw(int lane, std::int64_t cycle, double time_s, double fuel_kg, double bmep_pa) {
+    const int cylinder = scenario_.engine.shared.firing_order[std::size_t(lane)];
     RandomStream &random = cyclic_[std::size_t(lane)];
     Charge charge;
-    charge.fuel_kg = fuel_kg * scenario_.fuel_factor[cylinder];
+    charge.fuel_kg = fuel_kg * fuel_factor(cylinder, time_s);
     charge.heat_factor = std::max(kLeastFactor, 1 + scenario_.cyclic_cov.at(bmep_pa) * draw_normal(random));
     charge.start_shift_rad = scenario_.cyclic_start_sd_rad * draw_normal(random);
     charge.duration_factor = 1 + scenario_.cyclic_duration_cov * draw_normal(random);

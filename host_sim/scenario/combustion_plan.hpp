@@ -15,11 +15,12 @@ class CombustionPlan {
   public:
     CombustionPlan(const Scenario &scenario, std::uint64_t seed);
 
-    /// The charge of firing-order entry `lane` for the combustion of `cycle`, at nominal fuel `fuel_kg` and
-    /// demand `bmep_pa`. Call once a cycle for each lane, cycles ascending.
-    Charge draw(int lane, std::int64_t cycle, double fuel_kg, double bmep_pa);
+    /// The charge of firing-order entry `lane` for the combustion of `cycle`, injected at time_s, at nominal fuel
+    /// `fuel_kg` and demand `bmep_pa`. Call once a cycle for each lane, cycles ascending.
+    Charge draw(int lane, std::int64_t cycle, double time_s, double fuel_kg, double bmep_pa);
 
   private:
+    double fuel_factor(int cylinder, double time_s) const;
     double burned_fraction(int lane, std::int64_t cycle);
     const Scenario &scenario_;
     std::vector<RandomStream> cyclic_, misfire_;

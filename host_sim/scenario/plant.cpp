@@ -11,6 +11,7 @@ namespace sixdeg {
 namespace {
 
 constexpr int kPreRollCycles = 2;
+constexpr double kStartAirFraction = 0.5; // of the exhaust, gone by the end of it
 constexpr double kGovernorLimitPa = 40 * kPaPerBar;
 
 std::vector<CylinderSpread> spread_of(const Scenario &scenario) {
@@ -64,6 +65,11 @@ Plant::Plant(const Scenario &scenario, std::uint64_t seed)
              RandomStream(seed, stream::kPattern)),
       pickup_(scenario.encoder, scenario.engine.shared.tick_hz, seed) {
     fuel_trim_.fill(1);
+    if (scenario.uego) {
+        const ExhaustSystem &shared = *scenario.engine.shared.exhaust;
+        exhaust_.emplace(scenario.engine);
+        uego_.emplace(*scenario.uego, shared.uego_tau_s[0], shared.uego_tau_s[1], RandomStream(seed, stream::kUego));
+    }
     steps_to_tdc_ = int(std::lround((4 * kPi - scenario.engine.intake_close_rad) / model_.tables().step_rad));
     pre_roll();
 }
@@ -80,11 +86,15 @@ void Plant::pre_roll() {
     }
     model_.start(-kPreRollCycles, step, 0, speed);
     model_.prescribe_speed(speed, 0);
+    if (exhaust_) exhaust_->start(kStartAirFraction);
     for (int i = 0; i < kPreRollCycles * model_.tables().steps; ++i) {
+        const double before = model_.truth().time_s;
         model_.step();
         handle_events();
+        if (exhaust_) step_exhaust(model_.truth().time_s - before);
     }
     model_.set_time(0);
+    if (uego_) uego_->start(0, exhaust_->at_sensor());
     if (scenario_.speed_mode != SpeedMode::prescribed) model_.release_speed();
     cycles_.clear();
     running_ = true;
@@ -137,10 +147,12 @@ void Plant::advance() {
         return;
     }
     handle_events();
+    if (exhaust_) step_exhaust(model_.truth().time_s - before.time_s);
     if (torsion_.enabled()) torsion_.step(model_, model_.truth().time_s - before.time_s);
     sensor_ = sensor();
     find_edges(before, from);
     if (step_sink_) step_sink_->push_back(model_.truth());
+    if (watcher_) watcher_();
     if (model_.truth().angle_rad > next_control_rad_ - 1e-6) control();
     ended_ = at_end();
 }
@@ -158,11 +170,24 @@ void Plant::advance_stop() {
     backward_ ? find_backward_edges(model_.truth(), from) : find_edges(model_.truth(), from);
 }
 
+void Plant::step_exhaust(double dt_s) {
+    exhaust_->step(model_, dt_s, mean_speed_, intake_pressure_pa());
+    if (running_) uego_->step(model_.truth().time_s, dt_s, exhaust_->at_sensor(), exhaust_->downstream_pa(), uego_samples_);
+}
+
+bool Plant::next_uego(double time_s, UegoSample &sample) {
+    if (uego_samples_.empty() || uego_samples_.front().time_s >= time_s) return false;
+    sample = uego_samples_.front();
+    uego_samples_.pop_front();
+    return true;
+}
+
 void Plant::handle_events() {
     for (const Event *event = model_.events_begin(); event != model_.events_end(); ++event) {
         if (event->kind == EventKind::intake_close) set_charge(*event);
         if (event->kind == EventKind::exchange && running_ && model_.finished(event->lane).cycle >= 0) {
             cycles_.push_back(model_.finished(event->lane));
+            if (exhaust_) cycles_.back().exhaust_lambda = exhaust_->lambda_of(event->lane);
         }
     }
 }
@@ -179,12 +204,13 @@ void Plant::set_charge(const Event &event) {
     commanded_fuel_kg_ = fuel_is_cut(truth.time_s) ? 0 : fuel_map_.fuel_kg(mean_speed_, demand_pa_);
     const std::int64_t tdc_step = model_.cycle() * model_.tables().steps + event.step + steps_to_tdc_;
     const std::int64_t cycle = std::int64_t(std::floor(double(tdc_step) / model_.tables().steps));
-    model_.set_charge(
-        event.lane, plan_.draw(event.lane, cycle,
-                                            commanded_fuel_kg_ * fuel_trim_[std::size_t(cylinder - 1)], demand_pa_));
+    const Charge charge = plan_.draw(event.lane, cycle, truth.time_s,
+                                     commanded_fuel_kg_ * fuel_trim_[std::size_t(cylinder - 1)], demand_pa_);
+    model_.set_charge(event.lane, charge);
+    if (exhaust_) exhaust_->charge(event.lane, model_.trapped_kg(event.lane), charge.fuel_kg);
     // Breathed with the next stroke.
-    model_.set_intake_pressure(event.lane, scenario_.engine.intake_pressure_pa.at(demand_pa_) *
-                                               scenario_.trapped_factor[std::size_t(cylinder - 1)]);
+    model_.set_intake_pressure(event.lane,
+                               intake_pressure_pa() * scenario_.trapped_factor[std::size_t(cylinder - 1)]);
 }
 
 // Torque and speed profiles as straight pieces in time, held by the model until one of them bends.

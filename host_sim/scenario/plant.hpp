@@ -12,6 +12,7 @@
 #pragma once
 #include <array>
 #include <deque>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -20,6 +21,7 @@
 #include "engine/road.hpp"
 #include "engine/stop_motion.hpp"
 #include "engine/torsion.hpp"
+#include "exhaust/exhaust_model.hpp"
 #include "scenario/combustion_plan.hpp"
 #include "scenario/scenario.hpp"
 #include "scenario/speed_control.hpp"
@@ -44,11 +46,16 @@ class Plant {
     /// none waits.
     bool next_cycle(CycleTruth &cycle);
 
+    /// Next sample of the wideband sensor taken before time_s. False if none waits; none ever without scenario.uego.
+    bool next_uego(double time_s, UegoSample &sample);
+
     /// The crank at the end of the last step taken; up to a tooth ahead of the last edge handed out. Holds
     /// its last value once the engine has stalled.
     const StepTruth &truth() const { return model_.truth(); }
     /// Appends every step from now on to `sink` (caller-owned, outlives the plant); nullptr ends it.
     void record_steps(std::vector<StepTruth> *sink) { step_sink_ = sink; }
+    /// Calls back after every step from now on, the exhaust included.
+    void watch_steps(std::function<void()> watcher) { watcher_ = std::move(watcher); }
     /// Factor on the fuel of a physical cylinder from its next intake closing on, for closed loops. [0, 2].
     void set_fuel_trim(int cylinder, double factor);
     /// Manifold pressure, Pa, that every nominal cylinder breathes now.
@@ -57,6 +64,9 @@ class Plant {
     double commanded_fuel_kg() const { return commanded_fuel_kg_; }
     bool stalled() const { return stop_.has_value(); }
     const EngineModel &model() const { return model_; }
+    const exhaust::ExhaustModel *exhaust() const { return exhaust_ ? &*exhaust_ : nullptr; }
+    /// lambda as the sensor feels it, before noise and sampling; 0 without one.
+    double uego_lambda() const { return uego_ ? uego_->lambda() : 0; }
     const WheelEdges &wheel() const { return wheel_; }
 
   private:
@@ -66,6 +76,7 @@ class Plant {
     void pre_roll();
     void advance();
     void handle_events();
+    void step_exhaust(double dt_s);
     void set_charge(const Event &event);
     void control();
     void refresh_speed_and_load();
@@ -87,6 +98,9 @@ class Plant {
     CrankElasticity torsion_;
     WheelEdges wheel_;
     Pickup pickup_;
+    std::optional<exhaust::ExhaustModel> exhaust_;
+    std::optional<exhaust::Uego> uego_;
+    std::deque<UegoSample> uego_samples_;
     SensorPoint sensor_{};
     std::array<double, kMaxCylinders> fuel_trim_{};
     double next_cam_deg_ = 0, end_angle_rad_ = 1e300, next_control_rad_ = 0, control_time_ = 0;
@@ -98,6 +112,7 @@ class Plant {
     bool backward_ = false;
     std::deque<CycleTruth> cycles_;
     std::vector<StepTruth> *step_sink_ = nullptr;
+    std::function<void()> watcher_;
 };
 
 } // namespace sixdeg

@@ -103,6 +103,14 @@ void read_cylinders(TomlFile &file, Scenario &s) {
     s.trapped_factor = read_percent(file, "cylinders.trapped_mass_percent", n, {-50, 50, "%"});
     s.compression_factor = read_percent(file, "cylinders.compression_percent", n, {-20, 20, "%"});
 
+    for (std::size_t i = 0; i < file.array_size("cylinders.fuel_step"); ++i) {
+        const std::string at = fmt::format("cylinders.fuel_step[{}].", i);
+        s.fuel_steps.push_back({file.number(at + "at_s", {0, kLongest, "s"}), int(file.integer(at + "cylinder", 1, long(n))),
+                                1 + file.number(at + "percent", {-100, 100, "%"}) / 100});
+    }
+    std::stable_sort(s.fuel_steps.begin(), s.fuel_steps.end(),
+                     [](const FuelStep &a, const FuelStep &b) { return a.at_s < b.at_s; });
+
     const Profile cov =
         read_profile(file, "cyclic", "bmep_bar", "cov_percent", {0, 60, "%"}, {0, 40, "bar"}, 0);
     s.cyclic_cov = over(cov.scaled(0.01), kPaPerBar);
@@ -151,6 +159,25 @@ void read_encoder(TomlFile &file, Scenario &s) {
     e.cam_drop_rate = file.number_or("encoder.cam.drop_rate", {0, 1, ""}, 0);
 }
 
+void read_balance(TomlFile &file, Scenario &s) {
+    if (file.has("control.balance_on_s")) s.balance_on_s = file.numbers("control.balance_on_s", {0, kLongest, "s"});
+    if (s.balance_on_s.size() % 2 != 0) file.fail("control.balance_on_s", "is not a list of pairs: from, to, from, to");
+    if (!std::is_sorted(s.balance_on_s.begin(), s.balance_on_s.end())) file.fail("control.balance_on_s", "is not ascending");
+}
+
+void read_uego(TomlFile &file, Scenario &s) {
+    if (!file.has("uego")) return;
+    if (!s.engine.shared.exhaust) file.fail("uego", "needs an engine file with [exhaust] and [uego]");
+    UegoSetup u;
+    u.sample_s = 1e-6 * file.number_or("uego.sample_us", {50, 1e5, "us"}, 500);
+    u.noise_per_rthz = file.number_or("uego.noise_per_rthz", {0, 0.1, "1/sqrt(Hz)"}, 0);
+    u.correlation_s = 1e-3 * file.number_or("uego.noise_correlation_ms", {0, 1000, "ms"}, 0);
+    u.pressure_per_bar = 0.01 * file.number_or("uego.pressure_percent_per_bar", {0, 10, "%/bar"}, 0);
+    u.step = file.number_or("uego.quantum", {0, 0.1, ""}, 0);
+    u.ageing = file.number_or("uego.ageing", {0.5, 5, ""}, 1);
+    s.uego = u;
+}
+
 } // namespace
 
 Scenario read_scenario(TomlFile &file, const std::filesystem::path &folder) {
@@ -165,6 +192,8 @@ Scenario read_scenario(TomlFile &file, const std::filesystem::path &folder) {
     read_cylinders(file, s);
     read_misfires(file, s);
     read_encoder(file, s);
+    read_uego(file, s);
+    read_balance(file, s);
     file.finish();
     return s;
 }

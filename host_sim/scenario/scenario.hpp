@@ -3,10 +3,12 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "engine/plant_engine.hpp"
+#include "exhaust/uego.hpp"
 #include "sensors/pickup.hpp"
 
 namespace sixdeg {
@@ -17,6 +19,13 @@ enum class SpeedMode {
     governor,   ///< The load is given; fuel holds the speed.
     free,       ///< Fuel and load are given; the speed goes where they send it.
     prescribed, ///< The crank turns exactly as told; torques act on nothing.
+};
+
+/// From at_s on, a cylinder's injector gives this share of the nominal fuel.
+struct FuelStep {
+    double at_s;
+    int cylinder; ///< Physical, 1-based.
+    double factor;
 };
 
 /// A combustion that does not happen as it should.
@@ -50,6 +59,8 @@ struct Scenario {
     std::vector<double> fuel_factor, trapped_factor,
         compression_factor; ///< By physical cylinder, 1 = nominal.
 
+    std::vector<FuelStep> fuel_steps; ///< Ascending in time; on top of nothing: each replaces fuel_factor.
+
     Profile cyclic_cov; ///< Standard deviation of the heat over its mean, over bmep in Pa; 0 none.
     double cyclic_start_sd_rad = 0; ///< Of the start of combustion.
     double cyclic_duration_cov = 0; ///< Of the duration of combustion.
@@ -60,6 +71,8 @@ struct Scenario {
     double misfire_burned_fraction = 0; ///< Of random and continuous ones.
 
     EncoderFaults encoder;
+    std::vector<double> balance_on_s; ///< Pairs from, to: the firmware may trim the fuel.
+    std::optional<UegoSetup> uego; ///< With it the exhaust side runs; needs engine.shared.exhaust.
 };
 
 /// Reads scenario and engine file. Every error names file, field and range. Throws InputError.

@@ -16,7 +16,7 @@ import bus_code
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 TABLE = ROOT / "hal" / "signals.toml"
 RATES = ("edge", "cycle", "firing")
-OWNERS = ("crank", "torque", "cylinder", "firing", "misfire")
+OWNERS = ("crank", "torque", "cylinder", "firing", "misfire", "afr", "balance")
 REQUIRED = {"input": {"name", "unit", "range", "text"},
             "signal": {"name", "unit", "range", "rate", "owner", "text"},
             "parameter": {"name", "unit", "range", "default", "owner", "text"}}

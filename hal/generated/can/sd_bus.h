@@ -53,11 +53,14 @@ extern "C" {
 #define SD_BUS_INPUT_FUEL_INJECTED_FRAME_ID (0xa9u)
 #define SD_BUS_INPUT_EXHAUST_LAMBDA_FRAME_ID (0xaau)
 #define SD_BUS_INPUT_EXHAUST_PRESSURE_FRAME_ID (0xabu)
+#define SD_BUS_INPUT_BALANCE_ENABLE_FRAME_ID (0xacu)
 #define SD_BUS_EDGE_FRAME_ID (0xb0u)
 #define SD_BUS_CYCLE_1_FRAME_ID (0xb1u)
 #define SD_BUS_CYCLE_2_FRAME_ID (0xb2u)
 #define SD_BUS_CYCLE_3_FRAME_ID (0xb3u)
-#define SD_BUS_FIRING_FRAME_ID (0xb4u)
+#define SD_BUS_CYCLE_4_FRAME_ID (0xb4u)
+#define SD_BUS_CYCLE_5_FRAME_ID (0xb5u)
+#define SD_BUS_FIRING_FRAME_ID (0xb6u)
 #define SD_BUS_DONE_FRAME_ID (0xb8u)
 #define SD_BUS_PARAMETER_REQUEST_FRAME_ID (0xc0u)
 #define SD_BUS_PARAMETER_FRAME_ID (0xc1u)
@@ -73,10 +76,13 @@ extern "C" {
 #define SD_BUS_INPUT_FUEL_INJECTED_LENGTH (8u)
 #define SD_BUS_INPUT_EXHAUST_LAMBDA_LENGTH (8u)
 #define SD_BUS_INPUT_EXHAUST_PRESSURE_LENGTH (8u)
+#define SD_BUS_INPUT_BALANCE_ENABLE_LENGTH (8u)
 #define SD_BUS_EDGE_LENGTH (48u)
 #define SD_BUS_CYCLE_1_LENGTH (64u)
 #define SD_BUS_CYCLE_2_LENGTH (64u)
 #define SD_BUS_CYCLE_3_LENGTH (64u)
+#define SD_BUS_CYCLE_4_LENGTH (64u)
+#define SD_BUS_CYCLE_5_LENGTH (48u)
 #define SD_BUS_FIRING_LENGTH (64u)
 #define SD_BUS_DONE_LENGTH (8u)
 #define SD_BUS_PARAMETER_REQUEST_LENGTH (8u)
@@ -93,10 +99,13 @@ extern "C" {
 #define SD_BUS_INPUT_FUEL_INJECTED_IS_EXTENDED (0)
 #define SD_BUS_INPUT_EXHAUST_LAMBDA_IS_EXTENDED (0)
 #define SD_BUS_INPUT_EXHAUST_PRESSURE_IS_EXTENDED (0)
+#define SD_BUS_INPUT_BALANCE_ENABLE_IS_EXTENDED (0)
 #define SD_BUS_EDGE_IS_EXTENDED (0)
 #define SD_BUS_CYCLE_1_IS_EXTENDED (0)
 #define SD_BUS_CYCLE_2_IS_EXTENDED (0)
 #define SD_BUS_CYCLE_3_IS_EXTENDED (0)
+#define SD_BUS_CYCLE_4_IS_EXTENDED (0)
+#define SD_BUS_CYCLE_5_IS_EXTENDED (0)
 #define SD_BUS_FIRING_IS_EXTENDED (0)
 #define SD_BUS_DONE_IS_EXTENDED (0)
 #define SD_BUS_PARAMETER_REQUEST_IS_EXTENDED (0)
@@ -112,6 +121,7 @@ extern "C" {
 #define SD_BUS_INPUT_FUEL_INJECTED_CYCLE_TIME_MS (10u)
 #define SD_BUS_INPUT_EXHAUST_LAMBDA_CYCLE_TIME_MS (10u)
 #define SD_BUS_INPUT_EXHAUST_PRESSURE_CYCLE_TIME_MS (10u)
+#define SD_BUS_INPUT_BALANCE_ENABLE_CYCLE_TIME_MS (10u)
 #define SD_BUS_DONE_CYCLE_TIME_MS (10u)
 
 /* Signal choices. */
@@ -143,13 +153,29 @@ extern "C" {
 #define SD_BUS_CYCLE_2_CRANK_HEALTH_DEGRADED_CHOICE (1u)
 #define SD_BUS_CYCLE_2_CRANK_HEALTH_INVALID_CHOICE (2u)
 
-#define SD_BUS_CYCLE_2_MISFIRE_HEALTH_VALID_CHOICE (0u)
-#define SD_BUS_CYCLE_2_MISFIRE_HEALTH_DEGRADED_CHOICE (1u)
-#define SD_BUS_CYCLE_2_MISFIRE_HEALTH_INVALID_CHOICE (2u)
+#define SD_BUS_CYCLE_2_AFR_HEALTH_VALID_CHOICE (0u)
+#define SD_BUS_CYCLE_2_AFR_HEALTH_DEGRADED_CHOICE (1u)
+#define SD_BUS_CYCLE_2_AFR_HEALTH_INVALID_CHOICE (2u)
 
-#define SD_BUS_CYCLE_3_MISFIRE_HEALTH_VALID_CHOICE (0u)
-#define SD_BUS_CYCLE_3_MISFIRE_HEALTH_DEGRADED_CHOICE (1u)
-#define SD_BUS_CYCLE_3_MISFIRE_HEALTH_INVALID_CHOICE (2u)
+#define SD_BUS_CYCLE_3_AFR_HEALTH_VALID_CHOICE (0u)
+#define SD_BUS_CYCLE_3_AFR_HEALTH_DEGRADED_CHOICE (1u)
+#define SD_BUS_CYCLE_3_AFR_HEALTH_INVALID_CHOICE (2u)
+
+#define SD_BUS_CYCLE_3_BALANCE_HEALTH_VALID_CHOICE (0u)
+#define SD_BUS_CYCLE_3_BALANCE_HEALTH_DEGRADED_CHOICE (1u)
+#define SD_BUS_CYCLE_3_BALANCE_HEALTH_INVALID_CHOICE (2u)
+
+#define SD_BUS_CYCLE_4_BALANCE_HEALTH_VALID_CHOICE (0u)
+#define SD_BUS_CYCLE_4_BALANCE_HEALTH_DEGRADED_CHOICE (1u)
+#define SD_BUS_CYCLE_4_BALANCE_HEALTH_INVALID_CHOICE (2u)
+
+#define SD_BUS_CYCLE_4_MISFIRE_HEALTH_VALID_CHOICE (0u)
+#define SD_BUS_CYCLE_4_MISFIRE_HEALTH_DEGRADED_CHOICE (1u)
+#define SD_BUS_CYCLE_4_MISFIRE_HEALTH_INVALID_CHOICE (2u)
+
+#define SD_BUS_CYCLE_5_MISFIRE_HEALTH_VALID_CHOICE (0u)
+#define SD_BUS_CYCLE_5_MISFIRE_HEALTH_DEGRADED_CHOICE (1u)
+#define SD_BUS_CYCLE_5_MISFIRE_HEALTH_INVALID_CHOICE (2u)
 
 #define SD_BUS_FIRING_FIRING_HEALTH_VALID_CHOICE (0u)
 #define SD_BUS_FIRING_FIRING_HEALTH_DEGRADED_CHOICE (1u)
@@ -200,6 +226,17 @@ extern "C" {
 #define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_CATALYST_CHOICE (33u)
 #define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_EMISSION_WINDOWS_CHOICE (34u)
 #define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_CATALYST_WINDOWS_CHOICE (35u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_NOISE_CHOICE (36u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_DRIFT_CHOICE (37u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_DRIFT_SLOW_CHOICE (38u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_SLOW_ABOVE_CHOICE (39u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_STOICHIOMETRIC_CHOICE (40u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_SOURCE_CHOICE (41u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_GAIN_CHOICE (42u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_RATE_CHOICE (43u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_LIMIT_CHOICE (44u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_SD_MAX_CHOICE (45u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_HOLD_CHOICE (46u)
 
 #define SD_BUS_PARAMETER_COMMAND_READ_CHOICE (0u)
 #define SD_BUS_PARAMETER_COMMAND_READ_REFERENCE_CHOICE (1u)
@@ -242,6 +279,17 @@ extern "C" {
 #define SD_BUS_PARAMETER_INDEX_MISFIRE_CATALYST_CHOICE (33u)
 #define SD_BUS_PARAMETER_INDEX_MISFIRE_EMISSION_WINDOWS_CHOICE (34u)
 #define SD_BUS_PARAMETER_INDEX_MISFIRE_CATALYST_WINDOWS_CHOICE (35u)
+#define SD_BUS_PARAMETER_INDEX_AFR_NOISE_CHOICE (36u)
+#define SD_BUS_PARAMETER_INDEX_AFR_DRIFT_CHOICE (37u)
+#define SD_BUS_PARAMETER_INDEX_AFR_DRIFT_SLOW_CHOICE (38u)
+#define SD_BUS_PARAMETER_INDEX_AFR_SLOW_ABOVE_CHOICE (39u)
+#define SD_BUS_PARAMETER_INDEX_AFR_STOICHIOMETRIC_CHOICE (40u)
+#define SD_BUS_PARAMETER_INDEX_BALANCE_SOURCE_CHOICE (41u)
+#define SD_BUS_PARAMETER_INDEX_BALANCE_GAIN_CHOICE (42u)
+#define SD_BUS_PARAMETER_INDEX_BALANCE_RATE_CHOICE (43u)
+#define SD_BUS_PARAMETER_INDEX_BALANCE_LIMIT_CHOICE (44u)
+#define SD_BUS_PARAMETER_INDEX_BALANCE_SD_MAX_CHOICE (45u)
+#define SD_BUS_PARAMETER_INDEX_BALANCE_HOLD_CHOICE (46u)
 
 #define SD_BUS_PARAMETER_RESULT_OK_CHOICE (0u)
 #define SD_BUS_PARAMETER_RESULT_UNKNOWN_CHOICE (1u)
@@ -255,10 +303,13 @@ extern "C" {
 #define SD_BUS_INPUT_FUEL_INJECTED_NAME "input_fuel_injected"
 #define SD_BUS_INPUT_EXHAUST_LAMBDA_NAME "input_exhaust_lambda"
 #define SD_BUS_INPUT_EXHAUST_PRESSURE_NAME "input_exhaust_pressure"
+#define SD_BUS_INPUT_BALANCE_ENABLE_NAME "input_balance_enable"
 #define SD_BUS_EDGE_NAME "edge"
 #define SD_BUS_CYCLE_1_NAME "cycle_1"
 #define SD_BUS_CYCLE_2_NAME "cycle_2"
 #define SD_BUS_CYCLE_3_NAME "cycle_3"
+#define SD_BUS_CYCLE_4_NAME "cycle_4"
+#define SD_BUS_CYCLE_5_NAME "cycle_5"
 #define SD_BUS_FIRING_NAME "firing"
 #define SD_BUS_DONE_NAME "done"
 #define SD_BUS_PARAMETER_REQUEST_NAME "parameter_request"
@@ -298,6 +349,8 @@ extern "C" {
 #define SD_BUS_INPUT_EXHAUST_LAMBDA_VALUE_NAME "value"
 #define SD_BUS_INPUT_EXHAUST_PRESSURE_TICK_NAME "tick"
 #define SD_BUS_INPUT_EXHAUST_PRESSURE_VALUE_NAME "value"
+#define SD_BUS_INPUT_BALANCE_ENABLE_TICK_NAME "tick"
+#define SD_BUS_INPUT_BALANCE_ENABLE_VALUE_NAME "value"
 #define SD_BUS_EDGE_TICK_NAME "tick"
 #define SD_BUS_EDGE_CRANK_HEALTH_NAME "crank_health"
 #define SD_BUS_EDGE_CRANK_WHY_NAME "crank_why"
@@ -338,37 +391,72 @@ extern "C" {
 #define SD_BUS_CYCLE_2_CYLINDER_WHY_NAME "cylinder_why"
 #define SD_BUS_CYCLE_2_CRANK_HEALTH_NAME "crank_health"
 #define SD_BUS_CYCLE_2_CRANK_WHY_NAME "crank_why"
-#define SD_BUS_CYCLE_2_MISFIRE_HEALTH_NAME "misfire_health"
-#define SD_BUS_CYCLE_2_MISFIRE_WHY_NAME "misfire_why"
+#define SD_BUS_CYCLE_2_AFR_HEALTH_NAME "afr_health"
+#define SD_BUS_CYCLE_2_AFR_WHY_NAME "afr_why"
 #define SD_BUS_CYCLE_2_CYCLE_CYLINDER_SD_6_NAME "cycle_cylinder_sd_6"
 #define SD_BUS_CYCLE_2_CYCLE_CYLINDER_SD_7_NAME "cycle_cylinder_sd_7"
 #define SD_BUS_CYCLE_2_CYCLE_CYLINDER_SD_8_NAME "cycle_cylinder_sd_8"
 #define SD_BUS_CYCLE_2_WHEEL_PATTERN_SD_NAME "wheel_pattern_sd"
 #define SD_BUS_CYCLE_2_WHEEL_LEARNED_CYCLES_NAME "wheel_learned_cycles"
-#define SD_BUS_CYCLE_2_MISFIRE_RATE_200_1_NAME "misfire_rate_200_1"
-#define SD_BUS_CYCLE_2_MISFIRE_RATE_200_2_NAME "misfire_rate_200_2"
-#define SD_BUS_CYCLE_2_MISFIRE_RATE_200_3_NAME "misfire_rate_200_3"
-#define SD_BUS_CYCLE_2_MISFIRE_RATE_200_4_NAME "misfire_rate_200_4"
-#define SD_BUS_CYCLE_2_MISFIRE_RATE_200_5_NAME "misfire_rate_200_5"
-#define SD_BUS_CYCLE_2_MISFIRE_RATE_200_6_NAME "misfire_rate_200_6"
-#define SD_BUS_CYCLE_2_MISFIRE_RATE_200_7_NAME "misfire_rate_200_7"
-#define SD_BUS_CYCLE_2_MISFIRE_RATE_200_8_NAME "misfire_rate_200_8"
+#define SD_BUS_CYCLE_2_AFR_CYLINDER_BURNED_1_NAME "afr_cylinder_burned_1"
+#define SD_BUS_CYCLE_2_AFR_CYLINDER_BURNED_2_NAME "afr_cylinder_burned_2"
+#define SD_BUS_CYCLE_2_AFR_CYLINDER_BURNED_3_NAME "afr_cylinder_burned_3"
+#define SD_BUS_CYCLE_2_AFR_CYLINDER_BURNED_4_NAME "afr_cylinder_burned_4"
+#define SD_BUS_CYCLE_2_AFR_CYLINDER_BURNED_5_NAME "afr_cylinder_burned_5"
+#define SD_BUS_CYCLE_2_AFR_CYLINDER_BURNED_6_NAME "afr_cylinder_burned_6"
+#define SD_BUS_CYCLE_2_AFR_CYLINDER_BURNED_7_NAME "afr_cylinder_burned_7"
+#define SD_BUS_CYCLE_2_AFR_CYLINDER_BURNED_8_NAME "afr_cylinder_burned_8"
 #define SD_BUS_CYCLE_3_TICK_NAME "tick"
-#define SD_BUS_CYCLE_3_MISFIRE_HEALTH_NAME "misfire_health"
-#define SD_BUS_CYCLE_3_MISFIRE_WHY_NAME "misfire_why"
-#define SD_BUS_CYCLE_3_MISFIRE_RATE_1000_1_NAME "misfire_rate_1000_1"
-#define SD_BUS_CYCLE_3_MISFIRE_RATE_1000_2_NAME "misfire_rate_1000_2"
-#define SD_BUS_CYCLE_3_MISFIRE_RATE_1000_3_NAME "misfire_rate_1000_3"
-#define SD_BUS_CYCLE_3_MISFIRE_RATE_1000_4_NAME "misfire_rate_1000_4"
-#define SD_BUS_CYCLE_3_MISFIRE_RATE_1000_5_NAME "misfire_rate_1000_5"
-#define SD_BUS_CYCLE_3_MISFIRE_RATE_1000_6_NAME "misfire_rate_1000_6"
-#define SD_BUS_CYCLE_3_MISFIRE_RATE_1000_7_NAME "misfire_rate_1000_7"
-#define SD_BUS_CYCLE_3_MISFIRE_RATE_1000_8_NAME "misfire_rate_1000_8"
-#define SD_BUS_CYCLE_3_MISFIRE_CONTINUOUS_NAME "misfire_continuous"
-#define SD_BUS_CYCLE_3_MISFIRE_SUSPECTS_NAME "misfire_suspects"
-#define SD_BUS_CYCLE_3_MISFIRE_LAMP_NAME "misfire_lamp"
-#define SD_BUS_CYCLE_3_MISFIRE_COUNT_NAME "misfire_count"
-#define SD_BUS_CYCLE_3_MISFIRE_PARTIAL_BURNS_NAME "misfire_partial_burns"
+#define SD_BUS_CYCLE_3_AFR_HEALTH_NAME "afr_health"
+#define SD_BUS_CYCLE_3_AFR_WHY_NAME "afr_why"
+#define SD_BUS_CYCLE_3_BALANCE_HEALTH_NAME "balance_health"
+#define SD_BUS_CYCLE_3_BALANCE_WHY_NAME "balance_why"
+#define SD_BUS_CYCLE_3_AFR_CYLINDER_SD_1_NAME "afr_cylinder_sd_1"
+#define SD_BUS_CYCLE_3_AFR_CYLINDER_SD_2_NAME "afr_cylinder_sd_2"
+#define SD_BUS_CYCLE_3_AFR_CYLINDER_SD_3_NAME "afr_cylinder_sd_3"
+#define SD_BUS_CYCLE_3_AFR_CYLINDER_SD_4_NAME "afr_cylinder_sd_4"
+#define SD_BUS_CYCLE_3_AFR_CYLINDER_SD_5_NAME "afr_cylinder_sd_5"
+#define SD_BUS_CYCLE_3_AFR_CYLINDER_SD_6_NAME "afr_cylinder_sd_6"
+#define SD_BUS_CYCLE_3_AFR_CYLINDER_SD_7_NAME "afr_cylinder_sd_7"
+#define SD_BUS_CYCLE_3_AFR_CYLINDER_SD_8_NAME "afr_cylinder_sd_8"
+#define SD_BUS_CYCLE_3_AFR_SLOW_NAME "afr_slow"
+#define SD_BUS_CYCLE_3_BALANCE_TRIM_1_NAME "balance_trim_1"
+#define SD_BUS_CYCLE_3_BALANCE_TRIM_2_NAME "balance_trim_2"
+#define SD_BUS_CYCLE_3_BALANCE_TRIM_3_NAME "balance_trim_3"
+#define SD_BUS_CYCLE_3_BALANCE_TRIM_4_NAME "balance_trim_4"
+#define SD_BUS_CYCLE_3_BALANCE_TRIM_5_NAME "balance_trim_5"
+#define SD_BUS_CYCLE_4_TICK_NAME "tick"
+#define SD_BUS_CYCLE_4_BALANCE_HEALTH_NAME "balance_health"
+#define SD_BUS_CYCLE_4_BALANCE_WHY_NAME "balance_why"
+#define SD_BUS_CYCLE_4_MISFIRE_HEALTH_NAME "misfire_health"
+#define SD_BUS_CYCLE_4_MISFIRE_WHY_NAME "misfire_why"
+#define SD_BUS_CYCLE_4_BALANCE_TRIM_6_NAME "balance_trim_6"
+#define SD_BUS_CYCLE_4_BALANCE_TRIM_7_NAME "balance_trim_7"
+#define SD_BUS_CYCLE_4_BALANCE_TRIM_8_NAME "balance_trim_8"
+#define SD_BUS_CYCLE_4_MISFIRE_RATE_200_1_NAME "misfire_rate_200_1"
+#define SD_BUS_CYCLE_4_MISFIRE_RATE_200_2_NAME "misfire_rate_200_2"
+#define SD_BUS_CYCLE_4_MISFIRE_RATE_200_3_NAME "misfire_rate_200_3"
+#define SD_BUS_CYCLE_4_MISFIRE_RATE_200_4_NAME "misfire_rate_200_4"
+#define SD_BUS_CYCLE_4_MISFIRE_RATE_200_5_NAME "misfire_rate_200_5"
+#define SD_BUS_CYCLE_4_MISFIRE_RATE_200_6_NAME "misfire_rate_200_6"
+#define SD_BUS_CYCLE_4_MISFIRE_RATE_200_7_NAME "misfire_rate_200_7"
+#define SD_BUS_CYCLE_4_MISFIRE_RATE_200_8_NAME "misfire_rate_200_8"
+#define SD_BUS_CYCLE_4_MISFIRE_RATE_1000_1_NAME "misfire_rate_1000_1"
+#define SD_BUS_CYCLE_4_MISFIRE_RATE_1000_2_NAME "misfire_rate_1000_2"
+#define SD_BUS_CYCLE_4_MISFIRE_RATE_1000_3_NAME "misfire_rate_1000_3"
+#define SD_BUS_CYCLE_5_TICK_NAME "tick"
+#define SD_BUS_CYCLE_5_MISFIRE_HEALTH_NAME "misfire_health"
+#define SD_BUS_CYCLE_5_MISFIRE_WHY_NAME "misfire_why"
+#define SD_BUS_CYCLE_5_MISFIRE_RATE_1000_4_NAME "misfire_rate_1000_4"
+#define SD_BUS_CYCLE_5_MISFIRE_RATE_1000_5_NAME "misfire_rate_1000_5"
+#define SD_BUS_CYCLE_5_MISFIRE_RATE_1000_6_NAME "misfire_rate_1000_6"
+#define SD_BUS_CYCLE_5_MISFIRE_RATE_1000_7_NAME "misfire_rate_1000_7"
+#define SD_BUS_CYCLE_5_MISFIRE_RATE_1000_8_NAME "misfire_rate_1000_8"
+#define SD_BUS_CYCLE_5_MISFIRE_CONTINUOUS_NAME "misfire_continuous"
+#define SD_BUS_CYCLE_5_MISFIRE_SUSPECTS_NAME "misfire_suspects"
+#define SD_BUS_CYCLE_5_MISFIRE_LAMP_NAME "misfire_lamp"
+#define SD_BUS_CYCLE_5_MISFIRE_COUNT_NAME "misfire_count"
+#define SD_BUS_CYCLE_5_MISFIRE_PARTIAL_BURNS_NAME "misfire_partial_burns"
 #define SD_BUS_FIRING_TICK_NAME "tick"
 #define SD_BUS_FIRING_FIRING_HEALTH_NAME "firing_health"
 #define SD_BUS_FIRING_FIRING_WHY_NAME "firing_why"
@@ -685,6 +773,31 @@ struct sd_bus_input_exhaust_pressure_t {
      * Absolute pressure in the exhaust manifold.
      *
      * Range: 0.05..10.0 (0.05..10 bar)
+     * Scale: 1
+     * Offset: 0
+     */
+    float value;
+};
+
+/**
+ * Signals in message input_balance_enable.
+ *
+ * Above 0.5 the trims learn; otherwise, and until it is read, they are 0.
+ *
+ * All signal values are as on the CAN bus.
+ */
+struct sd_bus_input_balance_enable_t {
+    /**
+     * Range: 0..4294967295 (0..4294967295 tick)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint32_t tick;
+
+    /**
+     * Above 0.5 the trims learn; otherwise, and until it is read, they are 0.
+     *
+     * Range: 0.0..1.0 (0..1 -)
      * Scale: 1
      * Offset: 0
      */
@@ -1078,13 +1191,13 @@ struct sd_bus_cycle_2_t {
     uint8_t crank_why;
 
     /**
-     * How far the values of misfire may be trusted.
+     * How far the values of afr may be trusted.
      *
      * Range: 0..2 (0..2 -)
      * Scale: 1
      * Offset: 0
      */
-    uint8_t misfire_health;
+    uint8_t afr_health;
 
     /**
      * Why not, bits: sd_why_t.
@@ -1093,7 +1206,7 @@ struct sd_bus_cycle_2_t {
      * Scale: 1
      * Offset: 0
      */
-    uint8_t misfire_why;
+    uint8_t afr_why;
 
     /**
      * Standard deviation of cycle.cylinder_torque from errors of the tooth times (torque.tooth_sd, timer); errors of the engine model are not in it.
@@ -1139,6 +1252,339 @@ struct sd_bus_cycle_2_t {
      * Offset: 0
      */
     float wheel_learned_cycles;
+
+    /**
+     * Burned share of each cylinder's exhaust gas, by physical number: lambda = 1 - air/gas of document 004, above 1 where air is missing.
+     *
+     * Range: -1.0..2.0 (-1..2 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    float afr_cylinder_burned_1;
+
+    /**
+     * Burned share of each cylinder's exhaust gas, by physical number: lambda = 1 - air/gas of document 004, above 1 where air is missing.
+     *
+     * Range: -1.0..2.0 (-1..2 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    float afr_cylinder_burned_2;
+
+    /**
+     * Burned share of each cylinder's exhaust gas, by physical number: lambda = 1 - air/gas of document 004, above 1 where air is missing.
+     *
+     * Range: -1.0..2.0 (-1..2 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    float afr_cylinder_burned_3;
+
+    /**
+     * Burned share of each cylinder's exhaust gas, by physical number: lambda = 1 - air/gas of document 004, above 1 where air is missing.
+     *
+     * Range: -1.0..2.0 (-1..2 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    float afr_cylinder_burned_4;
+
+    /**
+     * Burned share of each cylinder's exhaust gas, by physical number: lambda = 1 - air/gas of document 004, above 1 where air is missing.
+     *
+     * Range: -1.0..2.0 (-1..2 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    float afr_cylinder_burned_5;
+
+    /**
+     * Burned share of each cylinder's exhaust gas, by physical number: lambda = 1 - air/gas of document 004, above 1 where air is missing.
+     *
+     * Range: -1.0..2.0 (-1..2 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    float afr_cylinder_burned_6;
+
+    /**
+     * Burned share of each cylinder's exhaust gas, by physical number: lambda = 1 - air/gas of document 004, above 1 where air is missing.
+     *
+     * Range: -1.0..2.0 (-1..2 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    float afr_cylinder_burned_7;
+
+    /**
+     * Burned share of each cylinder's exhaust gas, by physical number: lambda = 1 - air/gas of document 004, above 1 where air is missing.
+     *
+     * Range: -1.0..2.0 (-1..2 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    float afr_cylinder_burned_8;
+};
+
+/**
+ * Signals in message cycle_3.
+ *
+ * Signals of rate cycle, one row a tick.
+ *
+ * All signal values are as on the CAN bus.
+ */
+struct sd_bus_cycle_3_t {
+    /**
+     * Capture tick of the event that caused it.
+     *
+     * Range: 0..4294967295 (0..4294967295 tick)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint32_t tick;
+
+    /**
+     * How far the values of afr may be trusted.
+     *
+     * Range: 0..2 (0..2 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t afr_health;
+
+    /**
+     * Why not, bits: sd_why_t.
+     *
+     * Range: 0..255 (0..255 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t afr_why;
+
+    /**
+     * How far the values of balance may be trusted.
+     *
+     * Range: 0..2 (0..2 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t balance_health;
+
+    /**
+     * Why not, bits: sd_why_t.
+     *
+     * Range: 0..255 (0..255 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t balance_why;
+
+    /**
+     * Standard deviation that the filter states for a cylinder's deviation from the mean, over the mean.
+     *
+     * Range: 0.0..10.0 (0..10 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    float afr_cylinder_sd_1;
+
+    /**
+     * Standard deviation that the filter states for a cylinder's deviation from the mean, over the mean.
+     *
+     * Range: 0.0..10.0 (0..10 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    float afr_cylinder_sd_2;
+
+    /**
+     * Standard deviation that the filter states for a cylinder's deviation from the mean, over the mean.
+     *
+     * Range: 0.0..10.0 (0..10 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    float afr_cylinder_sd_3;
+
+    /**
+     * Standard deviation that the filter states for a cylinder's deviation from the mean, over the mean.
+     *
+     * Range: 0.0..10.0 (0..10 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    float afr_cylinder_sd_4;
+
+    /**
+     * Standard deviation that the filter states for a cylinder's deviation from the mean, over the mean.
+     *
+     * Range: 0.0..10.0 (0..10 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    float afr_cylinder_sd_5;
+
+    /**
+     * Standard deviation that the filter states for a cylinder's deviation from the mean, over the mean.
+     *
+     * Range: 0.0..10.0 (0..10 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    float afr_cylinder_sd_6;
+
+    /**
+     * Standard deviation that the filter states for a cylinder's deviation from the mean, over the mean.
+     *
+     * Range: 0.0..10.0 (0..10 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    float afr_cylinder_sd_7;
+
+    /**
+     * Standard deviation that the filter states for a cylinder's deviation from the mean, over the mean.
+     *
+     * Range: 0.0..10.0 (0..10 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    float afr_cylinder_sd_8;
+
+    /**
+     * 1: the sensor is too slow for this speed; the estimate learns over some tens of seconds.
+     *
+     * Range: 0.0..1.0 (0..1 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    float afr_slow;
+
+    /**
+     * Fuel to add to each cylinder, over its nominal, by physical number; their mean is 0.
+     *
+     * Range: -0.5..0.5 (-0.5..0.5 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    float balance_trim_1;
+
+    /**
+     * Fuel to add to each cylinder, over its nominal, by physical number; their mean is 0.
+     *
+     * Range: -0.5..0.5 (-0.5..0.5 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    float balance_trim_2;
+
+    /**
+     * Fuel to add to each cylinder, over its nominal, by physical number; their mean is 0.
+     *
+     * Range: -0.5..0.5 (-0.5..0.5 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    float balance_trim_3;
+
+    /**
+     * Fuel to add to each cylinder, over its nominal, by physical number; their mean is 0.
+     *
+     * Range: -0.5..0.5 (-0.5..0.5 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    float balance_trim_4;
+
+    /**
+     * Fuel to add to each cylinder, over its nominal, by physical number; their mean is 0.
+     *
+     * Range: -0.5..0.5 (-0.5..0.5 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    float balance_trim_5;
+};
+
+/**
+ * Signals in message cycle_4.
+ *
+ * Signals of rate cycle, one row a tick.
+ *
+ * All signal values are as on the CAN bus.
+ */
+struct sd_bus_cycle_4_t {
+    /**
+     * Capture tick of the event that caused it.
+     *
+     * Range: 0..4294967295 (0..4294967295 tick)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint32_t tick;
+
+    /**
+     * How far the values of balance may be trusted.
+     *
+     * Range: 0..2 (0..2 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t balance_health;
+
+    /**
+     * Why not, bits: sd_why_t.
+     *
+     * Range: 0..255 (0..255 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t balance_why;
+
+    /**
+     * How far the values of misfire may be trusted.
+     *
+     * Range: 0..2 (0..2 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t misfire_health;
+
+    /**
+     * Why not, bits: sd_why_t.
+     *
+     * Range: 0..255 (0..255 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t misfire_why;
+
+    /**
+     * Fuel to add to each cylinder, over its nominal, by physical number; their mean is 0.
+     *
+     * Range: -0.5..0.5 (-0.5..0.5 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    float balance_trim_6;
+
+    /**
+     * Fuel to add to each cylinder, over its nominal, by physical number; their mean is 0.
+     *
+     * Range: -0.5..0.5 (-0.5..0.5 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    float balance_trim_7;
+
+    /**
+     * Fuel to add to each cylinder, over its nominal, by physical number; their mean is 0.
+     *
+     * Range: -0.5..0.5 (-0.5..0.5 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    float balance_trim_8;
 
     /**
      * Misfires of the cylinder in the last complete window of 200 judged revolutions, of its firings.
@@ -1211,42 +1657,6 @@ struct sd_bus_cycle_2_t {
      * Offset: 0
      */
     float misfire_rate_200_8;
-};
-
-/**
- * Signals in message cycle_3.
- *
- * Signals of rate cycle, one row a tick.
- *
- * All signal values are as on the CAN bus.
- */
-struct sd_bus_cycle_3_t {
-    /**
-     * Capture tick of the event that caused it.
-     *
-     * Range: 0..4294967295 (0..4294967295 tick)
-     * Scale: 1
-     * Offset: 0
-     */
-    uint32_t tick;
-
-    /**
-     * How far the values of misfire may be trusted.
-     *
-     * Range: 0..2 (0..2 -)
-     * Scale: 1
-     * Offset: 0
-     */
-    uint8_t misfire_health;
-
-    /**
-     * Why not, bits: sd_why_t.
-     *
-     * Range: 0..255 (0..255 -)
-     * Scale: 1
-     * Offset: 0
-     */
-    uint8_t misfire_why;
 
     /**
      * The same in 1000.
@@ -1274,6 +1684,42 @@ struct sd_bus_cycle_3_t {
      * Offset: 0
      */
     float misfire_rate_1000_3;
+};
+
+/**
+ * Signals in message cycle_5.
+ *
+ * Signals of rate cycle, one row a tick.
+ *
+ * All signal values are as on the CAN bus.
+ */
+struct sd_bus_cycle_5_t {
+    /**
+     * Capture tick of the event that caused it.
+     *
+     * Range: 0..4294967295 (0..4294967295 tick)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint32_t tick;
+
+    /**
+     * How far the values of misfire may be trusted.
+     *
+     * Range: 0..2 (0..2 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t misfire_health;
+
+    /**
+     * Why not, bits: sd_why_t.
+     *
+     * Range: 0..255 (0..255 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t misfire_why;
 
     /**
      * The same in 1000.
@@ -3197,6 +3643,123 @@ bool sd_bus_input_exhaust_pressure_value_is_in_range(float value);
 bool sd_bus_input_exhaust_pressure_value_is_in_phys_range(double value);
 
 /**
+ * Pack message input_balance_enable.
+ *
+ * @param[out] dst_p Buffer to pack the message into.
+ * @param[in] src_p Data to pack.
+ * @param[in] size Size of dst_p.
+ *
+ * @return Size of packed data, or negative error code.
+ */
+int sd_bus_input_balance_enable_pack(
+    uint8_t *dst_p,
+    const struct sd_bus_input_balance_enable_t *src_p,
+    size_t size);
+
+/**
+ * Unpack message input_balance_enable.
+ *
+ * @param[out] dst_p Object to unpack the message into.
+ * @param[in] src_p Message to unpack.
+ * @param[in] size Size of src_p.
+ *
+ * @return zero(0) or negative error code.
+ */
+int sd_bus_input_balance_enable_unpack(
+    struct sd_bus_input_balance_enable_t *dst_p,
+    const uint8_t *src_p,
+    size_t size);
+
+/**
+ * Init message fields to default values from input_balance_enable.
+ *
+ * @param[in] msg_p Message to init.
+ *
+ * @return zero(0) on success or (-1) in case of nullptr argument.
+ */
+int sd_bus_input_balance_enable_init(struct sd_bus_input_balance_enable_t *msg_p);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint32_t sd_bus_input_balance_enable_tick_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_input_balance_enable_tick_decode(uint32_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_balance_enable_tick_is_in_range(uint32_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_balance_enable_tick_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_input_balance_enable_value_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_input_balance_enable_value_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_balance_enable_value_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_balance_enable_value_is_in_phys_range(double value);
+
+/**
  * Pack message edge.
  *
  * @param[out] dst_p Buffer to pack the message into.
@@ -4914,7 +5477,7 @@ bool sd_bus_cycle_2_crank_why_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-uint8_t sd_bus_cycle_2_misfire_health_encode(double value);
+uint8_t sd_bus_cycle_2_afr_health_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -4923,7 +5486,7 @@ uint8_t sd_bus_cycle_2_misfire_health_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_cycle_2_misfire_health_decode(uint8_t value);
+double sd_bus_cycle_2_afr_health_decode(uint8_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -4932,7 +5495,7 @@ double sd_bus_cycle_2_misfire_health_decode(uint8_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_2_misfire_health_is_in_range(uint8_t value);
+bool sd_bus_cycle_2_afr_health_is_in_range(uint8_t value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -4945,7 +5508,7 @@ bool sd_bus_cycle_2_misfire_health_is_in_range(uint8_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_2_misfire_health_is_in_phys_range(double value);
+bool sd_bus_cycle_2_afr_health_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -4954,7 +5517,7 @@ bool sd_bus_cycle_2_misfire_health_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-uint8_t sd_bus_cycle_2_misfire_why_encode(double value);
+uint8_t sd_bus_cycle_2_afr_why_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -4963,7 +5526,7 @@ uint8_t sd_bus_cycle_2_misfire_why_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_cycle_2_misfire_why_decode(uint8_t value);
+double sd_bus_cycle_2_afr_why_decode(uint8_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -4972,7 +5535,7 @@ double sd_bus_cycle_2_misfire_why_decode(uint8_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_2_misfire_why_is_in_range(uint8_t value);
+bool sd_bus_cycle_2_afr_why_is_in_range(uint8_t value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -4985,7 +5548,7 @@ bool sd_bus_cycle_2_misfire_why_is_in_range(uint8_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_2_misfire_why_is_in_phys_range(double value);
+bool sd_bus_cycle_2_afr_why_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -5194,7 +5757,7 @@ bool sd_bus_cycle_2_wheel_learned_cycles_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-float sd_bus_cycle_2_misfire_rate_200_1_encode(double value);
+float sd_bus_cycle_2_afr_cylinder_burned_1_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -5203,7 +5766,7 @@ float sd_bus_cycle_2_misfire_rate_200_1_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_cycle_2_misfire_rate_200_1_decode(float value);
+double sd_bus_cycle_2_afr_cylinder_burned_1_decode(float value);
 
 /**
  * Check that given signal is in allowed range.
@@ -5212,7 +5775,7 @@ double sd_bus_cycle_2_misfire_rate_200_1_decode(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_2_misfire_rate_200_1_is_in_range(float value);
+bool sd_bus_cycle_2_afr_cylinder_burned_1_is_in_range(float value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -5225,7 +5788,7 @@ bool sd_bus_cycle_2_misfire_rate_200_1_is_in_range(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_2_misfire_rate_200_1_is_in_phys_range(double value);
+bool sd_bus_cycle_2_afr_cylinder_burned_1_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -5234,7 +5797,7 @@ bool sd_bus_cycle_2_misfire_rate_200_1_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-float sd_bus_cycle_2_misfire_rate_200_2_encode(double value);
+float sd_bus_cycle_2_afr_cylinder_burned_2_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -5243,7 +5806,7 @@ float sd_bus_cycle_2_misfire_rate_200_2_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_cycle_2_misfire_rate_200_2_decode(float value);
+double sd_bus_cycle_2_afr_cylinder_burned_2_decode(float value);
 
 /**
  * Check that given signal is in allowed range.
@@ -5252,7 +5815,7 @@ double sd_bus_cycle_2_misfire_rate_200_2_decode(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_2_misfire_rate_200_2_is_in_range(float value);
+bool sd_bus_cycle_2_afr_cylinder_burned_2_is_in_range(float value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -5265,7 +5828,7 @@ bool sd_bus_cycle_2_misfire_rate_200_2_is_in_range(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_2_misfire_rate_200_2_is_in_phys_range(double value);
+bool sd_bus_cycle_2_afr_cylinder_burned_2_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -5274,7 +5837,7 @@ bool sd_bus_cycle_2_misfire_rate_200_2_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-float sd_bus_cycle_2_misfire_rate_200_3_encode(double value);
+float sd_bus_cycle_2_afr_cylinder_burned_3_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -5283,7 +5846,7 @@ float sd_bus_cycle_2_misfire_rate_200_3_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_cycle_2_misfire_rate_200_3_decode(float value);
+double sd_bus_cycle_2_afr_cylinder_burned_3_decode(float value);
 
 /**
  * Check that given signal is in allowed range.
@@ -5292,7 +5855,7 @@ double sd_bus_cycle_2_misfire_rate_200_3_decode(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_2_misfire_rate_200_3_is_in_range(float value);
+bool sd_bus_cycle_2_afr_cylinder_burned_3_is_in_range(float value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -5305,7 +5868,7 @@ bool sd_bus_cycle_2_misfire_rate_200_3_is_in_range(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_2_misfire_rate_200_3_is_in_phys_range(double value);
+bool sd_bus_cycle_2_afr_cylinder_burned_3_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -5314,7 +5877,7 @@ bool sd_bus_cycle_2_misfire_rate_200_3_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-float sd_bus_cycle_2_misfire_rate_200_4_encode(double value);
+float sd_bus_cycle_2_afr_cylinder_burned_4_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -5323,7 +5886,7 @@ float sd_bus_cycle_2_misfire_rate_200_4_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_cycle_2_misfire_rate_200_4_decode(float value);
+double sd_bus_cycle_2_afr_cylinder_burned_4_decode(float value);
 
 /**
  * Check that given signal is in allowed range.
@@ -5332,7 +5895,7 @@ double sd_bus_cycle_2_misfire_rate_200_4_decode(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_2_misfire_rate_200_4_is_in_range(float value);
+bool sd_bus_cycle_2_afr_cylinder_burned_4_is_in_range(float value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -5345,7 +5908,7 @@ bool sd_bus_cycle_2_misfire_rate_200_4_is_in_range(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_2_misfire_rate_200_4_is_in_phys_range(double value);
+bool sd_bus_cycle_2_afr_cylinder_burned_4_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -5354,7 +5917,7 @@ bool sd_bus_cycle_2_misfire_rate_200_4_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-float sd_bus_cycle_2_misfire_rate_200_5_encode(double value);
+float sd_bus_cycle_2_afr_cylinder_burned_5_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -5363,7 +5926,7 @@ float sd_bus_cycle_2_misfire_rate_200_5_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_cycle_2_misfire_rate_200_5_decode(float value);
+double sd_bus_cycle_2_afr_cylinder_burned_5_decode(float value);
 
 /**
  * Check that given signal is in allowed range.
@@ -5372,7 +5935,7 @@ double sd_bus_cycle_2_misfire_rate_200_5_decode(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_2_misfire_rate_200_5_is_in_range(float value);
+bool sd_bus_cycle_2_afr_cylinder_burned_5_is_in_range(float value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -5385,7 +5948,7 @@ bool sd_bus_cycle_2_misfire_rate_200_5_is_in_range(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_2_misfire_rate_200_5_is_in_phys_range(double value);
+bool sd_bus_cycle_2_afr_cylinder_burned_5_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -5394,7 +5957,7 @@ bool sd_bus_cycle_2_misfire_rate_200_5_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-float sd_bus_cycle_2_misfire_rate_200_6_encode(double value);
+float sd_bus_cycle_2_afr_cylinder_burned_6_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -5403,7 +5966,7 @@ float sd_bus_cycle_2_misfire_rate_200_6_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_cycle_2_misfire_rate_200_6_decode(float value);
+double sd_bus_cycle_2_afr_cylinder_burned_6_decode(float value);
 
 /**
  * Check that given signal is in allowed range.
@@ -5412,7 +5975,7 @@ double sd_bus_cycle_2_misfire_rate_200_6_decode(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_2_misfire_rate_200_6_is_in_range(float value);
+bool sd_bus_cycle_2_afr_cylinder_burned_6_is_in_range(float value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -5425,7 +5988,7 @@ bool sd_bus_cycle_2_misfire_rate_200_6_is_in_range(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_2_misfire_rate_200_6_is_in_phys_range(double value);
+bool sd_bus_cycle_2_afr_cylinder_burned_6_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -5434,7 +5997,7 @@ bool sd_bus_cycle_2_misfire_rate_200_6_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-float sd_bus_cycle_2_misfire_rate_200_7_encode(double value);
+float sd_bus_cycle_2_afr_cylinder_burned_7_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -5443,7 +6006,7 @@ float sd_bus_cycle_2_misfire_rate_200_7_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_cycle_2_misfire_rate_200_7_decode(float value);
+double sd_bus_cycle_2_afr_cylinder_burned_7_decode(float value);
 
 /**
  * Check that given signal is in allowed range.
@@ -5452,7 +6015,7 @@ double sd_bus_cycle_2_misfire_rate_200_7_decode(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_2_misfire_rate_200_7_is_in_range(float value);
+bool sd_bus_cycle_2_afr_cylinder_burned_7_is_in_range(float value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -5465,7 +6028,7 @@ bool sd_bus_cycle_2_misfire_rate_200_7_is_in_range(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_2_misfire_rate_200_7_is_in_phys_range(double value);
+bool sd_bus_cycle_2_afr_cylinder_burned_7_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -5474,7 +6037,7 @@ bool sd_bus_cycle_2_misfire_rate_200_7_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-float sd_bus_cycle_2_misfire_rate_200_8_encode(double value);
+float sd_bus_cycle_2_afr_cylinder_burned_8_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -5483,7 +6046,7 @@ float sd_bus_cycle_2_misfire_rate_200_8_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_cycle_2_misfire_rate_200_8_decode(float value);
+double sd_bus_cycle_2_afr_cylinder_burned_8_decode(float value);
 
 /**
  * Check that given signal is in allowed range.
@@ -5492,7 +6055,7 @@ double sd_bus_cycle_2_misfire_rate_200_8_decode(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_2_misfire_rate_200_8_is_in_range(float value);
+bool sd_bus_cycle_2_afr_cylinder_burned_8_is_in_range(float value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -5505,7 +6068,7 @@ bool sd_bus_cycle_2_misfire_rate_200_8_is_in_range(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_2_misfire_rate_200_8_is_in_phys_range(double value);
+bool sd_bus_cycle_2_afr_cylinder_burned_8_is_in_phys_range(double value);
 
 /**
  * Pack message cycle_3.
@@ -5591,7 +6154,7 @@ bool sd_bus_cycle_3_tick_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-uint8_t sd_bus_cycle_3_misfire_health_encode(double value);
+uint8_t sd_bus_cycle_3_afr_health_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -5600,7 +6163,7 @@ uint8_t sd_bus_cycle_3_misfire_health_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_cycle_3_misfire_health_decode(uint8_t value);
+double sd_bus_cycle_3_afr_health_decode(uint8_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -5609,7 +6172,7 @@ double sd_bus_cycle_3_misfire_health_decode(uint8_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_3_misfire_health_is_in_range(uint8_t value);
+bool sd_bus_cycle_3_afr_health_is_in_range(uint8_t value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -5622,7 +6185,7 @@ bool sd_bus_cycle_3_misfire_health_is_in_range(uint8_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_3_misfire_health_is_in_phys_range(double value);
+bool sd_bus_cycle_3_afr_health_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -5631,7 +6194,7 @@ bool sd_bus_cycle_3_misfire_health_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-uint8_t sd_bus_cycle_3_misfire_why_encode(double value);
+uint8_t sd_bus_cycle_3_afr_why_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -5640,7 +6203,7 @@ uint8_t sd_bus_cycle_3_misfire_why_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_cycle_3_misfire_why_decode(uint8_t value);
+double sd_bus_cycle_3_afr_why_decode(uint8_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -5649,7 +6212,7 @@ double sd_bus_cycle_3_misfire_why_decode(uint8_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_3_misfire_why_is_in_range(uint8_t value);
+bool sd_bus_cycle_3_afr_why_is_in_range(uint8_t value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -5662,7 +6225,7 @@ bool sd_bus_cycle_3_misfire_why_is_in_range(uint8_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_3_misfire_why_is_in_phys_range(double value);
+bool sd_bus_cycle_3_afr_why_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -5671,7 +6234,7 @@ bool sd_bus_cycle_3_misfire_why_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-float sd_bus_cycle_3_misfire_rate_1000_1_encode(double value);
+uint8_t sd_bus_cycle_3_balance_health_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -5680,7 +6243,7 @@ float sd_bus_cycle_3_misfire_rate_1000_1_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_cycle_3_misfire_rate_1000_1_decode(float value);
+double sd_bus_cycle_3_balance_health_decode(uint8_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -5689,7 +6252,7 @@ double sd_bus_cycle_3_misfire_rate_1000_1_decode(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_3_misfire_rate_1000_1_is_in_range(float value);
+bool sd_bus_cycle_3_balance_health_is_in_range(uint8_t value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -5702,7 +6265,7 @@ bool sd_bus_cycle_3_misfire_rate_1000_1_is_in_range(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_3_misfire_rate_1000_1_is_in_phys_range(double value);
+bool sd_bus_cycle_3_balance_health_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -5711,7 +6274,7 @@ bool sd_bus_cycle_3_misfire_rate_1000_1_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-float sd_bus_cycle_3_misfire_rate_1000_2_encode(double value);
+uint8_t sd_bus_cycle_3_balance_why_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -5720,7 +6283,7 @@ float sd_bus_cycle_3_misfire_rate_1000_2_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_cycle_3_misfire_rate_1000_2_decode(float value);
+double sd_bus_cycle_3_balance_why_decode(uint8_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -5729,7 +6292,7 @@ double sd_bus_cycle_3_misfire_rate_1000_2_decode(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_3_misfire_rate_1000_2_is_in_range(float value);
+bool sd_bus_cycle_3_balance_why_is_in_range(uint8_t value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -5742,7 +6305,7 @@ bool sd_bus_cycle_3_misfire_rate_1000_2_is_in_range(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_3_misfire_rate_1000_2_is_in_phys_range(double value);
+bool sd_bus_cycle_3_balance_why_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -5751,7 +6314,7 @@ bool sd_bus_cycle_3_misfire_rate_1000_2_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-float sd_bus_cycle_3_misfire_rate_1000_3_encode(double value);
+float sd_bus_cycle_3_afr_cylinder_sd_1_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -5760,7 +6323,7 @@ float sd_bus_cycle_3_misfire_rate_1000_3_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_cycle_3_misfire_rate_1000_3_decode(float value);
+double sd_bus_cycle_3_afr_cylinder_sd_1_decode(float value);
 
 /**
  * Check that given signal is in allowed range.
@@ -5769,7 +6332,7 @@ double sd_bus_cycle_3_misfire_rate_1000_3_decode(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_3_misfire_rate_1000_3_is_in_range(float value);
+bool sd_bus_cycle_3_afr_cylinder_sd_1_is_in_range(float value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -5782,7 +6345,7 @@ bool sd_bus_cycle_3_misfire_rate_1000_3_is_in_range(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_3_misfire_rate_1000_3_is_in_phys_range(double value);
+bool sd_bus_cycle_3_afr_cylinder_sd_1_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -5791,7 +6354,7 @@ bool sd_bus_cycle_3_misfire_rate_1000_3_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-float sd_bus_cycle_3_misfire_rate_1000_4_encode(double value);
+float sd_bus_cycle_3_afr_cylinder_sd_2_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -5800,7 +6363,7 @@ float sd_bus_cycle_3_misfire_rate_1000_4_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_cycle_3_misfire_rate_1000_4_decode(float value);
+double sd_bus_cycle_3_afr_cylinder_sd_2_decode(float value);
 
 /**
  * Check that given signal is in allowed range.
@@ -5809,7 +6372,7 @@ double sd_bus_cycle_3_misfire_rate_1000_4_decode(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_3_misfire_rate_1000_4_is_in_range(float value);
+bool sd_bus_cycle_3_afr_cylinder_sd_2_is_in_range(float value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -5822,7 +6385,7 @@ bool sd_bus_cycle_3_misfire_rate_1000_4_is_in_range(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_3_misfire_rate_1000_4_is_in_phys_range(double value);
+bool sd_bus_cycle_3_afr_cylinder_sd_2_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -5831,7 +6394,7 @@ bool sd_bus_cycle_3_misfire_rate_1000_4_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-float sd_bus_cycle_3_misfire_rate_1000_5_encode(double value);
+float sd_bus_cycle_3_afr_cylinder_sd_3_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -5840,7 +6403,7 @@ float sd_bus_cycle_3_misfire_rate_1000_5_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_cycle_3_misfire_rate_1000_5_decode(float value);
+double sd_bus_cycle_3_afr_cylinder_sd_3_decode(float value);
 
 /**
  * Check that given signal is in allowed range.
@@ -5849,7 +6412,7 @@ double sd_bus_cycle_3_misfire_rate_1000_5_decode(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_3_misfire_rate_1000_5_is_in_range(float value);
+bool sd_bus_cycle_3_afr_cylinder_sd_3_is_in_range(float value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -5862,7 +6425,7 @@ bool sd_bus_cycle_3_misfire_rate_1000_5_is_in_range(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_3_misfire_rate_1000_5_is_in_phys_range(double value);
+bool sd_bus_cycle_3_afr_cylinder_sd_3_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -5871,7 +6434,7 @@ bool sd_bus_cycle_3_misfire_rate_1000_5_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-float sd_bus_cycle_3_misfire_rate_1000_6_encode(double value);
+float sd_bus_cycle_3_afr_cylinder_sd_4_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -5880,7 +6443,7 @@ float sd_bus_cycle_3_misfire_rate_1000_6_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_cycle_3_misfire_rate_1000_6_decode(float value);
+double sd_bus_cycle_3_afr_cylinder_sd_4_decode(float value);
 
 /**
  * Check that given signal is in allowed range.
@@ -5889,7 +6452,7 @@ double sd_bus_cycle_3_misfire_rate_1000_6_decode(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_3_misfire_rate_1000_6_is_in_range(float value);
+bool sd_bus_cycle_3_afr_cylinder_sd_4_is_in_range(float value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -5902,7 +6465,7 @@ bool sd_bus_cycle_3_misfire_rate_1000_6_is_in_range(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_3_misfire_rate_1000_6_is_in_phys_range(double value);
+bool sd_bus_cycle_3_afr_cylinder_sd_4_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -5911,7 +6474,7 @@ bool sd_bus_cycle_3_misfire_rate_1000_6_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-float sd_bus_cycle_3_misfire_rate_1000_7_encode(double value);
+float sd_bus_cycle_3_afr_cylinder_sd_5_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -5920,7 +6483,7 @@ float sd_bus_cycle_3_misfire_rate_1000_7_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_cycle_3_misfire_rate_1000_7_decode(float value);
+double sd_bus_cycle_3_afr_cylinder_sd_5_decode(float value);
 
 /**
  * Check that given signal is in allowed range.
@@ -5929,7 +6492,7 @@ double sd_bus_cycle_3_misfire_rate_1000_7_decode(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_3_misfire_rate_1000_7_is_in_range(float value);
+bool sd_bus_cycle_3_afr_cylinder_sd_5_is_in_range(float value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -5942,7 +6505,7 @@ bool sd_bus_cycle_3_misfire_rate_1000_7_is_in_range(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_3_misfire_rate_1000_7_is_in_phys_range(double value);
+bool sd_bus_cycle_3_afr_cylinder_sd_5_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -5951,7 +6514,7 @@ bool sd_bus_cycle_3_misfire_rate_1000_7_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-float sd_bus_cycle_3_misfire_rate_1000_8_encode(double value);
+float sd_bus_cycle_3_afr_cylinder_sd_6_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -5960,7 +6523,7 @@ float sd_bus_cycle_3_misfire_rate_1000_8_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_cycle_3_misfire_rate_1000_8_decode(float value);
+double sd_bus_cycle_3_afr_cylinder_sd_6_decode(float value);
 
 /**
  * Check that given signal is in allowed range.
@@ -5969,7 +6532,7 @@ double sd_bus_cycle_3_misfire_rate_1000_8_decode(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_3_misfire_rate_1000_8_is_in_range(float value);
+bool sd_bus_cycle_3_afr_cylinder_sd_6_is_in_range(float value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -5982,7 +6545,7 @@ bool sd_bus_cycle_3_misfire_rate_1000_8_is_in_range(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_3_misfire_rate_1000_8_is_in_phys_range(double value);
+bool sd_bus_cycle_3_afr_cylinder_sd_6_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -5991,7 +6554,7 @@ bool sd_bus_cycle_3_misfire_rate_1000_8_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-float sd_bus_cycle_3_misfire_continuous_encode(double value);
+float sd_bus_cycle_3_afr_cylinder_sd_7_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -6000,7 +6563,7 @@ float sd_bus_cycle_3_misfire_continuous_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_cycle_3_misfire_continuous_decode(float value);
+double sd_bus_cycle_3_afr_cylinder_sd_7_decode(float value);
 
 /**
  * Check that given signal is in allowed range.
@@ -6009,7 +6572,7 @@ double sd_bus_cycle_3_misfire_continuous_decode(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_3_misfire_continuous_is_in_range(float value);
+bool sd_bus_cycle_3_afr_cylinder_sd_7_is_in_range(float value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -6022,7 +6585,7 @@ bool sd_bus_cycle_3_misfire_continuous_is_in_range(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_3_misfire_continuous_is_in_phys_range(double value);
+bool sd_bus_cycle_3_afr_cylinder_sd_7_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -6031,7 +6594,7 @@ bool sd_bus_cycle_3_misfire_continuous_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-float sd_bus_cycle_3_misfire_suspects_encode(double value);
+float sd_bus_cycle_3_afr_cylinder_sd_8_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -6040,7 +6603,7 @@ float sd_bus_cycle_3_misfire_suspects_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_cycle_3_misfire_suspects_decode(float value);
+double sd_bus_cycle_3_afr_cylinder_sd_8_decode(float value);
 
 /**
  * Check that given signal is in allowed range.
@@ -6049,7 +6612,7 @@ double sd_bus_cycle_3_misfire_suspects_decode(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_3_misfire_suspects_is_in_range(float value);
+bool sd_bus_cycle_3_afr_cylinder_sd_8_is_in_range(float value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -6062,7 +6625,7 @@ bool sd_bus_cycle_3_misfire_suspects_is_in_range(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_3_misfire_suspects_is_in_phys_range(double value);
+bool sd_bus_cycle_3_afr_cylinder_sd_8_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -6071,7 +6634,7 @@ bool sd_bus_cycle_3_misfire_suspects_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-float sd_bus_cycle_3_misfire_lamp_encode(double value);
+float sd_bus_cycle_3_afr_slow_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -6080,7 +6643,7 @@ float sd_bus_cycle_3_misfire_lamp_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_cycle_3_misfire_lamp_decode(float value);
+double sd_bus_cycle_3_afr_slow_decode(float value);
 
 /**
  * Check that given signal is in allowed range.
@@ -6089,7 +6652,7 @@ double sd_bus_cycle_3_misfire_lamp_decode(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_3_misfire_lamp_is_in_range(float value);
+bool sd_bus_cycle_3_afr_slow_is_in_range(float value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -6102,7 +6665,7 @@ bool sd_bus_cycle_3_misfire_lamp_is_in_range(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_3_misfire_lamp_is_in_phys_range(double value);
+bool sd_bus_cycle_3_afr_slow_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -6111,7 +6674,7 @@ bool sd_bus_cycle_3_misfire_lamp_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-float sd_bus_cycle_3_misfire_count_encode(double value);
+float sd_bus_cycle_3_balance_trim_1_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -6120,7 +6683,7 @@ float sd_bus_cycle_3_misfire_count_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_cycle_3_misfire_count_decode(float value);
+double sd_bus_cycle_3_balance_trim_1_decode(float value);
 
 /**
  * Check that given signal is in allowed range.
@@ -6129,7 +6692,7 @@ double sd_bus_cycle_3_misfire_count_decode(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_3_misfire_count_is_in_range(float value);
+bool sd_bus_cycle_3_balance_trim_1_is_in_range(float value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -6142,7 +6705,7 @@ bool sd_bus_cycle_3_misfire_count_is_in_range(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_3_misfire_count_is_in_phys_range(double value);
+bool sd_bus_cycle_3_balance_trim_1_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -6151,7 +6714,7 @@ bool sd_bus_cycle_3_misfire_count_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-float sd_bus_cycle_3_misfire_partial_burns_encode(double value);
+float sd_bus_cycle_3_balance_trim_2_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -6160,7 +6723,7 @@ float sd_bus_cycle_3_misfire_partial_burns_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_cycle_3_misfire_partial_burns_decode(float value);
+double sd_bus_cycle_3_balance_trim_2_decode(float value);
 
 /**
  * Check that given signal is in allowed range.
@@ -6169,7 +6732,7 @@ double sd_bus_cycle_3_misfire_partial_burns_decode(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_3_misfire_partial_burns_is_in_range(float value);
+bool sd_bus_cycle_3_balance_trim_2_is_in_range(float value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -6182,7 +6745,1481 @@ bool sd_bus_cycle_3_misfire_partial_burns_is_in_range(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_3_misfire_partial_burns_is_in_phys_range(double value);
+bool sd_bus_cycle_3_balance_trim_2_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_cycle_3_balance_trim_3_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_3_balance_trim_3_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_3_balance_trim_3_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_3_balance_trim_3_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_cycle_3_balance_trim_4_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_3_balance_trim_4_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_3_balance_trim_4_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_3_balance_trim_4_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_cycle_3_balance_trim_5_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_3_balance_trim_5_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_3_balance_trim_5_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_3_balance_trim_5_is_in_phys_range(double value);
+
+/**
+ * Pack message cycle_4.
+ *
+ * @param[out] dst_p Buffer to pack the message into.
+ * @param[in] src_p Data to pack.
+ * @param[in] size Size of dst_p.
+ *
+ * @return Size of packed data, or negative error code.
+ */
+int sd_bus_cycle_4_pack(
+    uint8_t *dst_p,
+    const struct sd_bus_cycle_4_t *src_p,
+    size_t size);
+
+/**
+ * Unpack message cycle_4.
+ *
+ * @param[out] dst_p Object to unpack the message into.
+ * @param[in] src_p Message to unpack.
+ * @param[in] size Size of src_p.
+ *
+ * @return zero(0) or negative error code.
+ */
+int sd_bus_cycle_4_unpack(
+    struct sd_bus_cycle_4_t *dst_p,
+    const uint8_t *src_p,
+    size_t size);
+
+/**
+ * Init message fields to default values from cycle_4.
+ *
+ * @param[in] msg_p Message to init.
+ *
+ * @return zero(0) on success or (-1) in case of nullptr argument.
+ */
+int sd_bus_cycle_4_init(struct sd_bus_cycle_4_t *msg_p);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint32_t sd_bus_cycle_4_tick_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_4_tick_decode(uint32_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_4_tick_is_in_range(uint32_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_4_tick_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint8_t sd_bus_cycle_4_balance_health_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_4_balance_health_decode(uint8_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_4_balance_health_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_4_balance_health_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint8_t sd_bus_cycle_4_balance_why_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_4_balance_why_decode(uint8_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_4_balance_why_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_4_balance_why_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint8_t sd_bus_cycle_4_misfire_health_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_4_misfire_health_decode(uint8_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_4_misfire_health_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_4_misfire_health_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint8_t sd_bus_cycle_4_misfire_why_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_4_misfire_why_decode(uint8_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_4_misfire_why_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_4_misfire_why_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_cycle_4_balance_trim_6_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_4_balance_trim_6_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_4_balance_trim_6_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_4_balance_trim_6_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_cycle_4_balance_trim_7_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_4_balance_trim_7_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_4_balance_trim_7_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_4_balance_trim_7_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_cycle_4_balance_trim_8_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_4_balance_trim_8_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_4_balance_trim_8_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_4_balance_trim_8_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_cycle_4_misfire_rate_200_1_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_4_misfire_rate_200_1_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_4_misfire_rate_200_1_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_4_misfire_rate_200_1_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_cycle_4_misfire_rate_200_2_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_4_misfire_rate_200_2_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_4_misfire_rate_200_2_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_4_misfire_rate_200_2_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_cycle_4_misfire_rate_200_3_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_4_misfire_rate_200_3_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_4_misfire_rate_200_3_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_4_misfire_rate_200_3_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_cycle_4_misfire_rate_200_4_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_4_misfire_rate_200_4_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_4_misfire_rate_200_4_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_4_misfire_rate_200_4_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_cycle_4_misfire_rate_200_5_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_4_misfire_rate_200_5_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_4_misfire_rate_200_5_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_4_misfire_rate_200_5_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_cycle_4_misfire_rate_200_6_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_4_misfire_rate_200_6_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_4_misfire_rate_200_6_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_4_misfire_rate_200_6_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_cycle_4_misfire_rate_200_7_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_4_misfire_rate_200_7_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_4_misfire_rate_200_7_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_4_misfire_rate_200_7_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_cycle_4_misfire_rate_200_8_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_4_misfire_rate_200_8_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_4_misfire_rate_200_8_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_4_misfire_rate_200_8_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_cycle_4_misfire_rate_1000_1_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_4_misfire_rate_1000_1_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_4_misfire_rate_1000_1_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_4_misfire_rate_1000_1_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_cycle_4_misfire_rate_1000_2_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_4_misfire_rate_1000_2_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_4_misfire_rate_1000_2_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_4_misfire_rate_1000_2_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_cycle_4_misfire_rate_1000_3_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_4_misfire_rate_1000_3_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_4_misfire_rate_1000_3_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_4_misfire_rate_1000_3_is_in_phys_range(double value);
+
+/**
+ * Pack message cycle_5.
+ *
+ * @param[out] dst_p Buffer to pack the message into.
+ * @param[in] src_p Data to pack.
+ * @param[in] size Size of dst_p.
+ *
+ * @return Size of packed data, or negative error code.
+ */
+int sd_bus_cycle_5_pack(
+    uint8_t *dst_p,
+    const struct sd_bus_cycle_5_t *src_p,
+    size_t size);
+
+/**
+ * Unpack message cycle_5.
+ *
+ * @param[out] dst_p Object to unpack the message into.
+ * @param[in] src_p Message to unpack.
+ * @param[in] size Size of src_p.
+ *
+ * @return zero(0) or negative error code.
+ */
+int sd_bus_cycle_5_unpack(
+    struct sd_bus_cycle_5_t *dst_p,
+    const uint8_t *src_p,
+    size_t size);
+
+/**
+ * Init message fields to default values from cycle_5.
+ *
+ * @param[in] msg_p Message to init.
+ *
+ * @return zero(0) on success or (-1) in case of nullptr argument.
+ */
+int sd_bus_cycle_5_init(struct sd_bus_cycle_5_t *msg_p);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint32_t sd_bus_cycle_5_tick_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_5_tick_decode(uint32_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_5_tick_is_in_range(uint32_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_5_tick_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint8_t sd_bus_cycle_5_misfire_health_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_5_misfire_health_decode(uint8_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_5_misfire_health_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_5_misfire_health_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint8_t sd_bus_cycle_5_misfire_why_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_5_misfire_why_decode(uint8_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_5_misfire_why_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_5_misfire_why_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_cycle_5_misfire_rate_1000_4_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_5_misfire_rate_1000_4_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_5_misfire_rate_1000_4_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_5_misfire_rate_1000_4_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_cycle_5_misfire_rate_1000_5_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_5_misfire_rate_1000_5_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_5_misfire_rate_1000_5_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_5_misfire_rate_1000_5_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_cycle_5_misfire_rate_1000_6_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_5_misfire_rate_1000_6_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_5_misfire_rate_1000_6_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_5_misfire_rate_1000_6_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_cycle_5_misfire_rate_1000_7_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_5_misfire_rate_1000_7_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_5_misfire_rate_1000_7_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_5_misfire_rate_1000_7_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_cycle_5_misfire_rate_1000_8_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_5_misfire_rate_1000_8_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_5_misfire_rate_1000_8_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_5_misfire_rate_1000_8_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_cycle_5_misfire_continuous_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_5_misfire_continuous_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_5_misfire_continuous_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_5_misfire_continuous_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_cycle_5_misfire_suspects_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_5_misfire_suspects_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_5_misfire_suspects_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_5_misfire_suspects_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_cycle_5_misfire_lamp_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_5_misfire_lamp_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_5_misfire_lamp_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_5_misfire_lamp_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_cycle_5_misfire_count_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_5_misfire_count_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_5_misfire_count_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_5_misfire_count_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_cycle_5_misfire_partial_burns_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_5_misfire_partial_burns_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_5_misfire_partial_burns_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_5_misfire_partial_burns_is_in_phys_range(double value);
 
 /**
  * Pack message firing.

@@ -23,7 +23,7 @@ uint64_t __sixdeg_cycle_t_hash_recursive(const __lcm_hash_ptr *p)
     cp.v = (void*)__sixdeg_cycle_t_get_hash;
     (void) cp;
 
-    uint64_t hash = (uint64_t)0x0cbf237eee3e50eeLL
+    uint64_t hash = (uint64_t)0x06b7a79ecd83809bLL
          + __int32_t_hash_recursive(&cp)
          + __int8_t_hash_recursive(&cp)
          + __int8_t_hash_recursive(&cp)
@@ -31,6 +31,35 @@ uint64_t __sixdeg_cycle_t_hash_recursive(const __lcm_hash_ptr *p)
          + __int8_t_hash_recursive(&cp)
          + __int8_t_hash_recursive(&cp)
          + __int8_t_hash_recursive(&cp)
+         + __int8_t_hash_recursive(&cp)
+         + __int8_t_hash_recursive(&cp)
+         + __int8_t_hash_recursive(&cp)
+         + __int8_t_hash_recursive(&cp)
+         + __float_hash_recursive(&cp)
+         + __float_hash_recursive(&cp)
+         + __float_hash_recursive(&cp)
+         + __float_hash_recursive(&cp)
+         + __float_hash_recursive(&cp)
+         + __float_hash_recursive(&cp)
+         + __float_hash_recursive(&cp)
+         + __float_hash_recursive(&cp)
+         + __float_hash_recursive(&cp)
+         + __float_hash_recursive(&cp)
+         + __float_hash_recursive(&cp)
+         + __float_hash_recursive(&cp)
+         + __float_hash_recursive(&cp)
+         + __float_hash_recursive(&cp)
+         + __float_hash_recursive(&cp)
+         + __float_hash_recursive(&cp)
+         + __float_hash_recursive(&cp)
+         + __float_hash_recursive(&cp)
+         + __float_hash_recursive(&cp)
+         + __float_hash_recursive(&cp)
+         + __float_hash_recursive(&cp)
+         + __float_hash_recursive(&cp)
+         + __float_hash_recursive(&cp)
+         + __float_hash_recursive(&cp)
+         + __float_hash_recursive(&cp)
          + __float_hash_recursive(&cp)
          + __float_hash_recursive(&cp)
          + __float_hash_recursive(&cp)
@@ -108,6 +137,18 @@ int __sixdeg_cycle_t_encode_array(void *buf, int offset, int maxlen, const sixde
         thislen = __int8_t_encode_array(buf, offset + pos, maxlen - pos, &(p[element].cylinder_why), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
+        thislen = __int8_t_encode_array(buf, offset + pos, maxlen - pos, &(p[element].afr_health), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __int8_t_encode_array(buf, offset + pos, maxlen - pos, &(p[element].afr_why), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __int8_t_encode_array(buf, offset + pos, maxlen - pos, &(p[element].balance_health), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __int8_t_encode_array(buf, offset + pos, maxlen - pos, &(p[element].balance_why), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
         thislen = __int8_t_encode_array(buf, offset + pos, maxlen - pos, &(p[element].misfire_health), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
@@ -169,6 +210,81 @@ int __sixdeg_cycle_t_encode_array(void *buf, int offset, int maxlen, const sixde
         if (thislen < 0) return thislen; else pos += thislen;
 
         thislen = __float_encode_array(buf, offset + pos, maxlen - pos, &(p[element].wheel_learned_cycles), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_encode_array(buf, offset + pos, maxlen - pos, &(p[element].afr_cylinder_burned_1), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_encode_array(buf, offset + pos, maxlen - pos, &(p[element].afr_cylinder_burned_2), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_encode_array(buf, offset + pos, maxlen - pos, &(p[element].afr_cylinder_burned_3), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_encode_array(buf, offset + pos, maxlen - pos, &(p[element].afr_cylinder_burned_4), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_encode_array(buf, offset + pos, maxlen - pos, &(p[element].afr_cylinder_burned_5), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_encode_array(buf, offset + pos, maxlen - pos, &(p[element].afr_cylinder_burned_6), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_encode_array(buf, offset + pos, maxlen - pos, &(p[element].afr_cylinder_burned_7), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_encode_array(buf, offset + pos, maxlen - pos, &(p[element].afr_cylinder_burned_8), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_encode_array(buf, offset + pos, maxlen - pos, &(p[element].afr_cylinder_sd_1), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_encode_array(buf, offset + pos, maxlen - pos, &(p[element].afr_cylinder_sd_2), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_encode_array(buf, offset + pos, maxlen - pos, &(p[element].afr_cylinder_sd_3), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_encode_array(buf, offset + pos, maxlen - pos, &(p[element].afr_cylinder_sd_4), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_encode_array(buf, offset + pos, maxlen - pos, &(p[element].afr_cylinder_sd_5), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_encode_array(buf, offset + pos, maxlen - pos, &(p[element].afr_cylinder_sd_6), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_encode_array(buf, offset + pos, maxlen - pos, &(p[element].afr_cylinder_sd_7), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_encode_array(buf, offset + pos, maxlen - pos, &(p[element].afr_cylinder_sd_8), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_encode_array(buf, offset + pos, maxlen - pos, &(p[element].afr_slow), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_encode_array(buf, offset + pos, maxlen - pos, &(p[element].balance_trim_1), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_encode_array(buf, offset + pos, maxlen - pos, &(p[element].balance_trim_2), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_encode_array(buf, offset + pos, maxlen - pos, &(p[element].balance_trim_3), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_encode_array(buf, offset + pos, maxlen - pos, &(p[element].balance_trim_4), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_encode_array(buf, offset + pos, maxlen - pos, &(p[element].balance_trim_5), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_encode_array(buf, offset + pos, maxlen - pos, &(p[element].balance_trim_6), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_encode_array(buf, offset + pos, maxlen - pos, &(p[element].balance_trim_7), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_encode_array(buf, offset + pos, maxlen - pos, &(p[element].balance_trim_8), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
         thislen = __float_encode_array(buf, offset + pos, maxlen - pos, &(p[element].misfire_rate_200_1), 1);
@@ -267,6 +383,14 @@ int __sixdeg_cycle_t_encoded_array_size(const sixdeg_cycle_t *p, int elements)
 
         size += __int8_t_encoded_array_size(&(p[element].cylinder_why), 1);
 
+        size += __int8_t_encoded_array_size(&(p[element].afr_health), 1);
+
+        size += __int8_t_encoded_array_size(&(p[element].afr_why), 1);
+
+        size += __int8_t_encoded_array_size(&(p[element].balance_health), 1);
+
+        size += __int8_t_encoded_array_size(&(p[element].balance_why), 1);
+
         size += __int8_t_encoded_array_size(&(p[element].misfire_health), 1);
 
         size += __int8_t_encoded_array_size(&(p[element].misfire_why), 1);
@@ -308,6 +432,56 @@ int __sixdeg_cycle_t_encoded_array_size(const sixdeg_cycle_t *p, int elements)
         size += __float_encoded_array_size(&(p[element].wheel_pattern_sd), 1);
 
         size += __float_encoded_array_size(&(p[element].wheel_learned_cycles), 1);
+
+        size += __float_encoded_array_size(&(p[element].afr_cylinder_burned_1), 1);
+
+        size += __float_encoded_array_size(&(p[element].afr_cylinder_burned_2), 1);
+
+        size += __float_encoded_array_size(&(p[element].afr_cylinder_burned_3), 1);
+
+        size += __float_encoded_array_size(&(p[element].afr_cylinder_burned_4), 1);
+
+        size += __float_encoded_array_size(&(p[element].afr_cylinder_burned_5), 1);
+
+        size += __float_encoded_array_size(&(p[element].afr_cylinder_burned_6), 1);
+
+        size += __float_encoded_array_size(&(p[element].afr_cylinder_burned_7), 1);
+
+        size += __float_encoded_array_size(&(p[element].afr_cylinder_burned_8), 1);
+
+        size += __float_encoded_array_size(&(p[element].afr_cylinder_sd_1), 1);
+
+        size += __float_encoded_array_size(&(p[element].afr_cylinder_sd_2), 1);
+
+        size += __float_encoded_array_size(&(p[element].afr_cylinder_sd_3), 1);
+
+        size += __float_encoded_array_size(&(p[element].afr_cylinder_sd_4), 1);
+
+        size += __float_encoded_array_size(&(p[element].afr_cylinder_sd_5), 1);
+
+        size += __float_encoded_array_size(&(p[element].afr_cylinder_sd_6), 1);
+
+        size += __float_encoded_array_size(&(p[element].afr_cylinder_sd_7), 1);
+
+        size += __float_encoded_array_size(&(p[element].afr_cylinder_sd_8), 1);
+
+        size += __float_encoded_array_size(&(p[element].afr_slow), 1);
+
+        size += __float_encoded_array_size(&(p[element].balance_trim_1), 1);
+
+        size += __float_encoded_array_size(&(p[element].balance_trim_2), 1);
+
+        size += __float_encoded_array_size(&(p[element].balance_trim_3), 1);
+
+        size += __float_encoded_array_size(&(p[element].balance_trim_4), 1);
+
+        size += __float_encoded_array_size(&(p[element].balance_trim_5), 1);
+
+        size += __float_encoded_array_size(&(p[element].balance_trim_6), 1);
+
+        size += __float_encoded_array_size(&(p[element].balance_trim_7), 1);
+
+        size += __float_encoded_array_size(&(p[element].balance_trim_8), 1);
 
         size += __float_encoded_array_size(&(p[element].misfire_rate_200_1), 1);
 
@@ -381,6 +555,18 @@ int __sixdeg_cycle_t_decode_array(const void *buf, int offset, int maxlen, sixde
         thislen = __int8_t_decode_array(buf, offset + pos, maxlen - pos, &(p[element].cylinder_why), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
+        thislen = __int8_t_decode_array(buf, offset + pos, maxlen - pos, &(p[element].afr_health), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __int8_t_decode_array(buf, offset + pos, maxlen - pos, &(p[element].afr_why), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __int8_t_decode_array(buf, offset + pos, maxlen - pos, &(p[element].balance_health), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __int8_t_decode_array(buf, offset + pos, maxlen - pos, &(p[element].balance_why), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
         thislen = __int8_t_decode_array(buf, offset + pos, maxlen - pos, &(p[element].misfire_health), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
@@ -442,6 +628,81 @@ int __sixdeg_cycle_t_decode_array(const void *buf, int offset, int maxlen, sixde
         if (thislen < 0) return thislen; else pos += thislen;
 
         thislen = __float_decode_array(buf, offset + pos, maxlen - pos, &(p[element].wheel_learned_cycles), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_decode_array(buf, offset + pos, maxlen - pos, &(p[element].afr_cylinder_burned_1), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_decode_array(buf, offset + pos, maxlen - pos, &(p[element].afr_cylinder_burned_2), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_decode_array(buf, offset + pos, maxlen - pos, &(p[element].afr_cylinder_burned_3), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_decode_array(buf, offset + pos, maxlen - pos, &(p[element].afr_cylinder_burned_4), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_decode_array(buf, offset + pos, maxlen - pos, &(p[element].afr_cylinder_burned_5), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_decode_array(buf, offset + pos, maxlen - pos, &(p[element].afr_cylinder_burned_6), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_decode_array(buf, offset + pos, maxlen - pos, &(p[element].afr_cylinder_burned_7), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_decode_array(buf, offset + pos, maxlen - pos, &(p[element].afr_cylinder_burned_8), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_decode_array(buf, offset + pos, maxlen - pos, &(p[element].afr_cylinder_sd_1), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_decode_array(buf, offset + pos, maxlen - pos, &(p[element].afr_cylinder_sd_2), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_decode_array(buf, offset + pos, maxlen - pos, &(p[element].afr_cylinder_sd_3), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_decode_array(buf, offset + pos, maxlen - pos, &(p[element].afr_cylinder_sd_4), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_decode_array(buf, offset + pos, maxlen - pos, &(p[element].afr_cylinder_sd_5), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_decode_array(buf, offset + pos, maxlen - pos, &(p[element].afr_cylinder_sd_6), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_decode_array(buf, offset + pos, maxlen - pos, &(p[element].afr_cylinder_sd_7), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_decode_array(buf, offset + pos, maxlen - pos, &(p[element].afr_cylinder_sd_8), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_decode_array(buf, offset + pos, maxlen - pos, &(p[element].afr_slow), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_decode_array(buf, offset + pos, maxlen - pos, &(p[element].balance_trim_1), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_decode_array(buf, offset + pos, maxlen - pos, &(p[element].balance_trim_2), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_decode_array(buf, offset + pos, maxlen - pos, &(p[element].balance_trim_3), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_decode_array(buf, offset + pos, maxlen - pos, &(p[element].balance_trim_4), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_decode_array(buf, offset + pos, maxlen - pos, &(p[element].balance_trim_5), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_decode_array(buf, offset + pos, maxlen - pos, &(p[element].balance_trim_6), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_decode_array(buf, offset + pos, maxlen - pos, &(p[element].balance_trim_7), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_decode_array(buf, offset + pos, maxlen - pos, &(p[element].balance_trim_8), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
         thislen = __float_decode_array(buf, offset + pos, maxlen - pos, &(p[element].misfire_rate_200_1), 1);
@@ -526,6 +787,14 @@ int __sixdeg_cycle_t_decode_array_cleanup(sixdeg_cycle_t *p, int elements)
 
         __int8_t_decode_array_cleanup(&(p[element].cylinder_why), 1);
 
+        __int8_t_decode_array_cleanup(&(p[element].afr_health), 1);
+
+        __int8_t_decode_array_cleanup(&(p[element].afr_why), 1);
+
+        __int8_t_decode_array_cleanup(&(p[element].balance_health), 1);
+
+        __int8_t_decode_array_cleanup(&(p[element].balance_why), 1);
+
         __int8_t_decode_array_cleanup(&(p[element].misfire_health), 1);
 
         __int8_t_decode_array_cleanup(&(p[element].misfire_why), 1);
@@ -567,6 +836,56 @@ int __sixdeg_cycle_t_decode_array_cleanup(sixdeg_cycle_t *p, int elements)
         __float_decode_array_cleanup(&(p[element].wheel_pattern_sd), 1);
 
         __float_decode_array_cleanup(&(p[element].wheel_learned_cycles), 1);
+
+        __float_decode_array_cleanup(&(p[element].afr_cylinder_burned_1), 1);
+
+        __float_decode_array_cleanup(&(p[element].afr_cylinder_burned_2), 1);
+
+        __float_decode_array_cleanup(&(p[element].afr_cylinder_burned_3), 1);
+
+        __float_decode_array_cleanup(&(p[element].afr_cylinder_burned_4), 1);
+
+        __float_decode_array_cleanup(&(p[element].afr_cylinder_burned_5), 1);
+
+        __float_decode_array_cleanup(&(p[element].afr_cylinder_burned_6), 1);
+
+        __float_decode_array_cleanup(&(p[element].afr_cylinder_burned_7), 1);
+
+        __float_decode_array_cleanup(&(p[element].afr_cylinder_burned_8), 1);
+
+        __float_decode_array_cleanup(&(p[element].afr_cylinder_sd_1), 1);
+
+        __float_decode_array_cleanup(&(p[element].afr_cylinder_sd_2), 1);
+
+        __float_decode_array_cleanup(&(p[element].afr_cylinder_sd_3), 1);
+
+        __float_decode_array_cleanup(&(p[element].afr_cylinder_sd_4), 1);
+
+        __float_decode_array_cleanup(&(p[element].afr_cylinder_sd_5), 1);
+
+        __float_decode_array_cleanup(&(p[element].afr_cylinder_sd_6), 1);
+
+        __float_decode_array_cleanup(&(p[element].afr_cylinder_sd_7), 1);
+
+        __float_decode_array_cleanup(&(p[element].afr_cylinder_sd_8), 1);
+
+        __float_decode_array_cleanup(&(p[element].afr_slow), 1);
+
+        __float_decode_array_cleanup(&(p[element].balance_trim_1), 1);
+
+        __float_decode_array_cleanup(&(p[element].balance_trim_2), 1);
+
+        __float_decode_array_cleanup(&(p[element].balance_trim_3), 1);
+
+        __float_decode_array_cleanup(&(p[element].balance_trim_4), 1);
+
+        __float_decode_array_cleanup(&(p[element].balance_trim_5), 1);
+
+        __float_decode_array_cleanup(&(p[element].balance_trim_6), 1);
+
+        __float_decode_array_cleanup(&(p[element].balance_trim_7), 1);
+
+        __float_decode_array_cleanup(&(p[element].balance_trim_8), 1);
 
         __float_decode_array_cleanup(&(p[element].misfire_rate_200_1), 1);
 
@@ -650,6 +969,14 @@ int __sixdeg_cycle_t_clone_array(const sixdeg_cycle_t *p, sixdeg_cycle_t *q, int
 
         __int8_t_clone_array(&(p[element].cylinder_why), &(q[element].cylinder_why), 1);
 
+        __int8_t_clone_array(&(p[element].afr_health), &(q[element].afr_health), 1);
+
+        __int8_t_clone_array(&(p[element].afr_why), &(q[element].afr_why), 1);
+
+        __int8_t_clone_array(&(p[element].balance_health), &(q[element].balance_health), 1);
+
+        __int8_t_clone_array(&(p[element].balance_why), &(q[element].balance_why), 1);
+
         __int8_t_clone_array(&(p[element].misfire_health), &(q[element].misfire_health), 1);
 
         __int8_t_clone_array(&(p[element].misfire_why), &(q[element].misfire_why), 1);
@@ -691,6 +1018,56 @@ int __sixdeg_cycle_t_clone_array(const sixdeg_cycle_t *p, sixdeg_cycle_t *q, int
         __float_clone_array(&(p[element].wheel_pattern_sd), &(q[element].wheel_pattern_sd), 1);
 
         __float_clone_array(&(p[element].wheel_learned_cycles), &(q[element].wheel_learned_cycles), 1);
+
+        __float_clone_array(&(p[element].afr_cylinder_burned_1), &(q[element].afr_cylinder_burned_1), 1);
+
+        __float_clone_array(&(p[element].afr_cylinder_burned_2), &(q[element].afr_cylinder_burned_2), 1);
+
+        __float_clone_array(&(p[element].afr_cylinder_burned_3), &(q[element].afr_cylinder_burned_3), 1);
+
+        __float_clone_array(&(p[element].afr_cylinder_burned_4), &(q[element].afr_cylinder_burned_4), 1);
+
+        __float_clone_array(&(p[element].afr_cylinder_burned_5), &(q[element].afr_cylinder_burned_5), 1);
+
+        __float_clone_array(&(p[element].afr_cylinder_burned_6), &(q[element].afr_cylinder_burned_6), 1);
+
+        __float_clone_array(&(p[element].afr_cylinder_burned_7), &(q[element].afr_cylinder_burned_7), 1);
+
+        __float_clone_array(&(p[element].afr_cylinder_burned_8), &(q[element].afr_cylinder_burned_8), 1);
+
+        __float_clone_array(&(p[element].afr_cylinder_sd_1), &(q[element].afr_cylinder_sd_1), 1);
+
+        __float_clone_array(&(p[element].afr_cylinder_sd_2), &(q[element].afr_cylinder_sd_2), 1);
+
+        __float_clone_array(&(p[element].afr_cylinder_sd_3), &(q[element].afr_cylinder_sd_3), 1);
+
+        __float_clone_array(&(p[element].afr_cylinder_sd_4), &(q[element].afr_cylinder_sd_4), 1);
+
+        __float_clone_array(&(p[element].afr_cylinder_sd_5), &(q[element].afr_cylinder_sd_5), 1);
+
+        __float_clone_array(&(p[element].afr_cylinder_sd_6), &(q[element].afr_cylinder_sd_6), 1);
+
+        __float_clone_array(&(p[element].afr_cylinder_sd_7), &(q[element].afr_cylinder_sd_7), 1);
+
+        __float_clone_array(&(p[element].afr_cylinder_sd_8), &(q[element].afr_cylinder_sd_8), 1);
+
+        __float_clone_array(&(p[element].afr_slow), &(q[element].afr_slow), 1);
+
+        __float_clone_array(&(p[element].balance_trim_1), &(q[element].balance_trim_1), 1);
+
+        __float_clone_array(&(p[element].balance_trim_2), &(q[element].balance_trim_2), 1);
+
+        __float_clone_array(&(p[element].balance_trim_3), &(q[element].balance_trim_3), 1);
+
+        __float_clone_array(&(p[element].balance_trim_4), &(q[element].balance_trim_4), 1);
+
+        __float_clone_array(&(p[element].balance_trim_5), &(q[element].balance_trim_5), 1);
+
+        __float_clone_array(&(p[element].balance_trim_6), &(q[element].balance_trim_6), 1);
+
+        __float_clone_array(&(p[element].balance_trim_7), &(q[element].balance_trim_7), 1);
+
+        __float_clone_array(&(p[element].balance_trim_8), &(q[element].balance_trim_8), 1);
 
         __float_clone_array(&(p[element].misfire_rate_200_1), &(q[element].misfire_rate_200_1), 1);
 

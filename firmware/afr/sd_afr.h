@@ -1,0 +1,75 @@
+/* SPDX-License-Identifier: MIT */
+/// sd_afr.h - composition of every cylinder's gas, ready to use: manifold and delay (sd_exhaust.h) and joint filter
+/// (sd_afr_joint.h) at the present operating point of a grid from the calibration.
+///
+/// Once a cycle the point is interpolated over speed, intake pressure and mean lambda; once a wheel position, missing ones
+/// included, comes the step. Lambda here is document 004's, 1 - air/gas. Real-time contract: no heap, no globals, no libm;
+/// sd_afr_cycle passes over 8 grid points. One writer per state.
+#ifndef SD_AFR_H
+#define SD_AFR_H
+#include "sd_afr_joint.h"
+
+#define SD_AFR_SPEEDS    4
+#define SD_AFR_PRESSURES 3
+#define SD_AFR_LAMBDAS   2
+#define SD_AFR_OPEN      96 /* positions of a cycle that a point holds */
+#define SD_AFR_NO_SAMPLE 100.0f
+
+/// Where the exhaust is in one node of the grid.
+typedef struct sd_afr_node {
+    uint16_t share[SD_AFR_OPEN]; ///< Of the charge, times 65536, from open_position after firing TDC on.
+    float    rate_hz, z0_kg;     ///< As in sd_exhaust_point_t.
+    float    transport_kg;       ///< Gas between turbine and sensor.
+} sd_afr_node_t;
+
+/// Part of the calibration page.
+typedef struct sd_afr_grid {
+    uint8_t  present;            ///< 0: no exhaust side was calibrated.
+    uint16_t open_position;      ///< Positions after firing TDC.
+    float    speed_radps[SD_AFR_SPEEDS], pressure_bar[SD_AFR_PRESSURES], lambda[SD_AFR_LAMBDAS]; ///< Ascending.
+    float    air_kg_per_bar;     ///< Air of one cylinder and cycle, per bar of intake pressure.
+    float    dead_s;             ///< Sensor's dead time.
+    float    tau1_s, tau2_s;     ///< Sensor's lags.
+    float    mass_base_kg;
+    float    psi[SD_EXHAUST_PSI + 1];
+    sd_afr_node_t node[SD_AFR_SPEEDS][SD_AFR_PRESSURES][SD_AFR_LAMBDAS];
+} sd_afr_grid_t;
+
+/// Choices; read by init only.
+typedef struct sd_afr_config {
+    uint16_t cycle_positions;
+    uint8_t  cylinders;
+    uint16_t firing_position[SD_AFR_CYLINDERS_MAX];
+    float    noise_per_rthz;     ///< Of the sensor, of lambda.
+    float    drift, drift_slow;  ///< q of the joint filter, of the mean lambda a cycle: usually, and in slow mode.
+    float    slow_above;         ///< Slow mode where speed (rad/s) times the sum of the lags is above this.
+} sd_afr_config_t;
+
+typedef struct sd_afr {
+    sd_afr_config_t    config;
+    sd_exhaust_f32_t   exhaust;
+    sd_afr_joint_t     joint;
+    float    share[SD_AFR_POSITIONS_MAX]; ///< At the present point.
+    float    mean_lambda;                 ///< Of all cylinders, last cycle.
+    uint32_t cycles;                      ///< Since a start.
+    uint8_t  slow;                        ///< Slow mode: settles in tens of seconds.
+    uint8_t  placed;                      ///< A point has been set.
+} sd_afr_t;
+
+/// SD_OK, or SD_ERR_CONFIG with the state untouched: no grid, or a field out of its range.
+sd_result_t sd_afr_init(sd_afr_t *self, const sd_afr_config_t *config, const sd_afr_grid_t *grid);
+/// Operating point of the coming cycle. Out of the grid its edge stands; numbers not above 0 (NaN too) keep the last.
+void sd_afr_cycle(sd_afr_t *self, const sd_afr_grid_t *grid, float speed_radps, float intake_bar, float fuel_mg);
+/// Angle lost, or off by a revolution: begins anew.
+void sd_afr_restart(sd_afr_t *self);
+/// Next wheel position; lambda: mean of its samples, or SD_AFR_NO_SAMPLE.
+void sd_afr_step(sd_afr_t *self, uint32_t cycle_position, float lambda);
+/// Of a cylinder by firing order.
+float sd_afr_lambda(const sd_afr_t *self, uint32_t cylinder);
+/// Its deviation from the mean over the mean, and what that may be off by (standard deviation).
+float sd_afr_deviation(const sd_afr_t *self, uint32_t cylinder);
+float sd_afr_deviation_sd(const sd_afr_t *self, uint32_t cylinder);
+/// Invalid before a point and a sample; degraded while converging (8 cycles, 200 in slow mode).
+sd_status_t sd_afr_status(const sd_afr_t *self);
+
+#endif

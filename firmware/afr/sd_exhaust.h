@@ -1,0 +1,79 @@
+/* SPDX-License-Identifier: MIT */
+/// sd_exhaust.h - gas in the exhaust manifold over crank angle, and the delay to the sensor: blocks B and C of
+/// document 004, Figure 13.
+///
+/// B, open loop, equation (6), one explicit Euler step a wheel position:
+///     M += sum over i of D_i - rate dt psi(M / z0) M,   D_i = charge share(alpha - TDC_i)
+///     psi(z) = sqrt(2 g/(g-1) (z^(-2/g) - z^(-(g+1)/g))) for 1 < z, constant above the choke, 0 up to 1
+/// where share is the part of a cylinder's gas that passes its valve within one position. It needs no pressure sensor;
+/// where there is one, sd_exhaust_measured replaces M.
+/// C: a ring of what B said keeps M, its outflow and the angle; read with the transport delay it gives the gas that the
+/// sensor meets now. Flows need no ring: a delay moves the place in the table.
+///
+/// Two variants from one body: _f32 and _q31 (masses per unit of mass_base). Real-time contract: no heap, no globals,
+/// no libm; step costs one pass over the cylinders. Call order: init; set when the operating point changes (once a
+/// cycle, it divides); step for every wheel position, missing ones included. One writer per state.
+#ifndef SD_EXHAUST_H
+#define SD_EXHAUST_H
+#include "sd_num.h"
+#include "sd_status.h"
+
+#define SD_AFR_CYLINDERS_MAX 8
+#define SD_AFR_POSITIONS_MAX 240 /* of a cycle */
+#define SD_EXHAUST_RING      64  /* positions, a power of two: the longest delay is one less */
+#define SD_EXHAUST_PSI       32  /* intervals of psi over z from 1 to 2 */
+
+/// Read by init only, need not outlive it.
+typedef struct sd_exhaust_config {
+    uint16_t cycle_positions;    ///< Wheel positions a cycle, 24 to SD_AFR_POSITIONS_MAX.
+    uint8_t  cylinders;          ///< 1 to SD_AFR_CYLINDERS_MAX.
+    uint16_t firing_position[SD_AFR_CYLINDERS_MAX]; ///< First position at or after each firing TDC, below cycle_positions.
+    float    mass_base_kg;       ///< Base of q31: above all the gas the manifold ever holds, (0, 1].
+    float    psi[SD_EXHAUST_PSI + 1]; ///< psi(1 + k/32), each [0, 1).
+} sd_exhaust_config_t;
+
+/// Operating point; read by set only.
+typedef struct sd_exhaust_point {
+    const float *share;    ///< [cycle_positions], from firing TDC on, each [0, 1), sum about 1.
+    float charge_kg;       ///< Gas of one cylinder in one cycle, fuel included, (0, mass_base).
+    float rate_hz;         ///< Turbine area sqrt(R T)/manifold volume, [0, 1000].
+    float z0_kg;           ///< Mass in the manifold at the pressure behind the turbine, (0, mass_base).
+    float delay_positions; ///< From the manifold to the sensor's tip, at least 0; beyond the ring it is cut and said so.
+} sd_exhaust_point_t;
+
+#define SD_EXHAUST_DECLARE(N, T)                                                                                       \
+    /* The gas that the sensor meets at this position; masses per unit of mass_base. */                                \
+    typedef struct sd_exhaust_now_##N {                                                                                \
+        T mass, out;                        /* in the manifold; leaving it within the position */                      \
+        T charge;                           /* gas of one cylinder in one cycle */                                     \
+        T share[SD_AFR_CYLINDERS_MAX];      /* of each charge within the position, in firing order */                  \
+    } sd_exhaust_now_##N##_t;                                                                                          \
+    typedef struct sd_exhaust_##N {                                                                                    \
+        T mass;                             /* M */                                                                    \
+        T ring_mass[SD_EXHAUST_RING], ring_out[SD_EXHAUST_RING];                                                       \
+        uint32_t at;                        /* last written */                                                         \
+        T share[SD_AFR_POSITIONS_MAX];                                                                                 \
+        T psi[SD_EXHAUST_PSI + 1];                                                                                     \
+        T charge;                                                                                                      \
+        T late;                             /* fraction of a position in the delay */                                  \
+        uint32_t delay;                     /* whole positions */                                                      \
+        sd_gain_##N##_t to_z, rate;         /* M to z/2; M psi to outflow a position */                                \
+        float    mass_base_kg;                                                                                         \
+        uint16_t cycle_positions;                                                                                      \
+        uint16_t firing_position[SD_AFR_CYLINDERS_MAX];                                                                \
+        uint8_t  cylinders, set, cut;       /* cut: the delay is longer than the ring */                               \
+    } sd_exhaust_##N##_t;                                                                                              \
+    /* SD_OK, or SD_ERR_CONFIG with the state untouched. Nothing flows until the first set. */                         \
+    sd_result_t sd_exhaust_init_##N(sd_exhaust_##N##_t *self, const sd_exhaust_config_t *config);                      \
+    /* SD_OK, or SD_ERR_CONFIG with the last point kept: a field out of its range (NaN included). step_s is the */     \
+    /* duration of a position, (0, 0.1]. The first point fills the manifold to z0. */                                  \
+    sd_result_t sd_exhaust_set_##N(sd_exhaust_##N##_t *self, const sd_exhaust_point_t *point, float step_s);           \
+    /* Next position; *now is all zero before the first set. */                                                        \
+    void sd_exhaust_step_##N(sd_exhaust_##N##_t *self, uint32_t cycle_position, sd_exhaust_now_##N##_t *now);          \
+    /* A pressure sensor knows better: M in kg; ignored when out of (0, mass_base) or NaN. */                          \
+    void sd_exhaust_measured_##N(sd_exhaust_##N##_t *self, float mass_kg);
+
+SD_EXHAUST_DECLARE(f32, float)
+SD_EXHAUST_DECLARE(q31, sd_q31_t)
+
+#endif

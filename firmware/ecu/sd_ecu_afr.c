@@ -1,0 +1,124 @@
+/* SPDX-License-Identifier: MIT */
+#include "sd_ecu_afr.h"
+
+#include <string.h>
+
+#define RADPS_PER_RPM   0.10471976f
+#define TRANSIENT_SPEED 0.02f /* share by which a cycle may differ from the last and still be steady */
+#define TRANSIENT_FUEL  0.05f
+
+static bool ready(const sd_ecu_t *self) { return self->afr.config.cylinders != 0u; }
+
+sd_result_t sd_ecu_afr_init(sd_afr_t *afr, const sd_calibration_t *c) {
+    const sd_parameters_t *p = &c->parameters;
+    memset(afr, 0, sizeof *afr);
+    if (c->afr.present == 0u) { return SD_OK; }
+    sd_afr_config_t config = { .cycle_positions = (uint16_t)(2u * c->positions), .cylinders = c->cylinders,
+                               .noise_per_rthz = p->afr_noise, .drift = p->afr_drift, .drift_slow = p->afr_drift_slow,
+                               .slow_above = p->afr_slow_above };
+    for (uint32_t i = 0; i < c->cylinders; ++i) { config.firing_position[i] = c->firing_position[i]; }
+    return sd_afr_init(afr, &config, &c->afr);
+}
+
+sd_result_t sd_ecu_balance_init(sd_balance_t *balance, const sd_calibration_t *c) {
+    const sd_parameters_t *p = &c->parameters;
+    memset(balance, 0, sizeof *balance);
+    const sd_balance_config_t config = { .cylinders = c->cylinders, .gain = p->balance_gain,
+                                         .rate = p->balance_rate, .limit = p->balance_limit, .sd_max = p->balance_sd_max,
+                                         .hold_cycles = (uint16_t)p->balance_hold_cycles };
+    /* One cylinder has nothing to be balanced with. */
+    return (config.cylinders < 2u) ? SD_OK : sd_balance_init(balance, &config);
+}
+
+void sd_ecu_afr_sample(sd_ecu_t *self, float lambda) {
+    const float s = self->calibration.parameters.afr_stoichiometric;
+    self->burned_sum += (1.0f + s) / (1.0f + s * lambda);
+    self->burned_count++;
+    self->burned_seen++;
+}
+
+void sd_ecu_afr_tooth(sd_ecu_t *self, const sd_tooth_t *tooth) {
+    if (ready(self)) {
+        const uint32_t cycle = self->afr.config.cycle_positions;
+        for (uint32_t back = tooth->advance; back-- > 1u;) {
+            sd_afr_step(&self->afr, (tooth->cycle_position + cycle - back) % cycle, SD_AFR_NO_SAMPLE);
+        }
+        /* Across a mark the mean belongs to no one position. */
+        const bool sampled = (self->burned_count > 0u) && (tooth->advance == 1u);
+        sd_afr_step(&self->afr, tooth->cycle_position,
+                    sampled ? self->burned_sum / (float)self->burned_count : SD_AFR_NO_SAMPLE);
+    }
+    self->burned_sum = 0.0f;
+    self->burned_count = 0;
+}
+
+static float changed(float now, float before) {
+    const float step = (now > before) ? now - before : before - now;
+    return (before > 0.0f) ? step / before : 1.0f;
+}
+
+static void say(sd_status_t *status, uint8_t health, uint8_t why) {
+    if (health > status->health) { status->health = health; }
+    status->why |= why;
+}
+
+static void read_afr(sd_ecu_t *self, float speed_radps) {
+    const sd_calibration_t *c = &self->calibration;
+    const sd_sample_t *intake = &self->sample[SD_INPUT_AIR_INTAKE_PRESSURE], *fuel = &self->sample[SD_INPUT_FUEL_INJECTED];
+    sd_status_t *status = &self->status[SD_OWNER_AFR];
+    if (!ready(self)) {
+        *status = (sd_status_t){ .health = SD_INVALID, .why = SD_WHY_UNCALIBRATED };
+        return;
+    }
+    sd_afr_cycle(&self->afr, &c->afr, speed_radps, intake->value, fuel->value);
+    *status = sd_afr_status(&self->afr);
+    if (self->crank.phase_votes < 2u) { say(status, SD_INVALID, SD_WHY_NO_PHASE); }
+    if ((intake->seen == 0u) || (fuel->seen == 0u) || (self->burned_seen == 0u)) { say(status, SD_INVALID, SD_WHY_NO_INPUT); }
+    self->burned_seen = 0;
+    self->signals.afr_slow = (float)self->afr.slow;
+    for (uint32_t i = 0; i < c->cylinders; ++i) {
+        self->signals.afr_cylinder_burned[c->firing_order[i] - 1u] = sd_afr_lambda(&self->afr, i);
+        self->signals.afr_cylinder_sd[c->firing_order[i] - 1u] = sd_afr_deviation_sd(&self->afr, i);
+    }
+}
+
+/* What cylinders deviate by, in firing order, from the source chosen; returns the health of it. */
+static uint8_t deviations(const sd_ecu_t *self, float *deviation, float *sd) {
+    const sd_calibration_t *c = &self->calibration;
+    const float *torque = self->signals.cycle_cylinder_torque_nm, *torque_sd = self->signals.cycle_cylinder_sd_nm;
+    const bool from_torque = c->parameters.balance_source > 1.5f;
+    float mean = 0.0f;
+    for (uint32_t i = 0; i < c->cylinders; ++i) { mean += torque[c->firing_order[i] - 1u] / (float)c->cylinders; }
+    if (from_torque && !(mean > 1.0f)) { return SD_INVALID; } /* Nm: nothing burns */
+    for (uint32_t i = 0; i < c->cylinders; ++i) {
+        const uint32_t cylinder = c->firing_order[i] - 1u;
+        deviation[i] = from_torque ? torque[cylinder] / mean - 1.0f : sd_afr_deviation(&self->afr, i);
+        sd[i] = from_torque ? torque_sd[cylinder] / mean : sd_afr_deviation_sd(&self->afr, i);
+    }
+    return self->status[from_torque ? SD_OWNER_CYLINDER : SD_OWNER_AFR].health;
+}
+
+static void balance(sd_ecu_t *self, uint8_t transient) {
+    const sd_calibration_t *c = &self->calibration;
+    sd_balance_t *b = &self->balance;
+    const bool on = (self->sample[SD_INPUT_BALANCE_ENABLE].value > 0.5f) && (c->parameters.balance_source > 0.5f) && (c->cylinders > 1u);
+    if (on) {
+        float deviation[SD_CYLINDERS_MAX], sd[SD_CYLINDERS_MAX];
+        const uint8_t health = deviations(self, deviation, sd);
+        sd_balance_step(b, deviation, sd, health, transient);
+    } else {
+        sd_balance_restart(b);
+    }
+    self->status[SD_OWNER_BALANCE] = sd_balance_status(b);
+    for (uint32_t i = 0; i < c->cylinders; ++i) { self->signals.balance_trim[c->firing_order[i] - 1u] = b->trim[i]; }
+}
+
+void sd_ecu_afr_cycle(sd_ecu_t *self) {
+    const float speed = self->signals.cycle_speed_rpm * RADPS_PER_RPM, fuel = self->sample[SD_INPUT_FUEL_INJECTED].value;
+    read_afr(self, speed);
+    const bool transient = (changed(speed, self->last_speed_radps) > TRANSIENT_SPEED) ||
+                           (changed(fuel, self->last_fuel_mg) > TRANSIENT_FUEL) || (fuel <= 0.0f);
+    balance(self, transient ? 1u : 0u);
+    self->last_speed_radps = speed;
+    self->last_fuel_mg = fuel;
+}

@@ -1,0 +1,16 @@
+/* SPDX-License-Identifier: MIT */
+/// sd_ecu_afr.h - the ecu's part for the exhaust side: when the AFR blocks and the trims run, and on what. For sd_ecu.c.
+#ifndef SD_ECU_AFR_H
+#define SD_ECU_AFR_H
+#include "sd_ecu.h"
+
+/// From the working page. SD_OK without an exhaust: the block stays idle and says so.
+sd_result_t sd_ecu_afr_init(sd_afr_t *afr, const sd_calibration_t *c);
+sd_result_t sd_ecu_balance_init(sd_balance_t *balance, const sd_calibration_t *c);
+/// A reading of the lambda sensor, air to fuel over stoichiometric.
+void sd_ecu_afr_sample(sd_ecu_t *self, float lambda);
+void sd_ecu_afr_tooth(sd_ecu_t *self, const sd_tooth_t *tooth);
+/// End of a cycle, its speed and torques known: fills the signals, sets the next operating point, moves the trims.
+void sd_ecu_afr_cycle(sd_ecu_t *self);
+
+#endif

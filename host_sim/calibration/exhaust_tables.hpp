@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: MIT
+// The calibration's own model of the exhaust: what each position of the wheel lets through, and how fast the manifold
+// empties. Knows the engine file and nothing of the plant.
+#pragma once
+#include <array>
+#include <vector>
+
+#include "common/engine_file.hpp"
+extern "C" {
+#include "sd_afr.h"
+}
+
+namespace sixdeg {
+
+/// One operating point of the AFR blocks (firmware/afr).
+struct ExhaustPoint {
+    std::vector<double> share; ///< Of a cylinder's gas, by wheel position from firing TDC on, over a cycle; sum 1.
+    double charge_kg = 0;      ///< Of one cylinder and cycle, fuel included.
+    double rate_hz = 0;        ///< Turbine area sqrt(R T)/manifold volume.
+    double z0_kg = 0;          ///< In the manifold at ambient pressure.
+    double mean_kg = 0;        ///< In the manifold, mean over the cycle.
+    double transport_kg = 0;   ///< Gas between turbine and sensor.
+    double delay_s = 0;        ///< Turbine to sensor, dead time included.
+    double air_kg = 0;         ///< Of the charge.
+};
+
+/// Periodic flow at a constant speed, with fuel for `lambda` of document 004 in the exhaust. engine.exhaust is set.
+ExhaustPoint exhaust_point(const EngineFile &engine, double speed_radps, double intake_pa,
+                           double lambda);
+
+/// The grid for the calibration page; not present without engine.exhaust.
+sd_afr_grid_t afr_grid(const EngineFile &engine);
+
+/// psi(1 + k/32), k = 0 to 32, of sd_exhaust.h.
+std::array<double, 33> exhaust_psi();
+
+} // namespace sixdeg

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: MIT
+// [exhaust] and [uego] of ENGINE.toml: what plant and calibration both know. Field by field: docs/files.md.
+#pragma once
+#include <optional>
+
+#include "common/profile.hpp"
+#include "common/toml_file.hpp"
+
+namespace sixdeg {
+
+struct ExhaustSystem {
+    double valve_close_rad = 0; ///< After firing TDC.
+    double valve_area_m2 = 0;   ///< Largest effective area; times sin^2 over the opening.
+    double manifold_m3 = 0;
+    Profile turbine_area_m2;    ///< Effective, over engine speed in rad/s.
+    double pipe_m3 = 0, mixing_m3 = 0, dead_time_s = 0; ///< Between turbine and sensor.
+    double uego_tau_s[2] = {0, 0};
+    double flow_factor = 1; ///< On the charge as the calibration believes it; no field of the file.
+};
+
+/// None when the file has no [exhaust]. Throws InputError.
+std::optional<ExhaustSystem> read_exhaust_system(TomlFile &file);
+
+} // namespace sixdeg

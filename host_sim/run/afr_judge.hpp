@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: MIT
+// The AFR blocks on a trace of the plant, away from the rest of the firmware: many seeds in little time. Definitions:
+// docs/afr.md.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "calibration/exhaust_tables.hpp"
+#include "run/afr_trace.hpp"
+
+namespace sixdeg {
+
+/// How far the calibration is off, for perturbed figures.
+struct AfrError {
+    double flow = 0;      ///< Of the charge and so of the valves' flow, share.
+    double tau = 0;       ///< Of the sensor's lags, share.
+    double delay_deg = 0; ///< Crank.
+    double turbine = 0;   ///< Of its area, share.
+};
+
+enum class AfrMethod { joint, fourier, oscillator, true_gas };
+
+struct AfrSetup {
+    AfrMethod method = AfrMethod::joint;
+    double drift = 0.02;            ///< q of the joint filter, of the mean lambda, a cycle.
+    double noise = 0.005;           ///< rms of lambda a position, what the filter is told.
+    double gain_air = 0.1, gain_cylinder = 3;      ///< A
+    double fourier_gain = 0.005, fourier_floor = 0.1; ///< D
+    AfrError error;
+    bool fixed_point = false; ///< The chain in q31.
+};
+
+struct AfrEstimates {
+    std::vector<std::array<double, 8>> lambda; ///< By lane, at the end of each cycle.
+    std::vector<double> sd;                    ///< Stated, of lane 0's deviation from the mean.
+};
+
+/// Runs one method over the trace; `noise` is added to its samples (same length, or empty for none).
+AfrEstimates afr_estimate(const EngineFile &engine, const ExhaustPoint &point, const AfrTrace &trace, const AfrSetup &setup,
+                          const std::vector<double> &noise);
+
+/// White (correlation_s 0) or first-order noise with the density of white noise of `rms` a position.
+std::vector<double> sensor_noise(const AfrTrace &trace, double rms, double correlation_s, std::uint64_t seed);
+
+/// Least standard deviation (Cramer-Rao), of lambda, of a cylinder's deviation from the mean after `cycles`, white noise;
+/// unknown: all cylinders and the filter's other states at the start.
+double afr_bound(const EngineFile &engine, const ExhaustPoint &point, const AfrTrace &trace, double noise_rms, int cycles);
+
+} // namespace sixdeg

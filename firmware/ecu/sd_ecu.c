@@ -263,7 +263,7 @@ static sd_result_t apply(sd_ecu_t *self, uint8_t owner) {
     case SD_OWNER_TORQUE:
         return fixed_point(self) ? sd_fourier_init_q31(&self->torque.q31, &torque)
                                  : sd_fourier_init_f32(&self->torque.f32, &torque);
-    default: return SD_ERR_CONFIG;
+    default: return SD_ERR_CONFIG; /* the other blocks take theirs at the start only */
     }
 }
 
@@ -272,6 +272,7 @@ static sd_parameter_result_t set_parameter(sd_ecu_t *self, uint32_t index, float
     float *working = &((float *)&self->calibration.parameters)[index];
     const float before = *working;
     if (!((value >= info->low) && (value <= info->high))) { return SD_PARAMETER_RANGE; }
+    if (value == before) { return SD_PARAMETER_OK; }
     *working = value;
     if (apply(self, info->owner) == SD_OK) { return SD_PARAMETER_OK; }
     *working = before;

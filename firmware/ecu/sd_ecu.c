@@ -275,9 +275,9 @@ static sd_result_t apply(sd_ecu_t *self, uint8_t owner) {
     case SD_OWNER_TORQUE:
         return fixed_point(self) ? sd_fourier_init_q31(&self->torque.q31, &torque)
                                  : sd_fourier_init_f32(&self->torque.f32, &torque);
-    case SD_OWNER_AFR: return sd_ecu_afr_init(self);
-    case SD_OWNER_BALANCE: return sd_ecu_balance_init(self);
-    default: return SD_ERR_CONFIG;
+    case SD_OWNER_AFR: return sd_ecu_afr_init(&self->afr, &self->calibration);
+    case SD_OWNER_BALANCE: return sd_ecu_balance_init(&self->balance, &self->calibration);
+    default: return SD_ERR_CONFIG; /* the other blocks take theirs at the start only */
     }
 }
 
@@ -286,6 +286,7 @@ static sd_parameter_result_t set_parameter(sd_ecu_t *self, uint32_t index, float
     float *working = &((float *)&self->calibration.parameters)[index];
     const float before = *working;
     if (!((value >= info->low) && (value <= info->high))) { return SD_PARAMETER_RANGE; }
+    if (value == before) { return SD_PARAMETER_OK; }
     *working = value;
     if (apply(self, info->owner) == SD_OK) { return SD_PARAMETER_OK; }
     *working = before;

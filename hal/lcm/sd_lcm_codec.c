@@ -22,12 +22,17 @@ void sd_lcm_add_signal(sd_lcm_codec_t *self, const sd_event_t *event) {
         sd_lcm_edge_from_row(&self->edge[self->edges++], &self->row);
     } else if ((self->row.rate == SD_RATE_CYCLE) && (self->cycles < SD_LCM_ROWS)) {
         sd_lcm_cycle_from_row(&self->cycle[self->cycles++], &self->row);
+    } else if ((self->row.rate == SD_RATE_FIRING) && (self->firings < SD_LCM_ROWS)) {
+        sd_lcm_firing_from_row(&self->firing[self->firings++], &self->row);
     } else {
         self->counts.unsent++;
     }
 }
 
 /* ---- messages to events ---------------------------------------------------------------------------------------- */
+
+enum { RATES = SD_RATE_FIRING + 1 }; /* each has its length at the head of an outputs message */
+_Static_assert(offsetof(sixdeg_outputs_t, done) == RATES * sizeof(int32_t), "a new rate needs its rows here");
 
 /* lcm-gen's decoders believe the lengths in a message and get memory for them, so these are looked at first. They are
    the first fields, big endian, after the 8 bytes of the type's fingerprint. */
@@ -64,10 +69,14 @@ static int take_inputs(sd_lcm_codec_t *self, const void *bytes, int size) {
 static int take_rows(sd_lcm_codec_t *self, const sixdeg_outputs_t *m) {
     sd_row_t row;
     int sound = 1;
-    int32_t cycle = 0;
+    int32_t cycle = 0, firing = 0;
     for (int32_t i = 0; i < m->edges; ++i) {
         for (; (cycle < m->cycles) && (m->cycle[cycle].tick == m->edge[i].tick); ++cycle) {
             sd_lcm_cycle_to_row(&row, &m->cycle[cycle]);
+            sound &= sd_row_events(&row, &self->in);
+        }
+        for (; (firing < m->firings) && (m->firing[firing].tick == m->edge[i].tick); ++firing) {
+            sd_lcm_firing_to_row(&row, &m->firing[firing]);
             sound &= sd_row_events(&row, &self->in);
         }
         sd_lcm_edge_to_row(&row, &m->edge[i]);
@@ -79,7 +88,9 @@ static int take_rows(sd_lcm_codec_t *self, const sixdeg_outputs_t *m) {
 static int take_outputs(sd_lcm_codec_t *self, const void *bytes, int size) {
     sixdeg_outputs_t m;
     memset(&m, 0, sizeof m);
-    if (!length_is_sane(bytes, size, 0) || !length_is_sane(bytes, size, 1)) { return 0; }
+    for (int rate = 0; rate < RATES; ++rate) {
+        if (!length_is_sane(bytes, size, rate)) { return 0; }
+    }
     int sound = sixdeg_outputs_t_decode(bytes, 0, size, &m) == size;
     if (sound) {
         if ((self->peer_seen != 0u) && ((uint16_t)m.session != self->peer_session)) { self->peer_starts++; }

@@ -21,7 +21,8 @@ typedef struct sd_lcm_codec {
     sixdeg_event_t event[SD_LCM_ROWS];   ///< Going out.
     sixdeg_edge_t  edge[SD_LCM_ROWS];
     sixdeg_cycle_t cycle[SD_LCM_ROWS];
-    int32_t   events, edges, cycles;
+    sixdeg_firing_t firing[SD_LCM_ROWS];
+    int32_t   events, edges, cycles, firings;
     sixdeg_truth_edge_t  truth_edge[SD_LCM_ROWS];
     sixdeg_truth_cycle_t truth_cycle[SD_LCM_ROWS];
     int32_t   truth_edges, truth_cycles, sent_edges, sent_cycles;

@@ -84,8 +84,10 @@ TEST(CanFrames, CarryEveryEventOfThePlantInOrder) {
 
 TEST(CanFrames, CarryEveryEventOfTheEcuInOrder) {
     std::vector<sd_event_t> events = row_of(77, SD_RATE_CYCLE);
-    const auto edge = row_of(77, SD_RATE_EDGE);
-    events.insert(events.end(), edge.begin(), edge.end());
+    for (const sd_rate_t rate : {SD_RATE_FIRING, SD_RATE_EDGE}) {
+        const auto row = row_of(77, rate);
+        events.insert(events.end(), row.begin(), row.end());
+    }
     events.push_back({78, SD_EVENT_DONE, 0, 3, 200});
     for (const sd_role_t to : {SD_ROLE_PLANT, SD_ROLE_TOOL}) expect_same(events, through_can(SD_ROLE_ECU, to, events));
     events = {{0, SD_EVENT_PARAMETER, 3, bits(0.25f), SD_PARAMETER_SET | SD_PARAMETER_RANGE << 8}};
@@ -168,6 +170,7 @@ std::vector<std::uint8_t> valid_message(sd_lcm_channel_t channel) {
     std::vector<sixdeg_event_t> events(20);
     std::vector<sixdeg_edge_t> edges(20);
     std::vector<sixdeg_cycle_t> cycles(2);
+    std::vector<sixdeg_firing_t> firings(4);
     std::vector<sixdeg_truth_edge_t> truth_edges(20);
     std::vector<sixdeg_truth_cycle_t> truth_cycles(2);
     int size = 0;
@@ -175,7 +178,9 @@ std::vector<std::uint8_t> valid_message(sd_lcm_channel_t channel) {
         const sixdeg_inputs_t m{20, 0, 1, events.data()};
         size = sixdeg_inputs_t_encode(bytes.data(), 0, int(bytes.size()), &m);
     } else if (channel == SD_LCM_OUTPUTS) {
-        const sixdeg_outputs_t m{20, 2, 1, 0, 1, 0, 0, edges.data(), cycles.data()};
+        sixdeg_outputs_t m{};
+        m.edges = 20, m.cycles = 2, m.firings = 4, m.done = 1;
+        m.edge = edges.data(), m.cycle = cycles.data(), m.firing = firings.data();
         size = sixdeg_outputs_t_encode(bytes.data(), 0, int(bytes.size()), &m);
     } else if (channel == SD_LCM_TRUTH) {
         const sixdeg_truth_t m{20, 2, 1, 20, 2, truth_edges.data(), truth_cycles.data()};

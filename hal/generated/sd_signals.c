@@ -47,6 +47,6 @@ const sd_signal_info_t sd_parameter_infos[SD_PARAMETER_COUNT] = {
     { "torque.settle", "cycles", 1.0f, 200.0f, 8.0f, SD_RATE_EDGE, SD_OWNER_TORQUE },
     { "torque.tooth_sd", "deg", 0.0f, 1.0f, 0.01f, SD_RATE_EDGE, SD_OWNER_TORQUE },
     { "torque.speed_base", "rpm", 500.0f, 19000.0f, 8000.0f, SD_RATE_EDGE, SD_OWNER_TORQUE },
-    { "torque.torque_base", "Nm", 1.0f, 20000.0f, 1500.0f, SD_RATE_EDGE, SD_OWNER_TORQUE },
+    { "torque.torque_base", "Nm", 0.0f, 20000.0f, 0.0f, SD_RATE_EDGE, SD_OWNER_TORQUE },
     { "torque.fixed_point", "", 0.0f, 1.0f, 0.0f, SD_RATE_EDGE, SD_OWNER_TORQUE },
 };

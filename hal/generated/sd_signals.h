@@ -7,7 +7,7 @@
 #include <stdint.h>
 
 /// Changes whenever the table does; calibration pages and logs carry it.
-#define SD_SIGNALS_SIGNATURE 0xeca81edfu
+#define SD_SIGNALS_SIGNATURE 0xde03c007u
 
 /// Channel of an SD_EVENT_SAMPLE.
 typedef enum sd_input {
@@ -60,7 +60,7 @@ typedef struct sd_parameters {
     float torque_settle_cycles; ///< Cycles after a start during which the estimate is flagged as converging.
     float torque_tooth_sd_deg; ///< Random error of a tooth edge, standard deviation, beside the timer's rounding; scales cycle.cylinder_sd.
     float torque_speed_base_rpm; ///< Highest speed; base of the fixed-point variant.
-    float torque_torque_base_nm; ///< Highest instantaneous torque; base of the fixed-point variant.
+    float torque_torque_base_nm; ///< Highest instantaneous torque, beyond which the observer starts anew; base of the fixed-point variant; 0: 40 bar times a cylinder's displacement.
     float torque_fixed_point; ///< 1 runs the q31 variant, 0 the float one.
 } sd_parameters_t;
 #define SD_PARAMETER_COUNT 11u

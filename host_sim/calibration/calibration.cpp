@@ -81,6 +81,8 @@ sd_parameters_t read_tune(TomlFile &tune, const sd_parameters_t *otherwise) {
 
 sd_parameters_t resolve(const EngineFile &engine, sd_parameters_t tune) {
     if (tune.torque_harmonics == 0) tune.torque_harmonics = float(std::max(5, engine.cylinders()));
+    const double displacement_m3 = M_PI / 4 * engine.bore_m * engine.bore_m * engine.stroke_m;
+    if (tune.torque_torque_base_nm == 0) tune.torque_torque_base_nm = float(std::min(20000.0, 40e5 * displacement_m3));
     return tune;
 }
 

@@ -13,6 +13,7 @@ void add_plant(CLI::App &app);
 void add_replay(CLI::App &app);
 void add_run(CLI::App &app);
 void add_watch(CLI::App &app);
+void add_sweep(CLI::App &app);
 void add_sensors(CLI::App &app); ///< sensors: which sensors observe which states
 
 } // namespace sixdeg

@@ -19,6 +19,7 @@ int main(int argc, char **argv) {
     sixdeg::add_ecu(app);
     sixdeg::add_watch(app);
     sixdeg::add_parameter(app);
+    sixdeg::add_sweep(app);
     sixdeg::add_sensors(app);
     try {
         app.parse(argc, argv);

@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: MIT
+// sixdeg sweep: a grid over scenario fields, each cell a `sixdeg run` in a process of its own.
+#include <CLI/App.hpp>
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+#include <chrono>
+#include <filesystem>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <thread>
+#include <unistd.h>
+
+#include "cli/commands.hpp"
+#include "common/error.hpp"
+#include "common/files.hpp"
+#include "common/stop.hpp"
+#include "scenario/scenario.hpp"
+#include "sweep/grid.hpp"
+#include "sweep/processes.hpp"
+#include "sweep/sweep_table.hpp"
+
+namespace sixdeg {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Options {
+    std::string scenario, tune, number, out, figure = "cylinders.imbalance_percent";
+    std::vector<std::string> over, set;
+    bool nominal = false;
+    unsigned jobs = std::max(1u, std::thread::hardware_concurrency());
+};
+
+/// What stays the same in every cell, as arguments of `sixdeg run`.
+std::vector<std::string> common_arguments(const Options &options) {
+    std::vector<std::string> arguments{options.scenario};
+    if (!options.tune.empty()) arguments.insert(arguments.end(), {"--tune", options.tune});
+    if (!options.number.empty()) arguments.insert(arguments.end(), {"--number", options.number});
+    if (options.nominal) arguments.push_back("--nominal");
+    for (const std::string &set : options.set) arguments.insert(arguments.end(), {"--set", set});
+    return arguments;
+}
+
+/// All that a result depends on: a cell done before is taken over only when none of it has changed.
+std::string fingerprint(const Options &options, const std::vector<std::string> &arguments) {
+    const fs::path path(options.scenario);
+    TomlFile file(path);
+    std::string all = sha256(read_file("/proc/self/exe")) + sha256(file.content());
+    const fs::path engine(file.text("engine"));
+    if (fs::exists(path.parent_path() / engine)) all += sha256(read_file(path.parent_path() / engine));
+    if (!options.tune.empty()) all += sha256(read_file(options.tune));
+    for (const std::string &argument : arguments) all += argument + "\n";
+    return all;
+}
+
+class Progress {
+  public:
+    explicit Progress(std::size_t cells) : cells_(cells), shown_(isatty(2) != 0) {}
+    void done(std::size_t cells, std::size_t runs) const {
+        if (!shown_) return;
+        constexpr std::size_t kWidth = 32;
+        const std::size_t filled = cells_ ? kWidth * cells / cells_ : kWidth;
+        const std::chrono::duration<double> since = std::chrono::steady_clock::now() - start_;
+        const double left = runs ? since.count() / double(runs) * double(cells_ - cells) : 0;
+        fmt::print(stderr, "\r[{:#<{}}{:.<{}}] {} of {}, {:.0f} s left   ", "", filled, "", kWidth - filled, cells, cells_, left);
+        if (cells == cells_) fmt::print(stderr, "\n");
+    }
+
+  private:
+    std::size_t cells_;
+    bool shown_;
+    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+std::string first_line(const std::string &text) { return text.substr(0, text.find('\n')); }
+
+class Sweep {
+  public:
+    explicit Sweep(const Options &options) : options_(options), common_(common_arguments(options)) {
+        for (const std::string &over : options.over) axes_.push_back(parse_axis(over));
+        const std::string base = fingerprint(options, common_);
+        for (const auto &settings : cells_of(axes_)) {
+            std::string key = base;
+            for (const std::string &setting : settings) key += setting + "\n";
+            files_.push_back(fs::path(options.out) / "cells" / (sha256(key).substr(0, 24) + ".json"));
+            cells_.push_back({settings, "", ""});
+        }
+    }
+
+    /// Number of cells without a result.
+    std::size_t run() {
+        std::vector<std::size_t> open;
+        std::vector<std::vector<std::string>> commands;
+        for (std::size_t i = 0; i < cells_.size(); ++i) {
+            if (fs::exists(files_[i])) continue;
+            open.push_back(i);
+            commands.push_back(command(i));
+        }
+        if (open.size() < cells_.size()) fmt::print("{} of {} cells were done before\n", cells_.size() - open.size(), cells_.size());
+        fs::create_directories(fs::path(options_.out) / "cells");
+        const Progress progress(cells_.size());
+        std::size_t done = cells_.size() - open.size(), runs = 0;
+        run_all(commands, options_.jobs, [&](const Ended &ended) {
+            take(open[ended.index], ended);
+            progress.done(++done, ++runs);
+            return true;
+        });
+        return report();
+    }
+
+  private:
+    std::vector<std::string> command(std::size_t cell) const {
+        std::vector<std::string> arguments{"/proc/self/exe", "run"};
+        arguments.insert(arguments.end(), common_.begin(), common_.end());
+        for (const std::string &setting : cells_[cell].settings) arguments.insert(arguments.end(), {"--set", setting});
+        arguments.insert(arguments.end(), {"--json", part(cell).string()});
+        return arguments;
+    }
+
+    fs::path part(std::size_t cell) const { return files_[cell].string() + ".part"; }
+
+    // A run that was told to stop leaves a summary of the part it did: that is no result.
+    void take(std::size_t cell, const Ended &ended) {
+        if (ended.status == 0)
+            fs::rename(part(cell), files_[cell]);
+        else
+            cells_[cell].error = ended.errors.empty() ? fmt::format("ended with status {}", ended.status) : first_line(ended.errors);
+        fs::remove(part(cell));
+    }
+
+    std::size_t report() {
+        std::size_t without = 0;
+        for (std::size_t i = 0; i < cells_.size(); ++i) {
+            if (fs::exists(files_[i])) cells_[i].summary = read_file(files_[i]);
+            if (!cells_[i].summary.empty()) continue;
+            ++without;
+            if (cells_[i].error.empty()) cells_[i].error = "not run";
+        }
+        OutputFolder out(options_.out);
+        out.add("sweep.csv", sweep_csv(axes_, cells_));
+        const auto picture = sweep_picture(axes_, cells_, options_.figure);
+        if (picture) out.add("map.svg", *picture);
+        out.commit();
+        fmt::print("{} cells, {} without a result; {}\n", cells_.size(), without,
+                   picture ? "sweep.csv and map.svg written" : "sweep.csv written");
+        for (const SweepCell &cell : cells_) {
+            if (!cell.error.empty()) fmt::print(stderr, "{}: {}\n", fmt::join(cell.settings, " "), cell.error);
+        }
+        return without;
+    }
+
+    const Options &options_;
+    std::vector<std::string> common_;
+    std::vector<Axis> axes_;
+    std::vector<SweepCell> cells_;
+    std::vector<fs::path> files_;
+};
+
+void sweep(const Options &options) {
+    stop_on_signals();
+    const std::size_t without = Sweep(options).run();
+    end_by_signal();
+    if (without > 0) throw InputError(options.scenario, "", fmt::format("{} cells of the sweep have no result", without));
+}
+
+} // namespace
+
+void add_sweep(CLI::App &app) {
+    auto options = std::make_shared<Options>();
+    CLI::App *command = app.add_subcommand("sweep", "a grid over scenario fields, many runs side by side");
+    command->add_option("SCENARIO", options->scenario, "scenario file (docs/scenario.md)")->required();
+    command->add_option("--over", options->over, "field=value,value,... an axis of the grid; give it once for each axis")
+        ->required()->allow_extra_args(false);
+    command->add_option("--out", options->out, "folder for sweep.csv, map.svg and the cells")->required();
+    command->add_option("--figure", options->figure, "what map.svg shows over speed.rpm and load.bmep_bar")->capture_default_str();
+    command->add_option("--jobs", options->jobs, "runs at a time")->check(CLI::Range(1u, 256u))->capture_default_str();
+    command->add_option("--tune", options->tune, "tune file");
+    command->add_option("--set", options->set, "key=value, as in run, alike in every cell")->allow_extra_args(false);
+    command->add_option("--number", options->number, "f32 or q31")->check(CLI::IsMember({"f32", "q31"}));
+    command->add_flag("--nominal", options->nominal, "skip the runs whose calibration is wrong on purpose");
+    command->callback([options] { sweep(*options); });
+}
+
+} // namespace sixdeg

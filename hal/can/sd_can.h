@@ -14,7 +14,7 @@ typedef struct sd_can {
 } sd_can_t;
 
 /// 0, or an errno: ENODEV no such interface, EMSGSIZE its mtu is below 72, else what the system said.
-int  sd_can_open(sd_can_t *self, const char *interface, sd_role_t role, uint8_t session);
+int  sd_can_open(sd_can_t *self, const char *interface, sd_role_t role, uint16_t session);
 void sd_can_close(sd_can_t *self);
 /// The stream of events. send takes what there is room for; what the bus will not have waits for the next call.
 sd_port_t sd_can_port(sd_can_t *self);

@@ -56,7 +56,7 @@ static void send_time(sd_can_codec_t *self, const sd_event_t *event) {
 }
 
 static void send_done(sd_can_codec_t *self, const sd_event_t *event) {
-    const struct sd_bus_done_t m = { .tick = event->tick, .ignored = (uint16_t)event->flags, .session = self->session,
+    const struct sd_bus_done_t m = { .tick = event->tick, .ignored = (uint8_t)event->flags, .session = self->session,
                                      .unsent = (uint8_t)event->value };
     PACK(self, done, DONE, 0, m);
 }
@@ -137,7 +137,7 @@ static void put(sd_can_codec_t *self, uint32_t tick, sd_event_kind_t kind, uint1
 }
 
 /* 1: in order, or after a gap that the ecu has been told of. */
-static int arrives(sd_can_codec_t *self, uint8_t session, uint16_t sequence, uint16_t step, uint32_t tick) {
+static int arrives(sd_can_codec_t *self, uint16_t session, uint16_t sequence, uint16_t step, uint32_t tick) {
     const sd_arrival_t arrival = sd_order_check(&self->order, session, sequence, step);
     if (arrival == SD_ARRIVAL_STALE) { self->counts.stale++; return 0; }
     if (arrival == SD_ARRIVAL_GAP) {

@@ -18,14 +18,15 @@ typedef struct sd_frame {
 /// Zero it, then set role and session. Caller-owned.
 typedef struct sd_can_codec {
     sd_role_t role;
-    uint8_t   session;     ///< Drawn anew at each start.
+    uint16_t  session;     ///< Drawn anew at each start.
     uint16_t  sequence;    ///< Of the next teeth frame to send.
     uint32_t  tick[SD_CAN_TEETH];
     uint16_t  cam;         ///< Bit i: tick i is a cam edge.
     uint8_t   ticks;
     sd_row_t  row;         ///< Being collected.
     sd_order_t order;      ///< Of the plant's teeth frames.
-    uint8_t   peer_session, peer_seen;
+    uint16_t  peer_session;
+    uint8_t   peer_seen;
     uint32_t  peer_starts; ///< Times the ecu on the other side has started anew.
     sd_claim_t claim;      ///< The last one heard, and not yet taken.
     uint8_t   claim_heard;

@@ -13,7 +13,7 @@ static void on_message(const lcm_recv_buf_t *message, const char *channel, void 
 }
 
 /* An ecu also hears its own claims; lcm has no way to leave out one's own, so they carry an id. */
-int sd_lcm_open(sd_lcm_t *self, const char *url, sd_role_t role, uint8_t session) {
+int sd_lcm_open(sd_lcm_t *self, const char *url, sd_role_t role, uint16_t session) {
     memset(self, 0, sizeof *self);
     self->codec.role = role;
     self->codec.session = session;

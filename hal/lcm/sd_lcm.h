@@ -15,7 +15,7 @@ typedef struct sd_lcm {
 } sd_lcm_t;
 
 /// `url` "" is LCM's own default. 0, or -1 when LCM cannot use it.
-int  sd_lcm_open(sd_lcm_t *self, const char *url, sd_role_t role, uint8_t session);
+int  sd_lcm_open(sd_lcm_t *self, const char *url, sd_role_t role, uint16_t session);
 void sd_lcm_close(sd_lcm_t *self);
 sd_port_t sd_lcm_port(sd_lcm_t *self);
 /// Waits until a message comes, at most so long, and takes it. 1: one came.

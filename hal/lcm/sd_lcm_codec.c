@@ -42,7 +42,7 @@ static int take_inputs(sd_lcm_codec_t *self, const void *bytes, int size) {
     if (!length_is_sane(bytes, size, 0)) { return 0; }
     const int whole = sixdeg_inputs_t_decode(bytes, 0, size, &m) == size;
     if (whole) {
-        const sd_arrival_t arrival = sd_order_check(&self->order, (uint8_t)m.session, (uint16_t)m.sequence, 1);
+        const sd_arrival_t arrival = sd_order_check(&self->order, (uint16_t)m.session, (uint16_t)m.sequence, 1);
         if (arrival == SD_ARRIVAL_GAP) {
             const sd_event_t gap = { .tick = (m.count > 0) ? (uint32_t)m.event[0].tick : 0u, .kind = SD_EVENT_GAP };
             sd_queue_put(&self->in, &gap);
@@ -82,9 +82,9 @@ static int take_outputs(sd_lcm_codec_t *self, const void *bytes, int size) {
     if (!length_is_sane(bytes, size, 0) || !length_is_sane(bytes, size, 1)) { return 0; }
     int sound = sixdeg_outputs_t_decode(bytes, 0, size, &m) == size;
     if (sound) {
-        if ((self->peer_seen != 0u) && ((uint8_t)m.session != self->peer_session)) { self->peer_starts++; }
+        if ((self->peer_seen != 0u) && ((uint16_t)m.session != self->peer_session)) { self->peer_starts++; }
         self->peer_seen = 1;
-        self->peer_session = (uint8_t)m.session;
+        self->peer_session = (uint16_t)m.session;
         sound = take_rows(self, &m);
         const sd_event_t done = { .tick = (uint32_t)m.tick, .kind = SD_EVENT_DONE, .value = (uint32_t)m.unsent,
                                   .flags = (uint32_t)m.ignored };

@@ -16,7 +16,7 @@
 /// Zero it, then set role and session. Caller-owned.
 typedef struct sd_lcm_codec {
     sd_role_t role;
-    uint8_t   session;
+    uint16_t  session;
     int32_t   sequence;                  ///< Of the next inputs message to send.
     sixdeg_event_t event[SD_LCM_ROWS];   ///< Going out.
     sixdeg_edge_t  edge[SD_LCM_ROWS];
@@ -27,7 +27,8 @@ typedef struct sd_lcm_codec {
     int32_t   truth_edges, truth_cycles, sent_edges, sent_cycles;
     sd_row_t  row;
     sd_order_t order;
-    uint8_t   peer_session, peer_seen;
+    uint16_t  peer_session;
+    uint8_t   peer_seen;
     uint32_t  peer_starts;
     sd_claim_t claim;
     uint8_t   claim_heard;

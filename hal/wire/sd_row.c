@@ -57,7 +57,7 @@ int sd_row_events(const sd_row_t *row, sd_queue_t *queue) {
     return 1;
 }
 
-sd_arrival_t sd_order_check(sd_order_t *order, uint8_t session, uint16_t sequence, uint16_t step) {
+sd_arrival_t sd_order_check(sd_order_t *order, uint16_t session, uint16_t sequence, uint16_t step) {
     const uint16_t ahead = (uint16_t)(sequence - order->next);
     const int same = (order->started != 0u) && (session == order->session);
     if (same && (ahead >= 0x8000u) && (order->stale_in_row < STALE_IN_ROW_MAX)) {

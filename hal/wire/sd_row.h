@@ -53,8 +53,8 @@ int sd_row_events(const sd_row_t *row, sd_queue_t *queue);
 
 /// Order of the messages of one sender. Zero it to begin.
 typedef struct sd_order {
-    uint16_t next;
-    uint8_t  session, started, stale_in_row;
+    uint16_t next, session;
+    uint8_t  started, stale_in_row;
 } sd_order_t;
 
 typedef enum sd_arrival {
@@ -64,7 +64,7 @@ typedef enum sd_arrival {
 } sd_arrival_t;
 
 /// A message that says `sequence` is its number (step 1), or the number of the next one (step 0).
-sd_arrival_t sd_order_check(sd_order_t *order, uint8_t session, uint16_t sequence, uint16_t step);
+sd_arrival_t sd_order_check(sd_order_t *order, uint16_t session, uint16_t sequence, uint16_t step);
 
 /// What became of messages; all wrap.
 typedef struct sd_port_counts {

@@ -15,7 +15,7 @@ namespace sixdeg {
 namespace {
 
 /// Tells one start of a program from another.
-std::uint8_t draw_session() { return std::uint8_t(std::random_device()()); }
+std::uint16_t draw_session() { return std::uint16_t(std::random_device()()); }
 
 template <class Codec> std::optional<sd_claim_t> take_claim(Codec &codec) {
     if (codec.claim_heard == 0) return std::nullopt;

@@ -44,7 +44,10 @@ class BusFolder(Folder):
         for process in self.processes:
             if process.poll() is None:
                 process.kill()
-            process.communicate()
+            process.wait()
+            for stream in (process.stdout, process.stderr):
+                if stream:
+                    stream.close()
 
     def scenario(self, run="cycles = 25", rpm=1000):
         path = self.folder / "scenario.toml"
@@ -93,15 +96,16 @@ class BusCases:
         valid = [r for r in table(self.folder / "two" / "cycles.csv") if r["health"] == "valid"]
         self.assertGreater(len(valid), 20, "the comparison must be about estimates")
         # The recorded stream through a fresh ecu says the same, event for event.
-        replayed = self.sixdeg("replay", self.folder / "log", "--json", self.folder / "r.json")
-        self.assertNotIn("differ", replayed.stdout.lower())
+        self.sixdeg("replay", self.folder / "log", "--json", self.folder / "r.json")
+        self.assertTrue(json.loads((self.folder / "r.json").read_text())["outputs"]["identical"])
         print("\n" + done.stdout, file=sys.stderr)
 
     def test_a_third_party_hears_truth_and_estimates(self):
         scenario = self.scenario()
         watch = self.start("watch", "--transport", self.transport, "--engine", ENGINE, "--out", self.folder / "heard")
         time.sleep(0.5)
-        self.sixdeg("run", scenario, "--out", self.folder / "run", "--transport", self.transport)
+        # Nobody waits for a listener, so at the pace of time.
+        self.sixdeg("run", scenario, "--out", self.folder / "run", "--transport", self.transport, "--real-time")
         out, _ = watch.communicate(timeout=60)
         self.assertIn("truth lost 0, edges without an answer 0", out)
         self.assertEqual(self.csv_bytes("run"), self.csv_bytes("heard"))
@@ -114,7 +118,7 @@ class BusCases:
         ask("set", "torque.harmonics=6", "crank.stall=0.25")
         self.assertEqual(ask("diff").stdout, "crank.stall: 0.25, reference 0.5\ntorque.harmonics: 6, reference 4\n")
         refused = ask("set", "torque.harmonics=99", status=2)
-        self.assertIn("torque.harmonics: out of range; allowed is [1, 12]", refused.stderr)
+        self.assertIn("torque.harmonics: out of range; allowed is [0, 12]", refused.stderr)
         self.assertEqual(refused.stderr.count("\n"), 1)
         ask("set", "torque.nothing=1", status=2)
         ask("restore")
@@ -171,8 +175,18 @@ class BusCases:
                 cycles = self.valid_by_cycle(out)
                 lost = [c for c in cycles if not cycles[c] and 15 < c < max(cycles) - 2]
                 self.assertTrue(lost, "the gap must show")
-                # Silent for up to 0.4 s and 0.1 s of start: 0.5 s are 13 cycles; then it settles.
-                self.assertLess(max(lost) - min(lost), 14 + SETTLED_CYCLES)
+                self.assertLessEqual(max(lost) - self.cycle_of_return(out), SETTLED_CYCLES)
+
+    def cycle_of_return(self, out):
+        """In which cycle the new ecu spoke first: of an edge whose angle it did not know yet."""
+        cycle, before, known = 0, 0.0, False
+        for row in table(out / "teeth.csv"):
+            cycle += float(row["angle_deg"]) < before - 360
+            before = float(row["angle_deg"])
+            known |= row["health"] == "valid"
+            if known and row["class"] == "unsynced":
+                return cycle
+        self.fail("no new ecu")
 
     def valid_by_cycle(self, out):
         cycles = {}

@@ -21,7 +21,7 @@ using namespace sixdeg;
 
 namespace {
 
-std::unique_ptr<sd_can_codec_t> codec(sd_role_t role, std::uint8_t session = 7) {
+std::unique_ptr<sd_can_codec_t> codec(sd_role_t role, std::uint16_t session = 7) {
     auto made = std::make_unique<sd_can_codec_t>();
     made->role = role;
     made->session = session;
@@ -86,7 +86,7 @@ TEST(CanFrames, CarryEveryEventOfTheEcuInOrder) {
     std::vector<sd_event_t> events = row_of(77, SD_RATE_CYCLE);
     const auto edge = row_of(77, SD_RATE_EDGE);
     events.insert(events.end(), edge.begin(), edge.end());
-    events.push_back({78, SD_EVENT_DONE, 0, 3, 500});
+    events.push_back({78, SD_EVENT_DONE, 0, 3, 200});
     for (const sd_role_t to : {SD_ROLE_PLANT, SD_ROLE_TOOL}) expect_same(events, through_can(SD_ROLE_ECU, to, events));
     events = {{0, SD_EVENT_PARAMETER, 3, bits(0.25f), SD_PARAMETER_SET | SD_PARAMETER_RANGE << 8}};
     expect_same(events, through_can(SD_ROLE_ECU, SD_ROLE_TOOL, events));
@@ -253,6 +253,7 @@ struct Wheel {
             }
             if (k % 120 == 25) send({tick + 3, SD_EVENT_CAM_EDGE, 0, 0, 0});
             if (k % 10 != 9) continue;
+            send({tick + 500, SD_EVENT_SAMPLE, SD_INPUT_AIR_INTAKE_PRESSURE, bits(1.0f), 0});
             send({tick + 500, SD_EVENT_TIME, 0, 0, 0});
             for (const sd_frame_t &frame : fault(frames_of(*plant))) sd_can_decode(ecu_side.get(), &frame);
             sd_ecu_run(ecu.get(), &port);

@@ -102,7 +102,7 @@ def truth_messages():
 def can_messages(table):
     names = tuple(entry["name"].replace(".", "_") for entry in table["parameter"])
     order = [Field("sequence", "u16", "", text="Frames of teeth sent before, wraps."),
-             Field("session", "u8", "", text="Drawn when the sender starts.")]
+             Field("session", "u16", "", text="Drawn when the sender starts.")]
     teeth = order + [Field("count", "u8", "", (1, TEETH_A_FRAME), "Ticks that are meant."),
                      Field("cam", "u16", "", (0, 2**TEETH_A_FRAME - 1), "Bit i: tick i is a cam edge, else a crank edge.")]
     teeth += [Field(f"tick_{i}", "u32", "tick") for i in range(TEETH_A_FRAME)]
@@ -115,8 +115,8 @@ def can_messages(table):
            Message("time", 0xA1, "plant", "All events up to tick have been sent.",
                    [Field("tick", "u32", "tick")] + order, fd=False, cycle_ms=10),
            Message("done", 0xB8, "ecu", "All events up to tick are handled, and what they caused is said.",
-                   [Field("tick", "u32", "tick"), Field("ignored", "u16", text="Events ignored since the start, wraps."),
-                    Field("session", "u8", text="Drawn when the ecu starts."),
+                   [Field("tick", "u32", "tick"), Field("session", "u16", text="Drawn when the ecu starts."),
+                    Field("ignored", "u8", text="Events ignored since the start, wraps."),
                     Field("unsent", "u8", text="Signals without room since the start, wraps.")], fd=False, cycle_ms=10),
            Message("parameter_request", 0xC0, "tool", "Reads or sets a parameter.", request, fd=False),
            Message("parameter", 0xC1, "ecu", "Answer to a parameter_request.", answer, fd=False),

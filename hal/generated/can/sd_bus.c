@@ -170,66 +170,67 @@ int sd_bus_teeth_pack(
 
     dst_p[0] |= pack_left_shift_u16(src_p->sequence, 0u, 0xffu);
     dst_p[1] |= pack_right_shift_u16(src_p->sequence, 8u, 0xffu);
-    dst_p[2] |= pack_left_shift_u8(src_p->session, 0u, 0xffu);
-    dst_p[3] |= pack_left_shift_u8(src_p->count, 0u, 0xffu);
-    dst_p[4] |= pack_left_shift_u16(src_p->cam, 0u, 0xffu);
-    dst_p[5] |= pack_right_shift_u16(src_p->cam, 8u, 0xffu);
-    dst_p[6] |= pack_left_shift_u32(src_p->tick_0, 0u, 0xffu);
-    dst_p[7] |= pack_right_shift_u32(src_p->tick_0, 8u, 0xffu);
-    dst_p[8] |= pack_right_shift_u32(src_p->tick_0, 16u, 0xffu);
-    dst_p[9] |= pack_right_shift_u32(src_p->tick_0, 24u, 0xffu);
-    dst_p[10] |= pack_left_shift_u32(src_p->tick_1, 0u, 0xffu);
-    dst_p[11] |= pack_right_shift_u32(src_p->tick_1, 8u, 0xffu);
-    dst_p[12] |= pack_right_shift_u32(src_p->tick_1, 16u, 0xffu);
-    dst_p[13] |= pack_right_shift_u32(src_p->tick_1, 24u, 0xffu);
-    dst_p[14] |= pack_left_shift_u32(src_p->tick_2, 0u, 0xffu);
-    dst_p[15] |= pack_right_shift_u32(src_p->tick_2, 8u, 0xffu);
-    dst_p[16] |= pack_right_shift_u32(src_p->tick_2, 16u, 0xffu);
-    dst_p[17] |= pack_right_shift_u32(src_p->tick_2, 24u, 0xffu);
-    dst_p[18] |= pack_left_shift_u32(src_p->tick_3, 0u, 0xffu);
-    dst_p[19] |= pack_right_shift_u32(src_p->tick_3, 8u, 0xffu);
-    dst_p[20] |= pack_right_shift_u32(src_p->tick_3, 16u, 0xffu);
-    dst_p[21] |= pack_right_shift_u32(src_p->tick_3, 24u, 0xffu);
-    dst_p[22] |= pack_left_shift_u32(src_p->tick_4, 0u, 0xffu);
-    dst_p[23] |= pack_right_shift_u32(src_p->tick_4, 8u, 0xffu);
-    dst_p[24] |= pack_right_shift_u32(src_p->tick_4, 16u, 0xffu);
-    dst_p[25] |= pack_right_shift_u32(src_p->tick_4, 24u, 0xffu);
-    dst_p[26] |= pack_left_shift_u32(src_p->tick_5, 0u, 0xffu);
-    dst_p[27] |= pack_right_shift_u32(src_p->tick_5, 8u, 0xffu);
-    dst_p[28] |= pack_right_shift_u32(src_p->tick_5, 16u, 0xffu);
-    dst_p[29] |= pack_right_shift_u32(src_p->tick_5, 24u, 0xffu);
-    dst_p[30] |= pack_left_shift_u32(src_p->tick_6, 0u, 0xffu);
-    dst_p[31] |= pack_right_shift_u32(src_p->tick_6, 8u, 0xffu);
-    dst_p[32] |= pack_right_shift_u32(src_p->tick_6, 16u, 0xffu);
-    dst_p[33] |= pack_right_shift_u32(src_p->tick_6, 24u, 0xffu);
-    dst_p[34] |= pack_left_shift_u32(src_p->tick_7, 0u, 0xffu);
-    dst_p[35] |= pack_right_shift_u32(src_p->tick_7, 8u, 0xffu);
-    dst_p[36] |= pack_right_shift_u32(src_p->tick_7, 16u, 0xffu);
-    dst_p[37] |= pack_right_shift_u32(src_p->tick_7, 24u, 0xffu);
-    dst_p[38] |= pack_left_shift_u32(src_p->tick_8, 0u, 0xffu);
-    dst_p[39] |= pack_right_shift_u32(src_p->tick_8, 8u, 0xffu);
-    dst_p[40] |= pack_right_shift_u32(src_p->tick_8, 16u, 0xffu);
-    dst_p[41] |= pack_right_shift_u32(src_p->tick_8, 24u, 0xffu);
-    dst_p[42] |= pack_left_shift_u32(src_p->tick_9, 0u, 0xffu);
-    dst_p[43] |= pack_right_shift_u32(src_p->tick_9, 8u, 0xffu);
-    dst_p[44] |= pack_right_shift_u32(src_p->tick_9, 16u, 0xffu);
-    dst_p[45] |= pack_right_shift_u32(src_p->tick_9, 24u, 0xffu);
-    dst_p[46] |= pack_left_shift_u32(src_p->tick_10, 0u, 0xffu);
-    dst_p[47] |= pack_right_shift_u32(src_p->tick_10, 8u, 0xffu);
-    dst_p[48] |= pack_right_shift_u32(src_p->tick_10, 16u, 0xffu);
-    dst_p[49] |= pack_right_shift_u32(src_p->tick_10, 24u, 0xffu);
-    dst_p[50] |= pack_left_shift_u32(src_p->tick_11, 0u, 0xffu);
-    dst_p[51] |= pack_right_shift_u32(src_p->tick_11, 8u, 0xffu);
-    dst_p[52] |= pack_right_shift_u32(src_p->tick_11, 16u, 0xffu);
-    dst_p[53] |= pack_right_shift_u32(src_p->tick_11, 24u, 0xffu);
-    dst_p[54] |= pack_left_shift_u32(src_p->tick_12, 0u, 0xffu);
-    dst_p[55] |= pack_right_shift_u32(src_p->tick_12, 8u, 0xffu);
-    dst_p[56] |= pack_right_shift_u32(src_p->tick_12, 16u, 0xffu);
-    dst_p[57] |= pack_right_shift_u32(src_p->tick_12, 24u, 0xffu);
-    dst_p[58] |= pack_left_shift_u32(src_p->tick_13, 0u, 0xffu);
-    dst_p[59] |= pack_right_shift_u32(src_p->tick_13, 8u, 0xffu);
-    dst_p[60] |= pack_right_shift_u32(src_p->tick_13, 16u, 0xffu);
-    dst_p[61] |= pack_right_shift_u32(src_p->tick_13, 24u, 0xffu);
+    dst_p[2] |= pack_left_shift_u16(src_p->session, 0u, 0xffu);
+    dst_p[3] |= pack_right_shift_u16(src_p->session, 8u, 0xffu);
+    dst_p[4] |= pack_left_shift_u8(src_p->count, 0u, 0xffu);
+    dst_p[5] |= pack_left_shift_u16(src_p->cam, 0u, 0xffu);
+    dst_p[6] |= pack_right_shift_u16(src_p->cam, 8u, 0xffu);
+    dst_p[7] |= pack_left_shift_u32(src_p->tick_0, 0u, 0xffu);
+    dst_p[8] |= pack_right_shift_u32(src_p->tick_0, 8u, 0xffu);
+    dst_p[9] |= pack_right_shift_u32(src_p->tick_0, 16u, 0xffu);
+    dst_p[10] |= pack_right_shift_u32(src_p->tick_0, 24u, 0xffu);
+    dst_p[11] |= pack_left_shift_u32(src_p->tick_1, 0u, 0xffu);
+    dst_p[12] |= pack_right_shift_u32(src_p->tick_1, 8u, 0xffu);
+    dst_p[13] |= pack_right_shift_u32(src_p->tick_1, 16u, 0xffu);
+    dst_p[14] |= pack_right_shift_u32(src_p->tick_1, 24u, 0xffu);
+    dst_p[15] |= pack_left_shift_u32(src_p->tick_2, 0u, 0xffu);
+    dst_p[16] |= pack_right_shift_u32(src_p->tick_2, 8u, 0xffu);
+    dst_p[17] |= pack_right_shift_u32(src_p->tick_2, 16u, 0xffu);
+    dst_p[18] |= pack_right_shift_u32(src_p->tick_2, 24u, 0xffu);
+    dst_p[19] |= pack_left_shift_u32(src_p->tick_3, 0u, 0xffu);
+    dst_p[20] |= pack_right_shift_u32(src_p->tick_3, 8u, 0xffu);
+    dst_p[21] |= pack_right_shift_u32(src_p->tick_3, 16u, 0xffu);
+    dst_p[22] |= pack_right_shift_u32(src_p->tick_3, 24u, 0xffu);
+    dst_p[23] |= pack_left_shift_u32(src_p->tick_4, 0u, 0xffu);
+    dst_p[24] |= pack_right_shift_u32(src_p->tick_4, 8u, 0xffu);
+    dst_p[25] |= pack_right_shift_u32(src_p->tick_4, 16u, 0xffu);
+    dst_p[26] |= pack_right_shift_u32(src_p->tick_4, 24u, 0xffu);
+    dst_p[27] |= pack_left_shift_u32(src_p->tick_5, 0u, 0xffu);
+    dst_p[28] |= pack_right_shift_u32(src_p->tick_5, 8u, 0xffu);
+    dst_p[29] |= pack_right_shift_u32(src_p->tick_5, 16u, 0xffu);
+    dst_p[30] |= pack_right_shift_u32(src_p->tick_5, 24u, 0xffu);
+    dst_p[31] |= pack_left_shift_u32(src_p->tick_6, 0u, 0xffu);
+    dst_p[32] |= pack_right_shift_u32(src_p->tick_6, 8u, 0xffu);
+    dst_p[33] |= pack_right_shift_u32(src_p->tick_6, 16u, 0xffu);
+    dst_p[34] |= pack_right_shift_u32(src_p->tick_6, 24u, 0xffu);
+    dst_p[35] |= pack_left_shift_u32(src_p->tick_7, 0u, 0xffu);
+    dst_p[36] |= pack_right_shift_u32(src_p->tick_7, 8u, 0xffu);
+    dst_p[37] |= pack_right_shift_u32(src_p->tick_7, 16u, 0xffu);
+    dst_p[38] |= pack_right_shift_u32(src_p->tick_7, 24u, 0xffu);
+    dst_p[39] |= pack_left_shift_u32(src_p->tick_8, 0u, 0xffu);
+    dst_p[40] |= pack_right_shift_u32(src_p->tick_8, 8u, 0xffu);
+    dst_p[41] |= pack_right_shift_u32(src_p->tick_8, 16u, 0xffu);
+    dst_p[42] |= pack_right_shift_u32(src_p->tick_8, 24u, 0xffu);
+    dst_p[43] |= pack_left_shift_u32(src_p->tick_9, 0u, 0xffu);
+    dst_p[44] |= pack_right_shift_u32(src_p->tick_9, 8u, 0xffu);
+    dst_p[45] |= pack_right_shift_u32(src_p->tick_9, 16u, 0xffu);
+    dst_p[46] |= pack_right_shift_u32(src_p->tick_9, 24u, 0xffu);
+    dst_p[47] |= pack_left_shift_u32(src_p->tick_10, 0u, 0xffu);
+    dst_p[48] |= pack_right_shift_u32(src_p->tick_10, 8u, 0xffu);
+    dst_p[49] |= pack_right_shift_u32(src_p->tick_10, 16u, 0xffu);
+    dst_p[50] |= pack_right_shift_u32(src_p->tick_10, 24u, 0xffu);
+    dst_p[51] |= pack_left_shift_u32(src_p->tick_11, 0u, 0xffu);
+    dst_p[52] |= pack_right_shift_u32(src_p->tick_11, 8u, 0xffu);
+    dst_p[53] |= pack_right_shift_u32(src_p->tick_11, 16u, 0xffu);
+    dst_p[54] |= pack_right_shift_u32(src_p->tick_11, 24u, 0xffu);
+    dst_p[55] |= pack_left_shift_u32(src_p->tick_12, 0u, 0xffu);
+    dst_p[56] |= pack_right_shift_u32(src_p->tick_12, 8u, 0xffu);
+    dst_p[57] |= pack_right_shift_u32(src_p->tick_12, 16u, 0xffu);
+    dst_p[58] |= pack_right_shift_u32(src_p->tick_12, 24u, 0xffu);
+    dst_p[59] |= pack_left_shift_u32(src_p->tick_13, 0u, 0xffu);
+    dst_p[60] |= pack_right_shift_u32(src_p->tick_13, 8u, 0xffu);
+    dst_p[61] |= pack_right_shift_u32(src_p->tick_13, 16u, 0xffu);
+    dst_p[62] |= pack_right_shift_u32(src_p->tick_13, 24u, 0xffu);
 
     return (64);
 }
@@ -245,66 +246,67 @@ int sd_bus_teeth_unpack(
 
     dst_p->sequence = unpack_right_shift_u16(src_p[0], 0u, 0xffu);
     dst_p->sequence |= unpack_left_shift_u16(src_p[1], 8u, 0xffu);
-    dst_p->session = unpack_right_shift_u8(src_p[2], 0u, 0xffu);
-    dst_p->count = unpack_right_shift_u8(src_p[3], 0u, 0xffu);
-    dst_p->cam = unpack_right_shift_u16(src_p[4], 0u, 0xffu);
-    dst_p->cam |= unpack_left_shift_u16(src_p[5], 8u, 0xffu);
-    dst_p->tick_0 = unpack_right_shift_u32(src_p[6], 0u, 0xffu);
-    dst_p->tick_0 |= unpack_left_shift_u32(src_p[7], 8u, 0xffu);
-    dst_p->tick_0 |= unpack_left_shift_u32(src_p[8], 16u, 0xffu);
-    dst_p->tick_0 |= unpack_left_shift_u32(src_p[9], 24u, 0xffu);
-    dst_p->tick_1 = unpack_right_shift_u32(src_p[10], 0u, 0xffu);
-    dst_p->tick_1 |= unpack_left_shift_u32(src_p[11], 8u, 0xffu);
-    dst_p->tick_1 |= unpack_left_shift_u32(src_p[12], 16u, 0xffu);
-    dst_p->tick_1 |= unpack_left_shift_u32(src_p[13], 24u, 0xffu);
-    dst_p->tick_2 = unpack_right_shift_u32(src_p[14], 0u, 0xffu);
-    dst_p->tick_2 |= unpack_left_shift_u32(src_p[15], 8u, 0xffu);
-    dst_p->tick_2 |= unpack_left_shift_u32(src_p[16], 16u, 0xffu);
-    dst_p->tick_2 |= unpack_left_shift_u32(src_p[17], 24u, 0xffu);
-    dst_p->tick_3 = unpack_right_shift_u32(src_p[18], 0u, 0xffu);
-    dst_p->tick_3 |= unpack_left_shift_u32(src_p[19], 8u, 0xffu);
-    dst_p->tick_3 |= unpack_left_shift_u32(src_p[20], 16u, 0xffu);
-    dst_p->tick_3 |= unpack_left_shift_u32(src_p[21], 24u, 0xffu);
-    dst_p->tick_4 = unpack_right_shift_u32(src_p[22], 0u, 0xffu);
-    dst_p->tick_4 |= unpack_left_shift_u32(src_p[23], 8u, 0xffu);
-    dst_p->tick_4 |= unpack_left_shift_u32(src_p[24], 16u, 0xffu);
-    dst_p->tick_4 |= unpack_left_shift_u32(src_p[25], 24u, 0xffu);
-    dst_p->tick_5 = unpack_right_shift_u32(src_p[26], 0u, 0xffu);
-    dst_p->tick_5 |= unpack_left_shift_u32(src_p[27], 8u, 0xffu);
-    dst_p->tick_5 |= unpack_left_shift_u32(src_p[28], 16u, 0xffu);
-    dst_p->tick_5 |= unpack_left_shift_u32(src_p[29], 24u, 0xffu);
-    dst_p->tick_6 = unpack_right_shift_u32(src_p[30], 0u, 0xffu);
-    dst_p->tick_6 |= unpack_left_shift_u32(src_p[31], 8u, 0xffu);
-    dst_p->tick_6 |= unpack_left_shift_u32(src_p[32], 16u, 0xffu);
-    dst_p->tick_6 |= unpack_left_shift_u32(src_p[33], 24u, 0xffu);
-    dst_p->tick_7 = unpack_right_shift_u32(src_p[34], 0u, 0xffu);
-    dst_p->tick_7 |= unpack_left_shift_u32(src_p[35], 8u, 0xffu);
-    dst_p->tick_7 |= unpack_left_shift_u32(src_p[36], 16u, 0xffu);
-    dst_p->tick_7 |= unpack_left_shift_u32(src_p[37], 24u, 0xffu);
-    dst_p->tick_8 = unpack_right_shift_u32(src_p[38], 0u, 0xffu);
-    dst_p->tick_8 |= unpack_left_shift_u32(src_p[39], 8u, 0xffu);
-    dst_p->tick_8 |= unpack_left_shift_u32(src_p[40], 16u, 0xffu);
-    dst_p->tick_8 |= unpack_left_shift_u32(src_p[41], 24u, 0xffu);
-    dst_p->tick_9 = unpack_right_shift_u32(src_p[42], 0u, 0xffu);
-    dst_p->tick_9 |= unpack_left_shift_u32(src_p[43], 8u, 0xffu);
-    dst_p->tick_9 |= unpack_left_shift_u32(src_p[44], 16u, 0xffu);
-    dst_p->tick_9 |= unpack_left_shift_u32(src_p[45], 24u, 0xffu);
-    dst_p->tick_10 = unpack_right_shift_u32(src_p[46], 0u, 0xffu);
-    dst_p->tick_10 |= unpack_left_shift_u32(src_p[47], 8u, 0xffu);
-    dst_p->tick_10 |= unpack_left_shift_u32(src_p[48], 16u, 0xffu);
-    dst_p->tick_10 |= unpack_left_shift_u32(src_p[49], 24u, 0xffu);
-    dst_p->tick_11 = unpack_right_shift_u32(src_p[50], 0u, 0xffu);
-    dst_p->tick_11 |= unpack_left_shift_u32(src_p[51], 8u, 0xffu);
-    dst_p->tick_11 |= unpack_left_shift_u32(src_p[52], 16u, 0xffu);
-    dst_p->tick_11 |= unpack_left_shift_u32(src_p[53], 24u, 0xffu);
-    dst_p->tick_12 = unpack_right_shift_u32(src_p[54], 0u, 0xffu);
-    dst_p->tick_12 |= unpack_left_shift_u32(src_p[55], 8u, 0xffu);
-    dst_p->tick_12 |= unpack_left_shift_u32(src_p[56], 16u, 0xffu);
-    dst_p->tick_12 |= unpack_left_shift_u32(src_p[57], 24u, 0xffu);
-    dst_p->tick_13 = unpack_right_shift_u32(src_p[58], 0u, 0xffu);
-    dst_p->tick_13 |= unpack_left_shift_u32(src_p[59], 8u, 0xffu);
-    dst_p->tick_13 |= unpack_left_shift_u32(src_p[60], 16u, 0xffu);
-    dst_p->tick_13 |= unpack_left_shift_u32(src_p[61], 24u, 0xffu);
+    dst_p->session = unpack_right_shift_u16(src_p[2], 0u, 0xffu);
+    dst_p->session |= unpack_left_shift_u16(src_p[3], 8u, 0xffu);
+    dst_p->count = unpack_right_shift_u8(src_p[4], 0u, 0xffu);
+    dst_p->cam = unpack_right_shift_u16(src_p[5], 0u, 0xffu);
+    dst_p->cam |= unpack_left_shift_u16(src_p[6], 8u, 0xffu);
+    dst_p->tick_0 = unpack_right_shift_u32(src_p[7], 0u, 0xffu);
+    dst_p->tick_0 |= unpack_left_shift_u32(src_p[8], 8u, 0xffu);
+    dst_p->tick_0 |= unpack_left_shift_u32(src_p[9], 16u, 0xffu);
+    dst_p->tick_0 |= unpack_left_shift_u32(src_p[10], 24u, 0xffu);
+    dst_p->tick_1 = unpack_right_shift_u32(src_p[11], 0u, 0xffu);
+    dst_p->tick_1 |= unpack_left_shift_u32(src_p[12], 8u, 0xffu);
+    dst_p->tick_1 |= unpack_left_shift_u32(src_p[13], 16u, 0xffu);
+    dst_p->tick_1 |= unpack_left_shift_u32(src_p[14], 24u, 0xffu);
+    dst_p->tick_2 = unpack_right_shift_u32(src_p[15], 0u, 0xffu);
+    dst_p->tick_2 |= unpack_left_shift_u32(src_p[16], 8u, 0xffu);
+    dst_p->tick_2 |= unpack_left_shift_u32(src_p[17], 16u, 0xffu);
+    dst_p->tick_2 |= unpack_left_shift_u32(src_p[18], 24u, 0xffu);
+    dst_p->tick_3 = unpack_right_shift_u32(src_p[19], 0u, 0xffu);
+    dst_p->tick_3 |= unpack_left_shift_u32(src_p[20], 8u, 0xffu);
+    dst_p->tick_3 |= unpack_left_shift_u32(src_p[21], 16u, 0xffu);
+    dst_p->tick_3 |= unpack_left_shift_u32(src_p[22], 24u, 0xffu);
+    dst_p->tick_4 = unpack_right_shift_u32(src_p[23], 0u, 0xffu);
+    dst_p->tick_4 |= unpack_left_shift_u32(src_p[24], 8u, 0xffu);
+    dst_p->tick_4 |= unpack_left_shift_u32(src_p[25], 16u, 0xffu);
+    dst_p->tick_4 |= unpack_left_shift_u32(src_p[26], 24u, 0xffu);
+    dst_p->tick_5 = unpack_right_shift_u32(src_p[27], 0u, 0xffu);
+    dst_p->tick_5 |= unpack_left_shift_u32(src_p[28], 8u, 0xffu);
+    dst_p->tick_5 |= unpack_left_shift_u32(src_p[29], 16u, 0xffu);
+    dst_p->tick_5 |= unpack_left_shift_u32(src_p[30], 24u, 0xffu);
+    dst_p->tick_6 = unpack_right_shift_u32(src_p[31], 0u, 0xffu);
+    dst_p->tick_6 |= unpack_left_shift_u32(src_p[32], 8u, 0xffu);
+    dst_p->tick_6 |= unpack_left_shift_u32(src_p[33], 16u, 0xffu);
+    dst_p->tick_6 |= unpack_left_shift_u32(src_p[34], 24u, 0xffu);
+    dst_p->tick_7 = unpack_right_shift_u32(src_p[35], 0u, 0xffu);
+    dst_p->tick_7 |= unpack_left_shift_u32(src_p[36], 8u, 0xffu);
+    dst_p->tick_7 |= unpack_left_shift_u32(src_p[37], 16u, 0xffu);
+    dst_p->tick_7 |= unpack_left_shift_u32(src_p[38], 24u, 0xffu);
+    dst_p->tick_8 = unpack_right_shift_u32(src_p[39], 0u, 0xffu);
+    dst_p->tick_8 |= unpack_left_shift_u32(src_p[40], 8u, 0xffu);
+    dst_p->tick_8 |= unpack_left_shift_u32(src_p[41], 16u, 0xffu);
+    dst_p->tick_8 |= unpack_left_shift_u32(src_p[42], 24u, 0xffu);
+    dst_p->tick_9 = unpack_right_shift_u32(src_p[43], 0u, 0xffu);
+    dst_p->tick_9 |= unpack_left_shift_u32(src_p[44], 8u, 0xffu);
+    dst_p->tick_9 |= unpack_left_shift_u32(src_p[45], 16u, 0xffu);
+    dst_p->tick_9 |= unpack_left_shift_u32(src_p[46], 24u, 0xffu);
+    dst_p->tick_10 = unpack_right_shift_u32(src_p[47], 0u, 0xffu);
+    dst_p->tick_10 |= unpack_left_shift_u32(src_p[48], 8u, 0xffu);
+    dst_p->tick_10 |= unpack_left_shift_u32(src_p[49], 16u, 0xffu);
+    dst_p->tick_10 |= unpack_left_shift_u32(src_p[50], 24u, 0xffu);
+    dst_p->tick_11 = unpack_right_shift_u32(src_p[51], 0u, 0xffu);
+    dst_p->tick_11 |= unpack_left_shift_u32(src_p[52], 8u, 0xffu);
+    dst_p->tick_11 |= unpack_left_shift_u32(src_p[53], 16u, 0xffu);
+    dst_p->tick_11 |= unpack_left_shift_u32(src_p[54], 24u, 0xffu);
+    dst_p->tick_12 = unpack_right_shift_u32(src_p[55], 0u, 0xffu);
+    dst_p->tick_12 |= unpack_left_shift_u32(src_p[56], 8u, 0xffu);
+    dst_p->tick_12 |= unpack_left_shift_u32(src_p[57], 16u, 0xffu);
+    dst_p->tick_12 |= unpack_left_shift_u32(src_p[58], 24u, 0xffu);
+    dst_p->tick_13 = unpack_right_shift_u32(src_p[59], 0u, 0xffu);
+    dst_p->tick_13 |= unpack_left_shift_u32(src_p[60], 8u, 0xffu);
+    dst_p->tick_13 |= unpack_left_shift_u32(src_p[61], 16u, 0xffu);
+    dst_p->tick_13 |= unpack_left_shift_u32(src_p[62], 24u, 0xffu);
 
     return (0);
 }
@@ -340,17 +342,17 @@ bool sd_bus_teeth_sequence_is_in_phys_range(double value)
     return ((value >= 0.0) && (value <= 65535.0));
 }
 
-uint8_t sd_bus_teeth_session_encode(double value)
+uint16_t sd_bus_teeth_session_encode(double value)
 {
-    return (uint8_t)(cantools_unsigned_from_double(round(value)));
+    return (uint16_t)(cantools_unsigned_from_double(round(value)));
 }
 
-double sd_bus_teeth_session_decode(uint8_t value)
+double sd_bus_teeth_session_decode(uint16_t value)
 {
     return ((double)value);
 }
 
-bool sd_bus_teeth_session_is_in_range(uint8_t value)
+bool sd_bus_teeth_session_is_in_range(uint16_t value)
 {
     (void)value;
 
@@ -359,7 +361,7 @@ bool sd_bus_teeth_session_is_in_range(uint8_t value)
 
 bool sd_bus_teeth_session_is_in_phys_range(double value)
 {
-    return ((value >= 0.0) && (value <= 255.0));
+    return ((value >= 0.0) && (value <= 65535.0));
 }
 
 uint8_t sd_bus_teeth_count_encode(double value)
@@ -727,7 +729,8 @@ int sd_bus_time_pack(
     dst_p[3] |= pack_right_shift_u32(src_p->tick, 24u, 0xffu);
     dst_p[4] |= pack_left_shift_u16(src_p->sequence, 0u, 0xffu);
     dst_p[5] |= pack_right_shift_u16(src_p->sequence, 8u, 0xffu);
-    dst_p[6] |= pack_left_shift_u8(src_p->session, 0u, 0xffu);
+    dst_p[6] |= pack_left_shift_u16(src_p->session, 0u, 0xffu);
+    dst_p[7] |= pack_right_shift_u16(src_p->session, 8u, 0xffu);
 
     return (8);
 }
@@ -747,7 +750,8 @@ int sd_bus_time_unpack(
     dst_p->tick |= unpack_left_shift_u32(src_p[3], 24u, 0xffu);
     dst_p->sequence = unpack_right_shift_u16(src_p[4], 0u, 0xffu);
     dst_p->sequence |= unpack_left_shift_u16(src_p[5], 8u, 0xffu);
-    dst_p->session = unpack_right_shift_u8(src_p[6], 0u, 0xffu);
+    dst_p->session = unpack_right_shift_u16(src_p[6], 0u, 0xffu);
+    dst_p->session |= unpack_left_shift_u16(src_p[7], 8u, 0xffu);
 
     return (0);
 }
@@ -805,17 +809,17 @@ bool sd_bus_time_sequence_is_in_phys_range(double value)
     return ((value >= 0.0) && (value <= 65535.0));
 }
 
-uint8_t sd_bus_time_session_encode(double value)
+uint16_t sd_bus_time_session_encode(double value)
 {
-    return (uint8_t)(cantools_unsigned_from_double(round(value)));
+    return (uint16_t)(cantools_unsigned_from_double(round(value)));
 }
 
-double sd_bus_time_session_decode(uint8_t value)
+double sd_bus_time_session_decode(uint16_t value)
 {
     return ((double)value);
 }
 
-bool sd_bus_time_session_is_in_range(uint8_t value)
+bool sd_bus_time_session_is_in_range(uint16_t value)
 {
     (void)value;
 
@@ -824,7 +828,7 @@ bool sd_bus_time_session_is_in_range(uint8_t value)
 
 bool sd_bus_time_session_is_in_phys_range(double value)
 {
-    return ((value >= 0.0) && (value <= 255.0));
+    return ((value >= 0.0) && (value <= 65535.0));
 }
 
 int sd_bus_input_air_intake_pressure_pack(
@@ -2483,9 +2487,9 @@ int sd_bus_done_pack(
     dst_p[1] |= pack_right_shift_u32(src_p->tick, 8u, 0xffu);
     dst_p[2] |= pack_right_shift_u32(src_p->tick, 16u, 0xffu);
     dst_p[3] |= pack_right_shift_u32(src_p->tick, 24u, 0xffu);
-    dst_p[4] |= pack_left_shift_u16(src_p->ignored, 0u, 0xffu);
-    dst_p[5] |= pack_right_shift_u16(src_p->ignored, 8u, 0xffu);
-    dst_p[6] |= pack_left_shift_u8(src_p->session, 0u, 0xffu);
+    dst_p[4] |= pack_left_shift_u16(src_p->session, 0u, 0xffu);
+    dst_p[5] |= pack_right_shift_u16(src_p->session, 8u, 0xffu);
+    dst_p[6] |= pack_left_shift_u8(src_p->ignored, 0u, 0xffu);
     dst_p[7] |= pack_left_shift_u8(src_p->unsent, 0u, 0xffu);
 
     return (8);
@@ -2504,9 +2508,9 @@ int sd_bus_done_unpack(
     dst_p->tick |= unpack_left_shift_u32(src_p[1], 8u, 0xffu);
     dst_p->tick |= unpack_left_shift_u32(src_p[2], 16u, 0xffu);
     dst_p->tick |= unpack_left_shift_u32(src_p[3], 24u, 0xffu);
-    dst_p->ignored = unpack_right_shift_u16(src_p[4], 0u, 0xffu);
-    dst_p->ignored |= unpack_left_shift_u16(src_p[5], 8u, 0xffu);
-    dst_p->session = unpack_right_shift_u8(src_p[6], 0u, 0xffu);
+    dst_p->session = unpack_right_shift_u16(src_p[4], 0u, 0xffu);
+    dst_p->session |= unpack_left_shift_u16(src_p[5], 8u, 0xffu);
+    dst_p->ignored = unpack_right_shift_u8(src_p[6], 0u, 0xffu);
     dst_p->unsent = unpack_right_shift_u8(src_p[7], 0u, 0xffu);
 
     return (0);
@@ -2543,39 +2547,17 @@ bool sd_bus_done_tick_is_in_phys_range(double value)
     return ((value >= 0.0) && (value <= 4294967295.0));
 }
 
-uint16_t sd_bus_done_ignored_encode(double value)
+uint16_t sd_bus_done_session_encode(double value)
 {
     return (uint16_t)(cantools_unsigned_from_double(round(value)));
 }
 
-double sd_bus_done_ignored_decode(uint16_t value)
+double sd_bus_done_session_decode(uint16_t value)
 {
     return ((double)value);
 }
 
-bool sd_bus_done_ignored_is_in_range(uint16_t value)
-{
-    (void)value;
-
-    return (true);
-}
-
-bool sd_bus_done_ignored_is_in_phys_range(double value)
-{
-    return ((value >= 0.0) && (value <= 65535.0));
-}
-
-uint8_t sd_bus_done_session_encode(double value)
-{
-    return (uint8_t)(cantools_unsigned_from_double(round(value)));
-}
-
-double sd_bus_done_session_decode(uint8_t value)
-{
-    return ((double)value);
-}
-
-bool sd_bus_done_session_is_in_range(uint8_t value)
+bool sd_bus_done_session_is_in_range(uint16_t value)
 {
     (void)value;
 
@@ -2583,6 +2565,28 @@ bool sd_bus_done_session_is_in_range(uint8_t value)
 }
 
 bool sd_bus_done_session_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 65535.0));
+}
+
+uint8_t sd_bus_done_ignored_encode(double value)
+{
+    return (uint8_t)(cantools_unsigned_from_double(round(value)));
+}
+
+double sd_bus_done_ignored_decode(uint8_t value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_done_ignored_is_in_range(uint8_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool sd_bus_done_ignored_is_in_phys_range(double value)
 {
     return ((value >= 0.0) && (value <= 255.0));
 }

@@ -255,8 +255,8 @@ extern "C" {
 #define SD_BUS_CYCLE_2_CYCLE_CYLINDER_SD_7_NAME "cycle_cylinder_sd_7"
 #define SD_BUS_CYCLE_2_CYCLE_CYLINDER_SD_8_NAME "cycle_cylinder_sd_8"
 #define SD_BUS_DONE_TICK_NAME "tick"
-#define SD_BUS_DONE_IGNORED_NAME "ignored"
 #define SD_BUS_DONE_SESSION_NAME "session"
+#define SD_BUS_DONE_IGNORED_NAME "ignored"
 #define SD_BUS_DONE_UNSENT_NAME "unsent"
 #define SD_BUS_PARAMETER_REQUEST_COMMAND_NAME "command"
 #define SD_BUS_PARAMETER_REQUEST_INDEX_NAME "index"
@@ -303,11 +303,11 @@ struct sd_bus_teeth_t {
     /**
      * Drawn when the sender starts.
      *
-     * Range: 0..255 (0..255 -)
+     * Range: 0..65535 (0..65535 -)
      * Scale: 1
      * Offset: 0
      */
-    uint8_t session;
+    uint16_t session;
 
     /**
      * Ticks that are meant.
@@ -453,11 +453,11 @@ struct sd_bus_time_t {
     /**
      * Drawn when the sender starts.
      *
-     * Range: 0..255 (0..255 -)
+     * Range: 0..65535 (0..65535 -)
      * Scale: 1
      * Offset: 0
      */
-    uint8_t session;
+    uint16_t session;
 };
 
 /**
@@ -945,22 +945,22 @@ struct sd_bus_done_t {
     uint32_t tick;
 
     /**
-     * Events ignored since the start, wraps.
+     * Drawn when the ecu starts.
      *
      * Range: 0..65535 (0..65535 -)
      * Scale: 1
      * Offset: 0
      */
-    uint16_t ignored;
+    uint16_t session;
 
     /**
-     * Drawn when the ecu starts.
+     * Events ignored since the start, wraps.
      *
      * Range: 0..255 (0..255 -)
      * Scale: 1
      * Offset: 0
      */
-    uint8_t session;
+    uint8_t ignored;
 
     /**
      * Signals without room since the start, wraps.
@@ -1308,7 +1308,7 @@ bool sd_bus_teeth_sequence_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-uint8_t sd_bus_teeth_session_encode(double value);
+uint16_t sd_bus_teeth_session_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -1317,7 +1317,7 @@ uint8_t sd_bus_teeth_session_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_teeth_session_decode(uint8_t value);
+double sd_bus_teeth_session_decode(uint16_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -1326,7 +1326,7 @@ double sd_bus_teeth_session_decode(uint8_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_teeth_session_is_in_range(uint8_t value);
+bool sd_bus_teeth_session_is_in_range(uint16_t value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -2105,7 +2105,7 @@ bool sd_bus_time_sequence_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-uint8_t sd_bus_time_session_encode(double value);
+uint16_t sd_bus_time_session_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -2114,7 +2114,7 @@ uint8_t sd_bus_time_session_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_time_session_decode(uint8_t value);
+double sd_bus_time_session_decode(uint16_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -2123,7 +2123,7 @@ double sd_bus_time_session_decode(uint8_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_time_session_is_in_range(uint8_t value);
+bool sd_bus_time_session_is_in_range(uint16_t value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -4321,7 +4321,7 @@ bool sd_bus_done_tick_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-uint16_t sd_bus_done_ignored_encode(double value);
+uint16_t sd_bus_done_session_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -4330,7 +4330,7 @@ uint16_t sd_bus_done_ignored_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_done_ignored_decode(uint16_t value);
+double sd_bus_done_session_decode(uint16_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -4339,47 +4339,7 @@ double sd_bus_done_ignored_decode(uint16_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_done_ignored_is_in_range(uint16_t value);
-
-/**
- * Check that given physical value is in allowed range before encoding.
- *
- * Use this BEFORE calling _encode() to avoid silent integer overflow:
- *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
- *   is_in_phys_range(-1.0) correctly returns false.
- *
- * @param[in] value Physical signal value to check.
- *
- * @return true if in range, false otherwise.
- */
-bool sd_bus_done_ignored_is_in_phys_range(double value);
-
-/**
- * Encode given signal by applying scaling and offset.
- *
- * @param[in] value Signal to encode.
- *
- * @return Encoded signal.
- */
-uint8_t sd_bus_done_session_encode(double value);
-
-/**
- * Decode given signal by applying scaling and offset.
- *
- * @param[in] value Signal to decode.
- *
- * @return Decoded signal.
- */
-double sd_bus_done_session_decode(uint8_t value);
-
-/**
- * Check that given signal is in allowed range.
- *
- * @param[in] value Signal to check.
- *
- * @return true if in range, false otherwise.
- */
-bool sd_bus_done_session_is_in_range(uint8_t value);
+bool sd_bus_done_session_is_in_range(uint16_t value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -4393,6 +4353,46 @@ bool sd_bus_done_session_is_in_range(uint8_t value);
  * @return true if in range, false otherwise.
  */
 bool sd_bus_done_session_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint8_t sd_bus_done_ignored_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_done_ignored_decode(uint8_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_done_ignored_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_done_ignored_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.

@@ -3,123 +3,92 @@
 
 #include <string.h>
 
+#include "sd_page.h"
+
 #define MAGIC 0x31434453u /* "SDC1" */
 
-enum { HEADER_BYTES = 12, CHECKSUM_BYTES = 4 }; /* header: magic, size, table signature */
-
-/* One walk over the fields serves both ways, so that they cannot disagree. */
-typedef struct sd_walk {
-    uint8_t *bytes;
-    uint32_t at;
-    bool     writing;
-} sd_walk_t;
-
-static void walk_bits(sd_walk_t *walk, uint32_t *bits, uint32_t count) {
-    if (!walk->writing) { *bits = 0u; }
-    for (uint32_t i = 0; i < count; ++i) {
-        uint8_t *byte = &walk->bytes[walk->at++];
-        if (walk->writing) { *byte = (uint8_t)(*bits >> (8u * i)); } else { *bits |= (uint32_t)*byte << (8u * i); }
-    }
-}
-
-static void walk_u8(sd_walk_t *walk, uint8_t *value) {
-    uint32_t bits = *value;
-    walk_bits(walk, &bits, 1u);
-    *value = (uint8_t)bits;
-}
-
-static void walk_u16(sd_walk_t *walk, uint16_t *value) {
-    uint32_t bits = *value;
-    walk_bits(walk, &bits, 2u);
-    *value = (uint16_t)bits;
-}
-
-/* int32_t and float by their bits. */
-static void walk_32(sd_walk_t *walk, void *value) {
-    uint32_t bits;
-    memcpy(&bits, value, sizeof bits);
-    walk_bits(walk, &bits, 4u);
-    memcpy(value, &bits, sizeof bits);
-}
-
-static void walk_map(sd_walk_t *walk, sd_cylinder_map_t *map) {
-    walk_u8(walk, &map->cylinders);
-    walk_u8(walk, &map->harmonics);
-    walk_32(walk, &map->gain_energy);
-    walk_32(walk, &map->gain_mean);
-    walk_32(walk, &map->gain_reference);
+static void walk_map(sd_page_walk_t *walk, sd_cylinder_map_t *map) {
+    sd_page_u8(walk, &map->cylinders);
+    sd_page_u8(walk, &map->harmonics);
+    sd_page_32(walk, &map->gain_energy);
+    sd_page_32(walk, &map->gain_mean);
+    sd_page_32(walk, &map->gain_reference);
     for (uint32_t i = 0; i < SD_CYLINDERS_MAX; ++i) {
-        for (uint32_t j = 0; j <= 2u * SD_FOURIER_HARMONICS_MAX; ++j) { walk_32(walk, &map->map[i][j]); }
-        walk_32(walk, &map->offset_nm[i]);
-        walk_32(walk, &map->nm_per_bar[i]);
-        walk_32(walk, &map->sd_kgm2[i]);
+        for (uint32_t j = 0; j <= 2u * SD_FOURIER_HARMONICS_MAX; ++j) { sd_page_32(walk, &map->map[i][j]); }
+        sd_page_32(walk, &map->offset_nm[i]);
+        sd_page_32(walk, &map->nm_per_bar[i]);
+        sd_page_32(walk, &map->sd_kgm2[i]);
     }
 }
 
-static void walk_fields(sd_walk_t *walk, sd_calibration_t *c) {
-    walk_32(walk, &c->tick_hz);
-    walk_u8(walk, &c->positions);
-    walk_u8(walk, &c->missing_count);
-    for (uint32_t i = 0; i < SD_CRANK_MISSING_MAX; ++i) { walk_u8(walk, &c->missing[i]); }
-    walk_u8(walk, &c->has_cam);
-    walk_u16(walk, &c->cam_position);
-    walk_32(walk, &c->position_0_deg);
-    walk_u8(walk, &c->cylinders);
-    for (uint32_t i = 0; i < SD_CYLINDERS_MAX; ++i) { walk_u8(walk, &c->firing_order[i]); }
-    for (uint32_t i = 0; i < SD_CYLINDERS_MAX; ++i) { walk_u16(walk, &c->firing_position[i]); }
-    for (uint32_t i = 0; i < SD_FOURIER_POSITIONS_MAX; ++i) { walk_32(walk, &c->inertia_kgm2[i]); }
-    for (uint32_t i = 0; i < 2u * SD_FOURIER_POSITIONS_MAX; ++i) { walk_32(walk, &c->sine_q31[i]); }
+static void walk_floats(sd_page_walk_t *walk, float *values, uint32_t count) {
+    for (uint32_t i = 0; i < count; ++i) { sd_page_32(walk, &values[i]); }
+}
+
+static void walk_kalman(sd_page_walk_t *walk, sd_kalman_tables_t *t) {
+    sd_page_u8(walk, &t->positions);
+    if ((t->positions == 0u) || (t->positions > SD_KALMAN_POSITIONS_MAX)) { return; } /* none, or init will refuse it */
+    sd_page_u8(walk, &t->coefficients);
+    sd_page_u8(walk, &t->speeds);
+    sd_page_u8(walk, &t->firings);
+    for (uint32_t i = 0; i < SD_KALMAN_FIRINGS_MAX; ++i) { sd_page_u16(walk, &t->read_position[i]); }
+    sd_page_32(walk, &t->tick_hz);
+    sd_page_32(walk, &t->torque_base_nm);
+    sd_page_32(walk, &t->reject_rad);
+    sd_page_u16(walk, &t->settle_teeth);
+    sd_page_32(walk, &t->inertia_mean_kgm2);
+    walk_floats(walk, t->inertia_tooth_kgm2, t->positions);
+    walk_floats(walk, t->inertia_interval_kgm2, t->positions);
+    for (uint32_t i = 0; i < 3u; ++i) {
+        walk_floats(walk, t->known_per_bar[i], 2u * t->positions);
+        walk_floats(walk, t->known[i], 2u * t->positions);
+    }
+    walk_floats(walk, t->speed_radps, SD_KALMAN_SPEEDS_MAX);
+    walk_floats(walk, t->noise_rad, SD_KALMAN_SPEEDS_MAX);
+    walk_floats(walk, t->innovation, SD_KALMAN_SPEEDS_MAX);
+    walk_floats(walk, t->single_sd, SD_KALMAN_SPEEDS_MAX);
+    walk_floats(walk, t->mean_sd, SD_KALMAN_SPEEDS_MAX);
+    walk_floats(walk, t->pattern_sd, SD_KALMAN_SPEEDS_MAX);
+    const uint32_t used = sd_kalman_pool_used(t);
+    walk_floats(walk, t->pool, (used <= SD_KALMAN_POOL) ? used : 0u);
+}
+
+static void walk_fields(sd_page_walk_t *walk, sd_calibration_t *c) {
+    sd_page_32(walk, &c->tick_hz);
+    sd_page_u8(walk, &c->positions);
+    sd_page_u8(walk, &c->missing_count);
+    for (uint32_t i = 0; i < SD_CRANK_MISSING_MAX; ++i) { sd_page_u8(walk, &c->missing[i]); }
+    sd_page_u8(walk, &c->has_cam);
+    sd_page_u16(walk, &c->cam_position);
+    sd_page_32(walk, &c->position_0_deg);
+    sd_page_u8(walk, &c->cylinders);
+    for (uint32_t i = 0; i < SD_CYLINDERS_MAX; ++i) { sd_page_u8(walk, &c->firing_order[i]); }
+    for (uint32_t i = 0; i < SD_CYLINDERS_MAX; ++i) { sd_page_u16(walk, &c->firing_position[i]); }
+    for (uint32_t i = 0; i < SD_FOURIER_POSITIONS_MAX; ++i) { sd_page_32(walk, &c->inertia_kgm2[i]); }
+    for (uint32_t i = 0; i < 2u * SD_FOURIER_POSITIONS_MAX; ++i) { sd_page_32(walk, &c->sine_q31[i]); }
     walk_map(walk, &c->cylinder_map);
+    walk_kalman(walk, &c->kalman);
     float *parameter = (float *)&c->parameters;
-    for (uint32_t i = 0; i < SD_PARAMETER_COUNT; ++i) { walk_32(walk, &parameter[i]); }
+    for (uint32_t i = 0; i < SD_PARAMETER_COUNT; ++i) { sd_page_32(walk, &parameter[i]); }
 }
 
 _Static_assert(sizeof(sd_parameters_t) == SD_PARAMETER_COUNT * sizeof(float), "parameters are floats, without gaps");
 
-/* CRC-32 of IEEE 802.3, bit by bit: a page is read once. */
-static uint32_t checksum(const uint8_t *bytes, uint32_t size) {
-    uint32_t crc = 0xffffffffu;
-    for (uint32_t i = 0; i < size; ++i) {
-        crc ^= bytes[i];
-        for (uint32_t bit = 0; bit < 8u; ++bit) { crc = (crc >> 1) ^ ((crc & 1u) ? 0xedb88320u : 0u); }
-    }
-    return ~crc;
-}
-
-static void walk_header(sd_walk_t *walk, uint32_t header[3]) {
-    for (uint32_t i = 0; i < 3u; ++i) { walk_32(walk, &header[i]); }
-}
-
 uint32_t sd_calibration_encode(const sd_calibration_t *calibration, uint8_t *bytes) {
-    sd_calibration_t copy = *calibration;
-    sd_walk_t walk = { bytes, HEADER_BYTES, true };
-    walk_fields(&walk, &copy);
-    const uint32_t end = walk.at;
-    uint32_t header[3] = { MAGIC, end + CHECKSUM_BYTES, SD_SIGNALS_SIGNATURE };
-    walk.at = 0;
-    walk_header(&walk, header);
-    uint32_t crc = checksum(bytes, end);
-    walk.at = end;
-    walk_32(&walk, &crc);
-    return walk.at;
+    sd_page_walk_t walk = sd_page_write(bytes);
+    /* Writing changes no field: the walk takes them by pointer because reading does. */
+    walk_fields(&walk, (sd_calibration_t *)calibration);
+    return sd_page_seal(&walk, MAGIC);
 }
 
 sd_result_t sd_calibration_decode(sd_calibration_t *calibration, const uint8_t *bytes, uint32_t size) {
-    if ((size < HEADER_BYTES + CHECKSUM_BYTES) || (size > SD_CALIBRATION_BYTES_MAX)) { return SD_ERR_PAGE; }
-    uint8_t copy[SD_CALIBRATION_BYTES_MAX] = { 0 };
-    memcpy(copy, bytes, size);
-    sd_walk_t walk = { copy, 0, false };
-    uint32_t header[3], crc;
-    walk_header(&walk, header);
-    if ((header[0] != MAGIC) || (header[1] != size) || (header[2] != SD_SIGNALS_SIGNATURE)) { return SD_ERR_PAGE; }
-    sd_calibration_t fresh;
-    memset(&fresh, 0, sizeof fresh);
-    walk_fields(&walk, &fresh);
-    if (walk.at + CHECKSUM_BYTES != size) { return SD_ERR_PAGE; }
-    walk_32(&walk, &crc);
-    if (crc != checksum(bytes, size - CHECKSUM_BYTES)) { return SD_ERR_PAGE; }
-    *calibration = fresh;
-    return SD_OK;
+    sd_page_walk_t walk = sd_page_read(bytes, size);
+    if (!sd_page_sealed(&walk, MAGIC)) { return SD_ERR_PAGE; }
+    memset(calibration, 0, sizeof *calibration);
+    walk_fields(&walk, calibration);
+    if (sd_page_complete(&walk)) { return SD_OK; }
+    memset(calibration, 0, sizeof *calibration);
+    return SD_ERR_PAGE;
 }
 
 sd_crank_config_t sd_calibration_crank(const sd_calibration_t *calibration) {
@@ -147,4 +116,28 @@ sd_fourier_config_t sd_calibration_torque(const sd_calibration_t *calibration) {
                                   .torque_base_nm = p->torque_torque_base_nm,
                                   .inertia_kgm2 = calibration->inertia_kgm2,
                                   .sine_q31 = calibration->sine_q31 };
+}
+
+sd_misfire_config_t sd_calibration_misfire(const sd_calibration_t *calibration) {
+    const sd_parameters_t *p = &calibration->parameters;
+    const float cylinders = (float)calibration->cylinders;
+    sd_misfire_config_t config = { .cylinders = calibration->cylinders,
+                                   .work_per_fuel_jpmg = p->misfire_work_per_fuel_jpmg,
+                                   .cyclic = p->misfire_cyclic,
+                                   .z_false = p->misfire_z_false,
+                                   .z_missed = p->misfire_z_missed,
+                                   .definition = p->misfire_definition,
+                                   .partial = p->misfire_partial,
+                                   .fuel_min_mg = p->misfire_fuel_min_mg,
+                                   .torque_min_nm = p->misfire_torque_min_nm,
+                                   .speed_change = p->misfire_speed_change,
+                                   .start_firings = (uint16_t)(p->misfire_start_cycles * cylinders),
+                                   .hold_firings = (uint16_t)(p->misfire_hold_cycles * cylinders),
+                                   .continuous_firings = (uint16_t)p->misfire_continuous,
+                                   .emission_percent = p->misfire_emission_percent,
+                                   .catalyst_percent = p->misfire_catalyst_percent,
+                                   .emission_exceedances = (uint16_t)p->misfire_emission_windows,
+                                   .catalyst_exceedances = (uint16_t)p->misfire_catalyst_windows };
+    memcpy(config.firing_order, calibration->firing_order, sizeof config.firing_order);
+    return config;
 }

@@ -6,6 +6,8 @@
 #include "sd_crank.h"
 #include "sd_cylinders.h"
 #include "sd_fourier.h"
+#include "sd_kalman.h"
+#include "sd_misfire.h"
 #include "sd_signals.h"
 
 /// Decoded page. Angles are positions of the wheel over the cycle: 0 to 2 positions - 1.
@@ -22,19 +24,22 @@ typedef struct sd_calibration {
     float    inertia_kgm2[SD_FOURIER_POSITIONS_MAX]; ///< J half a pitch before each position.
     int32_t  sine_q31[2 * SD_FOURIER_POSITIONS_MAX]; ///< sin(pi k / positions) 2^31.
     sd_cylinder_map_t cylinder_map; ///< Of the gains in parameters as they came.
+    sd_kalman_tables_t kalman;      ///< Of the parameters firing.* as they came; positions 0: none.
     sd_parameters_t parameters;
 } sd_calibration_t;
 
-#define SD_CALIBRATION_BYTES_MAX 4096u
+#define SD_CALIBRATION_BYTES_MAX 61440u
 
 /// Writes the page to `bytes` (room for SD_CALIBRATION_BYTES_MAX); returns its size.
 uint32_t sd_calibration_encode(const sd_calibration_t *calibration, uint8_t *bytes);
 
-/// SD_OK, or SD_ERR_PAGE with *calibration untouched: wrong magic, size, signal table or checksum.
+/// SD_OK, or SD_ERR_PAGE with *calibration untouched: wrong magic, size, signal table or checksum; or all zero, which
+/// init refuses: a right checksum over something else than a page.
 sd_result_t sd_calibration_decode(sd_calibration_t *calibration, const uint8_t *bytes, uint32_t size);
 
 /// What the blocks are initialised with. The torque configuration points into *calibration.
 sd_crank_config_t   sd_calibration_crank(const sd_calibration_t *calibration);
 sd_fourier_config_t sd_calibration_torque(const sd_calibration_t *calibration);
+sd_misfire_config_t sd_calibration_misfire(const sd_calibration_t *calibration);
 
 #endif

@@ -3,6 +3,8 @@
 
 #include <string.h>
 
+#include "sd_ecu_parts.h"
+
 #define RPM_PER_RADPS 9.5492966f
 #define TINY 1e-30f
 #define RAD_PER_DEG 0.017453293f
@@ -50,23 +52,39 @@ static bool cylinders_ok(const sd_calibration_t *calibration) {
 }
 
 sd_result_t sd_ecu_init(sd_ecu_t *self, const sd_calibration_t *calibration) {
-    sd_ecu_t fresh;
-    memset(&fresh, 0, sizeof fresh);
-    fresh.calibration = *calibration;
-    fresh.reference = calibration->parameters;
-    const sd_crank_config_t crank = sd_calibration_crank(&fresh.calibration);
-    const sd_fourier_config_t torque = sd_calibration_torque(&fresh.calibration);
+    const sd_crank_config_t crank_config = sd_calibration_crank(calibration);
+    const sd_fourier_config_t torque_config = sd_calibration_torque(calibration);
+    sd_crank_t crank;
+    sd_torque_t torque;
+    sd_kalman_t filter;
+    sd_misfire_t misfire;
+    const sd_misfire_config_t misfire_config = sd_calibration_misfire(calibration);
     if (!cylinders_ok(calibration)) { return SD_ERR_CONFIG; }
-    if (sd_crank_init(&fresh.crank, &crank) != SD_OK) { return SD_ERR_CONFIG; }
-    const sd_result_t result = fixed_point(&fresh) ? sd_fourier_init_q31(&fresh.torque.q31, &torque)
-                                                   : sd_fourier_init_f32(&fresh.torque.f32, &torque);
-    if (result == SD_OK) { *self = fresh; }
-    return result;
+    if (sd_crank_init(&crank, &crank_config) != SD_OK) { return SD_ERR_CONFIG; }
+    const sd_result_t result = (calibration->parameters.torque_fixed_point > 0.5f)
+                                   ? sd_fourier_init_q31(&torque.q31, &torque_config)
+                                   : sd_fourier_init_f32(&torque.f32, &torque_config);
+    if (result != SD_OK) { return result; }
+    if (sd_misfire_init(&misfire, &misfire_config) != SD_OK) { return SD_ERR_CONFIG; }
+    const bool has_filter = calibration->kalman.positions != 0u;
+    if (has_filter && (calibration->kalman.positions != calibration->positions)) { return SD_ERR_CONFIG; }
+    if (has_filter && (sd_kalman_init(&filter, &calibration->kalman) != SD_OK)) { return SD_ERR_CONFIG; }
+    memset(self, 0, sizeof *self); /* from here on nothing fails; the struct is too large to be built aside */
+    self->calibration = *calibration;
+    self->reference = calibration->parameters;
+    self->crank = crank;
+    self->torque = torque;
+    self->misfire = misfire;
+    if (has_filter) {
+        self->filter = filter;
+        sd_pattern_init(&self->pattern, &self->calibration.kalman);
+    }
+    return SD_OK;
 }
 
 /* ---- signals --------------------------------------------------------------------------------------------------- */
 
-static void publish(sd_ecu_t *self, const sd_port_t *port, uint32_t tick, sd_rate_t rate) {
+void sd_ecu_publish(sd_ecu_t *self, const sd_port_t *port, uint32_t tick, sd_rate_t rate) {
     const float *value = (const float *)&self->signals;
     for (uint32_t channel = 0; channel < SD_SIGNAL_COUNT; ++channel) {
         const sd_signal_info_t *info = &sd_signal_infos[channel];
@@ -81,7 +99,7 @@ static void publish(sd_ecu_t *self, const sd_port_t *port, uint32_t tick, sd_rat
 
 _Static_assert(sizeof(sd_signals_t) == SD_SIGNAL_COUNT * sizeof(float), "signals are floats, without gaps");
 
-static void worst_of(sd_status_t *status, uint8_t health, uint8_t why) {
+void sd_ecu_worst_of(sd_status_t *status, uint8_t health, uint8_t why) {
     if (health > status->health) { status->health = health; }
     status->why |= why;
 }
@@ -100,7 +118,7 @@ static void read_cylinders(sd_ecu_t *self) {
     const sd_cylinder_map_t *map = &c->cylinder_map;
     const sd_fourier_config_t observer = sd_calibration_torque(c);
     if (!sd_cylinders_fit(map, &observer)) {
-        worst_of(&self->status[SD_OWNER_CYLINDER], SD_INVALID, SD_WHY_UNCALIBRATED);
+        sd_ecu_worst_of(&self->status[SD_OWNER_CYLINDER], SD_INVALID, SD_WHY_UNCALIBRATED);
         return;
     }
     const float speed = self->signals.cycle_speed_rpm / RPM_PER_RADPS;
@@ -108,7 +126,7 @@ static void read_cylinders(sd_ecu_t *self) {
     const float variance = spacing * spacing + timer * timer;
     const float tooth_error = variance * sd_rsqrt_f32(variance + TINY);
     const sd_sample_t *intake = &self->sample[SD_INPUT_AIR_INTAKE_PRESSURE];
-    if (intake->seen == 0u) { worst_of(&self->status[SD_OWNER_CYLINDER], SD_DEGRADED, SD_WHY_NO_INPUT); }
+    if (intake->seen == 0u) { sd_ecu_worst_of(&self->status[SD_OWNER_CYLINDER], SD_DEGRADED, SD_WHY_NO_INPUT); }
     const float intake_bar = (intake->seen != 0u) ? intake->value : 1.0f;
     const sd_fourier_estimate_t estimate = torque_estimate(self);
     for (uint32_t i = 0; i < map->cylinders; ++i) {
@@ -122,13 +140,13 @@ static void end_cycle(sd_ecu_t *self, const sd_port_t *port, uint32_t tick) {
     const sd_calibration_t *c = &self->calibration;
     sd_status_t *status = &self->status[SD_OWNER_CYLINDER];
     *status = self->status[SD_OWNER_TORQUE];
-    if (self->crank.phase_votes < 2u) { worst_of(status, SD_INVALID, SD_WHY_NO_PHASE); }
-    if (self->cycle_positions < 2u * c->positions) { worst_of(status, SD_INVALID, SD_WHY_NO_SYNC); }
-    if (self->cycle_clean == 0u) { worst_of(status, SD_DEGRADED, SD_WHY_FAULT); }
+    if (self->crank.phase_votes < 2u) { sd_ecu_worst_of(status, SD_INVALID, SD_WHY_NO_PHASE); }
+    if (self->cycle_positions < 2u * c->positions) { sd_ecu_worst_of(status, SD_INVALID, SD_WHY_NO_SYNC); }
+    if (self->cycle_clean == 0u) { sd_ecu_worst_of(status, SD_DEGRADED, SD_WHY_FAULT); }
     const float turns = (float)self->cycle_positions / (float)c->positions;
     self->signals.cycle_speed_rpm = (self->cycle_ticks > 0u) ? 60.0f * turns * c->tick_hz / (float)self->cycle_ticks : 0.0f;
     read_cylinders(self);
-    publish(self, port, tick, SD_RATE_CYCLE);
+    sd_ecu_publish(self, port, tick, SD_RATE_CYCLE);
 }
 
 static void add_to_cycle(sd_ecu_t *self, const sd_tooth_t *tooth) {
@@ -146,9 +164,11 @@ static void follow(sd_ecu_t *self, const sd_tooth_t *tooth) {
     const uint32_t off = (tooth->cycle_position + cycle - expected) % cycle;
     if ((self->following == 0u) || ((off != 0u) && (off != self->calibration.positions))) {
         torque_restart(self);
+        sd_ecu_firing_restart(self);
         begin_cycle(self);
     } else if (off != 0u) {
         torque_shift(self);
+        sd_ecu_firing_restart(self);
         begin_cycle(self);
     }
     self->following = 1;
@@ -164,15 +184,17 @@ static void on_tooth(sd_ecu_t *self, const sd_port_t *port, const sd_tooth_t *to
     self->cycle_position = tooth->cycle_position;
     sd_status_t *status = &self->status[SD_OWNER_TORQUE];
     *status = torque_estimate(self).status;
-    worst_of(status, tooth->health, tooth->why);
+    sd_ecu_worst_of(status, tooth->health, tooth->why);
     self->signals.torque_innovation_j = status->innovation;
     add_to_cycle(self, tooth);
+    sd_ecu_firing_tooth(self, port, tooth);
 }
 
 static void lose_angle(sd_ecu_t *self, uint8_t why) {
     self->following = 0;
     self->signals.torque_mass_nm = 0.0f;
-    worst_of(&self->status[SD_OWNER_TORQUE], SD_INVALID, why);
+    sd_ecu_worst_of(&self->status[SD_OWNER_TORQUE], SD_INVALID, why);
+    sd_ecu_worst_of(&self->status[SD_OWNER_FIRING], SD_INVALID, why);
 }
 
 static void on_crank_edge(sd_ecu_t *self, const sd_port_t *port, uint32_t tick) {
@@ -195,7 +217,7 @@ static void on_crank_edge(sd_ecu_t *self, const sd_port_t *port, uint32_t tick) 
     } else if (tooth.edge_class != SD_EDGE_SPURIOUS) {
         on_tooth(self, port, &tooth);
     }
-    publish(self, port, tick, SD_RATE_EDGE);
+    sd_ecu_publish(self, port, tick, SD_RATE_EDGE);
 }
 
 static void publish_lost_angle(sd_ecu_t *self, const sd_port_t *port, uint32_t tick, uint8_t why) {
@@ -205,7 +227,7 @@ static void publish_lost_angle(sd_ecu_t *self, const sd_port_t *port, uint32_t t
     self->signals.crank_phase_known = 0.0f;
     self->signals.crank_speed_rpm = 0.0f;
     self->signals.crank_acceleration_radps2 = 0.0f;
-    publish(self, port, tick, SD_RATE_EDGE);
+    sd_ecu_publish(self, port, tick, SD_RATE_EDGE);
 }
 
 static void on_sample(sd_ecu_t *self, const sd_event_t *event) {

@@ -2,6 +2,8 @@
 /// sd_ecu.h - the application core: takes events from a port, runs the blocks that are due, sends what they say.
 ///
 ///   crank edge -> crank decoder -> torque observer -> signals of rate "edge"; at the end of a cycle those of "cycle"
+///                               -> filter on tooth times -> misfire monitor -> with each firing read, signals of rate
+///                                  "firing"
 ///   cam edge   -> phase
 ///   time       -> stall detection, and the answer that all up to now is done
 ///   sample     -> kept as the latest reading of its sensor
@@ -14,6 +16,7 @@
 #define SD_ECU_H
 #include "hal.h"
 #include "sd_calibration.h"
+#include "sd_learned.h"
 
 /// Latest reading of a sampled sensor.
 typedef struct sd_sample {
@@ -22,14 +25,22 @@ typedef struct sd_sample {
     uint8_t  seen;  ///< 0: never read since init; value is 0 then.
 } sd_sample_t;
 
+typedef union sd_torque {
+    sd_fourier_f32_t f32;
+    sd_fourier_q31_t q31;
+} sd_torque_t;
+
 typedef struct sd_ecu {
     sd_calibration_t calibration; ///< Its parameters are the working page.
     sd_parameters_t  reference;   ///< The page as it came.
     sd_crank_t       crank;
-    union {
-        sd_fourier_f32_t f32;
-        sd_fourier_q31_t q31;
-    } torque;                     ///< Which one: torque.fixed_point.
+    sd_torque_t      torque;      ///< Which one: torque.fixed_point.
+    sd_kalman_t      filter;      ///< On tooth times; runs when the page has its tables.
+    sd_pattern_t     pattern;     ///< Of the wheel, learned in fuel cut.
+    sd_misfire_t     misfire;
+    float    fuel_mg[SD_CYLINDERS_MAX]; ///< Commanded at the last TDC of each firing; below 0: unknown.
+    uint16_t firing_doubt;        ///< Positions until no firing under way holds a tooth that was not trusted.
+    uint16_t motored;             ///< Positions since the fuel was cut, saturating.
     sd_sample_t  sample[SD_INPUT_COUNT]; ///< By sd_input_t.
     sd_signals_t signals;         ///< Present values.
     sd_status_t  status[SD_OWNER_COUNT]; ///< Health of each owner's signals.
@@ -45,6 +56,10 @@ typedef struct sd_ecu {
 
 /// SD_OK, or SD_ERR_CONFIG with the state untouched.
 sd_result_t sd_ecu_init(sd_ecu_t *self, const sd_calibration_t *calibration);
+
+/// Goes on with a tooth pattern kept from before. SD_OK, or SD_ERR_CONFIG with nothing changed: it is of another wheel, or
+/// the page has no filter.
+sd_result_t sd_ecu_resume(sd_ecu_t *self, const sd_pattern_sums_t *learned);
 
 /// Handles all events waiting at the port; returns how many.
 uint32_t sd_ecu_run(sd_ecu_t *self, const sd_port_t *port);

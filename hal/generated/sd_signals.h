@@ -7,7 +7,7 @@
 #include <stdint.h>
 
 /// Changes whenever the table does; calibration pages and logs carry it.
-#define SD_SIGNALS_SIGNATURE 0xde03c007u
+#define SD_SIGNALS_SIGNATURE 0x45f34f13u
 
 /// Channel of an SD_EVENT_SAMPLE.
 typedef enum sd_input {
@@ -31,8 +31,29 @@ typedef enum sd_signal {
     SD_SIGNAL_CYCLE_SPEED = 8, ///< Mean speed of the cycle just ended. [rpm]
     SD_SIGNAL_CYCLE_CYLINDER_TORQUE = 9, ///< Combustion torque of a cylinder over the 180 deg after its TDC, mean of the last cycles, by physical number; from the harmonics, the known pulse shape and the intake pressure. [Nm, 8 channels]
     SD_SIGNAL_CYCLE_CYLINDER_SD = 17, ///< Standard deviation of cycle.cylinder_torque from errors of the tooth times (torque.tooth_sd, timer); errors of the engine model are not in it. [Nm, 8 channels]
+    SD_SIGNAL_FIRING_WAVEFORM = 25, ///< Torque at the tooth from the filter on tooth times: combustion and motored torque less load. [Nm]
+    SD_SIGNAL_WHEEL_PATTERN_SD = 26, ///< Standard deviation of the learned error of a tooth; 0: nothing learned. [deg]
+    SD_SIGNAL_WHEEL_LEARNED_CYCLES = 27, ///< Motored cycles the tooth pattern was learned from. [-]
+    SD_SIGNAL_FIRING_CYLINDER = 28, ///< Physical cylinder of the firing read. [-]
+    SD_SIGNAL_FIRING_TORQUE = 29, ///< Its mean combustion torque over the 180 deg after its TDC. [Nm]
+    SD_SIGNAL_FIRING_SD = 30, ///< Standard deviation of firing.torque less the mean of all cylinders, from timing noise as met. [Nm]
+    SD_SIGNAL_FIRING_MEAN = 31, ///< Mean of the cylinder's last 10 firings. [Nm]
+    SD_SIGNAL_FIRING_MEAN_SD = 32, ///< Standard deviation of firing.mean less that of all cylinders: of the imbalance. [Nm]
+    SD_SIGNAL_MISFIRE_INDEX = 33, ///< Work of the firing over the work expected of its fuel: 1 healthy, 0 a misfire; 0 when not judged. [-]
+    SD_SIGNAL_MISFIRE_LIMIT = 34, ///< Index below which this firing counted as a misfire; 0 when not judged. [-]
+    SD_SIGNAL_MISFIRE_VERDICT = 35, ///< 0 healthy, 1 partial burn, 2 misfire, 3 not judged. [-]
+    SD_SIGNAL_MISFIRE_INHIBIT = 36, ///< Why not judged, bits: 1 start, 2 fuel cut or too little fuel, 4 gear shift, 8 no estimate, 16 fuel cut or shift ended a moment ago, 32 a faulty tooth or unknown fuel. [-]
+    SD_SIGNAL_MISFIRE_FIRING = 37, ///< Which firing of the firing order, from 0. [-]
+    SD_SIGNAL_MISFIRE_CYLINDER = 38, ///< Its physical cylinder. [-]
+    SD_SIGNAL_MISFIRE_RATE_200 = 39, ///< Misfires of the cylinder in the last complete window of 200 judged revolutions, of its firings. [%, 8 channels]
+    SD_SIGNAL_MISFIRE_RATE_1000 = 47, ///< The same in 1000. [%, 8 channels]
+    SD_SIGNAL_MISFIRE_CONTINUOUS = 55, ///< Bit n - 1: cylinder n misfires each time. [-]
+    SD_SIGNAL_MISFIRE_SUSPECTS = 56, ///< Bit n - 1: cylinder n had over a tenth of the misfires of the window that moved the lamp. [-]
+    SD_SIGNAL_MISFIRE_LAMP = 57, ///< Decision in the shape of OBD II, not verified against it: 0 off, 1 pending, 2 on, 3 blinking. [-]
+    SD_SIGNAL_MISFIRE_COUNT = 58, ///< Misfires since init. [-]
+    SD_SIGNAL_MISFIRE_PARTIAL_BURNS = 59, ///< Partial burns since init. [-]
 } sd_signal_t;
-#define SD_SIGNAL_COUNT 25u
+#define SD_SIGNAL_COUNT 60u
 
 /// Present values, in channel order.
 typedef struct sd_signals {
@@ -47,6 +68,27 @@ typedef struct sd_signals {
     float cycle_speed_rpm;
     float cycle_cylinder_torque_nm[8];
     float cycle_cylinder_sd_nm[8];
+    float firing_waveform_nm;
+    float wheel_pattern_sd_deg;
+    float wheel_learned_cycles;
+    float firing_cylinder;
+    float firing_torque_nm;
+    float firing_sd_nm;
+    float firing_mean_nm;
+    float firing_mean_sd_nm;
+    float misfire_index;
+    float misfire_limit;
+    float misfire_verdict;
+    float misfire_inhibit;
+    float misfire_firing;
+    float misfire_cylinder;
+    float misfire_rate_200_percent[8];
+    float misfire_rate_1000_percent[8];
+    float misfire_continuous;
+    float misfire_suspects;
+    float misfire_lamp;
+    float misfire_count;
+    float misfire_partial_burns;
 } sd_signals_t;
 
 /// Parameters of the working page; names, ranges and defaults in sd_parameter_infos.
@@ -62,11 +104,35 @@ typedef struct sd_parameters {
     float torque_speed_base_rpm; ///< Highest speed; base of the fixed-point variant.
     float torque_torque_base_nm; ///< Highest instantaneous torque, beyond which the observer starts anew; base of the fixed-point variant; 0: 40 bar times a cylinder's displacement.
     float torque_fixed_point; ///< 1 runs the q31 variant, 0 the float one.
+    float firing_enabled; ///< 1 runs the filter on tooth times beside the Fourier observer; it needs the engine file's heat release.
+    float firing_harmonics; ///< 0: the filter's basis is the known pulse of each cylinder. Otherwise harmonics of the cycle: a waveform, but no single firings.
+    float firing_edge_sd_deg; ///< Timing error of an edge that the gains are made for, the timer's rounding not included.
+    float firing_pattern_deg; ///< Standard deviation of a tooth's own error while it is not learned.
+    float firing_load_walk_nm; ///< Change of load and friction from tooth to tooth; 3 to 8 on a rough road.
+    float firing_change_nm; ///< Change of a cylinder's torque from one firing to the next.
+    float firing_reject_deg; ///< Lateness of a tooth beyond which it is left out, besides what torque.torque_base explains.
+    float firing_settle_cycles; ///< Cycles after a start during which firings are flagged as converging.
+    float misfire_work_per_fuel_jpmg; ///< Work of combustion that a healthy firing is expected to give; each cylinder learns its own within 0.6 to 1.5 of it.
+    float misfire_cyclic; ///< Largest usual cyclic variation: standard deviation of a healthy firing's work over its mean. Scatter beyond it counts as disturbance.
+    float misfire_z_false; ///< Wanted distance of a healthy firing from the limit, in standard deviations; 3.54 is 2 false alarms in 10,000.
+    float misfire_z_missed; ///< The same of a misfire; 2.58 is 5 of 1000 overlooked.
+    float misfire_definition; ///< Share of the expected work below which a firing is a misfire, where noise leaves the choice.
+    float misfire_partial; ///< Share below which it is a partial burn; not below definition.
+    float misfire_fuel_min_mg; ///< Commanded fuel a stroke below which nothing is judged.
+    float misfire_torque_min_nm; ///< Expected mean torque below which nothing is judged.
+    float misfire_speed_change; ///< Change of speed from one firing to the next, beyond what a missing firing does, that only a shift makes. A gentle shift is below it.
+    float misfire_start_cycles; ///< Not judged after a start, beyond the estimate's own settling.
+    float misfire_hold_cycles; ///< Not judged after fuel cut or a gear shift.
+    float misfire_continuous; ///< Misfires of a cylinder in a row that make it continuous.
+    float misfire_emission_percent; ///< Misfires in 1000 revolutions, of all firings, that count against emissions.
+    float misfire_catalyst_percent; ///< Misfires in 200 revolutions that harm the catalyst.
+    float misfire_emission_windows; ///< Windows of 1000 over the limit that light the lamp; one is enough in the first.
+    float misfire_catalyst_windows; ///< Windows of 200 over the limit that make it blink.
 } sd_parameters_t;
-#define SD_PARAMETER_COUNT 11u
+#define SD_PARAMETER_COUNT 35u
 
-typedef enum sd_rate { SD_RATE_EDGE, SD_RATE_CYCLE } sd_rate_t;
-typedef enum sd_owner { SD_OWNER_CRANK, SD_OWNER_TORQUE, SD_OWNER_CYLINDER, SD_OWNER_COUNT } sd_owner_t;
+typedef enum sd_rate { SD_RATE_EDGE, SD_RATE_CYCLE, SD_RATE_FIRING } sd_rate_t;
+typedef enum sd_owner { SD_OWNER_CRANK, SD_OWNER_TORQUE, SD_OWNER_CYLINDER, SD_OWNER_FIRING, SD_OWNER_MISFIRE, SD_OWNER_COUNT } sd_owner_t;
 
 /// One row of the table. `value` is the default of a parameter.
 typedef struct sd_signal_info {

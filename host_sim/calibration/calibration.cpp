@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <memory>
 
 #include "calibration/cylinder_map.hpp"
+#include "calibration/known_torque.hpp"
 #include "calibration/observer_map.hpp"
 #include "common/error.hpp"
 extern "C" {
@@ -35,8 +37,8 @@ void check_starts(const sd_calibration_t &calibration, const EngineFile &engine,
         throw InputError(engine.name, "wheel", fmt::format("the decoder takes runs of 1 to 3 missing teeth, at most {} of them at least 4 teeth "
                                                            "apart, and a stall time of 256 to 16777216 ticks", SD_CRANK_MARKS_MAX));
     }
-    sd_ecu_t ecu;
-    if (sd_ecu_init(&ecu, &calibration) != SD_OK) {
+    const auto ecu = std::make_unique<sd_ecu_t>();
+    if (sd_ecu_init(ecu.get(), &calibration) != SD_OK) {
         throw InputError(tune_name, "torque", "these parameters cannot start the observer: gain_reference must be below "
                                               "its limit, the wheel even, and a tooth at speed_base at least 16 ticks long");
     }
@@ -61,6 +63,20 @@ sd_cylinder_map_t page_map(const EngineFile &engine, const sd_calibration_t &c) 
         page.sd_kgm2[i] = float(found->sd_ratio(i) * mean_inertia);
     }
     return page;
+}
+
+/// The filter on tooth times, where the engine file tells enough for it.
+void page_filter(const EngineFile &engine, const std::string &tune_name, sd_calibration_t &c) {
+    const auto known = known_torque(engine, c.parameters);
+    if (!known || c.parameters.firing_enabled < 0.5f) return;
+    const KalmanTables made = kalman_tables(engine, *known, kalman_tune(c.parameters));
+    double radius = made.radius_between;
+    for (const PeriodicGains &gains : made.gains) radius = std::max(radius, gains.radius);
+    if (!(radius < 1)) {
+        throw InputError(tune_name, "firing.edge_sd, load_walk, change",
+                         fmt::format("the filter does not converge: its error changes by {:.4g} a cycle, allowed below 1", radius));
+    }
+    c.kalman = made.tables;
 }
 
 } // namespace
@@ -130,6 +146,7 @@ sd_calibration_t calibrate(const EngineFile &engine, const sd_parameters_t &tune
                          fmt::format("the observer does not converge: its error changes by {:.4g} a cycle, allowed below 1", radius));
     }
     c.cylinder_map = page_map(engine, c);
+    page_filter(engine, tune_name, c);
     return c;
 }
 

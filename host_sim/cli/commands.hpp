@@ -6,14 +6,15 @@
 namespace sixdeg {
 
 void add_bench(CLI::App &app);
+void add_bench_observers(CLI::App &app); ///< bench-observers: the benchmark of document 000
 void add_calibrate(CLI::App &app);
 void add_ecu(CLI::App &app);
 void add_parameter(CLI::App &app);
 void add_plant(CLI::App &app);
 void add_replay(CLI::App &app);
 void add_run(CLI::App &app);
-void add_watch(CLI::App &app);
 void add_sweep(CLI::App &app);
+void add_watch(CLI::App &app);
 void add_sensors(CLI::App &app); ///< sensors: which sensors observe which states
 
 } // namespace sixdeg

@@ -14,12 +14,13 @@ int main(int argc, char **argv) {
     sixdeg::add_replay(app);
     sixdeg::add_calibrate(app);
     sixdeg::add_bench(app);
+    sixdeg::add_bench_observers(app);
     sixdeg::add_run(app);
+    sixdeg::add_sweep(app);
     sixdeg::add_plant(app);
     sixdeg::add_ecu(app);
     sixdeg::add_watch(app);
     sixdeg::add_parameter(app);
-    sixdeg::add_sweep(app);
     sixdeg::add_sensors(app);
     try {
         app.parse(argc, argv);

@@ -95,6 +95,7 @@ std::vector<std::string> list_assumptions(const Inputs &inputs, bool engine_give
         list.push_back(fmt::format("torque is in proportion to the inertia, {:g} kg m2 in the engine file", engine.inertia_kgm2));
     }
     if (!engine.has_cam || !inputs.guess.cam) list.push_back("no cam edge: which revolution of the cycle comes first is arbitrary, cylinders are invalid");
+    else list.push_back("no intake pressure in the recording, 1 bar is taken: only differences between cylinders count");
     return list;
 }
 

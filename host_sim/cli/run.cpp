@@ -2,6 +2,8 @@
 // sixdeg run, sixdeg plant: a scenario's engine and the firmware, in one process or over a bus; summary.json, teeth.csv,
 // cycles.csv.
 #include "bus/bus_run.hpp"
+#include "run/firing_report.hpp"
+#include "run/misfire_report.hpp"
 
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
@@ -26,7 +28,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct Options {
-    std::string scenario, tune, number, out, json, record;
+    std::string scenario, tune, number, out, json, record, learned, learn;
     std::vector<std::string> set;
     std::optional<std::uint64_t> seed;
     std::string transport = "inproc";
@@ -39,6 +41,7 @@ struct Inputs {
     sd_parameters_t tune;
     std::string tune_name;
     sd_calibration_t calibration;
+    std::optional<sd_pattern_sums_t> learned;
     Json files;
 };
 
@@ -50,8 +53,17 @@ bool is_parameter(const std::string &assignment) {
         [&](const sd_signal_info_t &info) { return std::string(info.name).rfind(table + ".", 0) == 0; });
 }
 
+sd_pattern_sums_t read_learned(const std::string &path, Json &files) {
+    const std::string bytes = read_file(path);
+    sd_pattern_sums_t learned;
+    if (sd_learned_decode(&learned, reinterpret_cast<const std::uint8_t *>(bytes.data()), std::uint32_t(bytes.size())) != SD_OK)
+        throw InputError(path, "learned page", "it is damaged, or of another version of the signal table");
+    files[path] = sha256(bytes);
+    return learned;
+}
+
 Inputs read_inputs(const Options &options) {
-    Inputs inputs;
+    Inputs inputs{};
     std::vector<std::string> of_scenario = options.set;
     const auto first = std::stable_partition(of_scenario.begin(), of_scenario.end(),
                                              [](const auto &a) { return !is_parameter(a); });
@@ -71,7 +83,14 @@ Inputs read_inputs(const Options &options) {
     inputs.tune_name = tune.name();
     if (!options.tune.empty()) inputs.files[options.tune] = sha256(tune.content());
     inputs.calibration = calibrate(inputs.scenario.engine.shared, inputs.tune, tune.name());
+    if (!options.learned.empty()) inputs.learned = read_learned(options.learned, inputs.files);
     return inputs;
+}
+
+std::string learned_page(const sd_pattern_sums_t &learned) {
+    std::string bytes(SD_LEARNED_BYTES_MAX, '\0');
+    bytes.resize(sd_learned_encode(&learned, reinterpret_cast<std::uint8_t *>(bytes.data())));
+    return bytes;
 }
 
 /// What the event log says of itself. With the engine file other parameters can be tried on it.
@@ -107,6 +126,8 @@ Json summarise(const Options &options, const Inputs &inputs, const RunResult &re
     summary["misfires_true"] = result.misfires;
     summary["stalled"] = result.stalled;
     add_figures(summary, result, perturbed);
+    summary["misfire"] = misfire_json(result.misfire);
+    summary["firing"] = firing_json(result, firing_bounds(inputs.scenario, inputs.tune, result));
     summary["number"] = inputs.calibration.parameters.torque_fixed_point > 0.5f ? "q31" : "f32";
     summary["seed"] = inputs.scenario.seed;
     summary["set"] = options.set;
@@ -132,6 +153,8 @@ void print_figures(const Inputs &inputs, const RunResult &result, const std::opt
     row("cylinder cycles", fmt::format("{} ({} misfires)", result.true_cycles, result.misfires));
     if (result.stalled) row("the engine", "stalled");
     print_accuracy(result, perturbed);
+    print_misfire(result.misfire);
+    print_firing(result, firing_bounds(inputs.scenario, inputs.tune, result));
 }
 
 /// The same run with a calibration that is wrong, drawn from the scenario's seed.
@@ -139,7 +162,7 @@ PerturbedRun run_perturbed(const Inputs &inputs) {
     const EngineFile &engine = inputs.scenario.engine.shared;
     const Perturbation drawn = draw_perturbation(engine, inputs.scenario.seed);
     const sd_calibration_t page = calibrate(perturbed(engine, drawn), inputs.tune, inputs.tune_name);
-    return {drawn, run_on_bench(inputs.scenario, page, nullptr)};
+    return {drawn, run_on_bench(inputs.scenario, page, nullptr, inputs.learned ? &*inputs.learned : nullptr)};
 }
 
 void run(const Options &options) {
@@ -153,12 +176,16 @@ void run(const Options &options) {
     stop_on_signals();
     const bool in_process = options.transport == "inproc";
     if (in_process && options.real_time) throw InputError("--real-time", "", "is for a bus; give --transport");
+    if (!in_process && !(options.learn + options.learned).empty())
+        throw InputError("--learn, --learned", "", "the tooth pattern stays in the ecu over a bus; leave them out");
     const BusChoice bus{options.transport, options.real_time ? Pace::real_time : Pace::lock_step, options.start_ecu};
     BusFigures figures;
     RunTables *const rows = tables ? &*tables : nullptr;
     const auto start = std::chrono::steady_clock::now();
-    const RunResult result = in_process ? run_on_bench(inputs.scenario, inputs.calibration, rows, listener)
-                                        : run_on_bus(bus, inputs.scenario, inputs.calibration, rows, listener, figures);
+    const sd_pattern_sums_t *const learned = inputs.learned ? &*inputs.learned : nullptr;
+    const RunResult result = in_process
+                                 ? run_on_bench(inputs.scenario, inputs.calibration, rows, learned, listener)
+                                 : run_on_bus(bus, inputs.scenario, inputs.calibration, rows, listener, figures);
     const std::chrono::duration<double> since_start = std::chrono::steady_clock::now() - start;
     const double realtime_factor = result.simulated_s / (in_process ? since_start.count() : figures.took_s);
     std::optional<PerturbedRun> perturbed;
@@ -176,6 +203,7 @@ void run(const Options &options) {
         out.commit();
     }
     if (!options.json.empty()) write_file(options.json, summary);
+    if (!options.learn.empty()) write_file(options.learn, learned_page(result.learned));
     print_figures(inputs, result, perturbed, realtime_factor);
     if (!in_process) print_bus(figures, result.unanswered);
     end_by_signal();
@@ -192,6 +220,8 @@ void add_options(CLI::App *command, const std::shared_ptr<Options> &options) {
         ->check(CLI::Range(std::uint64_t(0), std::uint64_t(1) << 52));
     command->add_option("--out", options->out, "folder for summary.json, teeth.csv and cycles.csv");
     command->add_option("--json", options->json, "the summary alone");
+    command->add_option("--learned", options->learned, "tooth pattern learned before; not over a bus");
+    command->add_option("--learn", options->learn, "where the tooth pattern goes at the end of the run; not over a bus");
     command->add_flag("--nominal", options->nominal, "skip the second run, whose calibration is wrong on purpose; over a bus there is none");
     command->add_option("--record", options->record, "event log of all that goes in and out (docs/log.md)");
     command->add_flag("--real-time", options->real_time, "at the pace of the clock; without it plant and ecu wait for each other");

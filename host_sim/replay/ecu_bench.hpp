@@ -32,6 +32,9 @@ class EcuBench : public EcuFeed {
     const sd_signals_t &signals() const { return said_.signals(); }
     std::uint8_t health(sd_owner_t owner) const { return said_.health(owner); }
     const sd_crank_t &crank() const { return ecu_.crank; }
+    /// Tooth pattern as learned so far, and learning that goes on from one kept. False: it is of another wheel.
+    const sd_pattern_t &pattern() const { return ecu_.pattern; }
+    bool resume(const sd_pattern_sums_t &learned) { return sd_ecu_resume(&ecu_, &learned) == SD_OK; }
 
   private:
     sd_inproc_t port_{};

@@ -27,12 +27,14 @@ class EcuSaid {
     const sd_signals_t &signals() const { return signals_; }
     std::uint8_t health(sd_owner_t owner) const { return health_[owner]; }
     std::size_t sync_losses() const { return sync_losses_; }
+    /// Firings said so far; signals() holds the last one.
+    std::size_t firings() const { return firings_; }
 
   private:
     sd_signals_t signals_{};
     std::uint8_t health_[SD_OWNER_COUNT] = {};
     bool synced_ = false;
-    std::size_t sync_losses_ = 0;
+    std::size_t sync_losses_ = 0, firings_ = 0;
 };
 
 /// Where events go.

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <memory>
 
+#include "common/error.hpp"
 #include "common/stop.hpp"
 #include "engine/units.hpp"
 #include "scenario/plant.hpp"
@@ -19,7 +20,9 @@ class Run {
         : scenario_(scenario), calibration_(calibration), plant_(scenario, scenario.seed), ecu_(ecu), tables_(tables),
           truth_(truth),
           score_(int(calibration.parameters.torque_harmonics), plant_.model().tables().steps, kScoredCycles),
-          cylinder_score_(scenario.engine.shared.cylinders(), kScoredCycles) {
+          waveform_(kWaveformHarmonics, plant_.model().tables().steps, kScoredCycles),
+          cylinder_score_(scenario.engine.shared.cylinders(), kScoredCycles), firing_(scenario.engine.shared),
+          misfire_(scenario.engine.shared) {
         plant_.record_steps(&steps_);
         ecu_.record_answers(&heard_);
     }
@@ -33,11 +36,14 @@ class Run {
         answers_.take_rest(said_);
         ecu_.record_answers(nullptr);
         result_.stalled = plant_.stalled();
+        result_.misfire = misfire_.result();
         result_.sync_losses = said_.sync_losses();
         result_.unanswered = answers_.missing();
         if (scenario_.speed_mode == SpeedMode::prescribed) return result_;
         result_.torque = score_.result();
+        result_.waveform = waveform_.result();
         result_.cylinders = cylinder_score_.result();
+        result_.firing = firing_.result();
         return result_;
     }
 
@@ -62,7 +68,7 @@ class Run {
         result_.simulated_s = edge.time_s;
         const bool crank = edge.kind == EdgeKind::crank;
         ecu_.send({edge.tick, std::uint16_t(crank ? SD_EVENT_CRANK_EDGE : SD_EVENT_CAM_EDGE), 0, 0, 0});
-        for (const StepTruth &step : steps_) score_.step(step);
+        for (const StepTruth &step : steps_) score_.step(step), waveform_.step(step);
         steps_.clear();
         if (!crank) return;
         sent_.push_back({edge, unwrapped_deg(edge)});
@@ -95,6 +101,7 @@ class Run {
         const double off_deg = std::remainder(double(s.crank_angle_deg) - edge.angle_deg, 720.0);
         if (sure && int(s.crank_tooth) == edge.tooth && s.crank_phase_known > 0 && std::abs(off_deg) > kWrongRevolutionDeg)
             ++result_.wrong_revolutions;
+        take_firing(sent.crank_deg);
         if (cycle_ended) cylinder_score_.estimate(s, said_.health(SD_OWNER_CYLINDER));
         if (tables_) tables_->tooth(edge, said_);
         if (tables_ && cycle_ended)
@@ -102,6 +109,18 @@ class Run {
         if (s.crank_edge_class == SD_EDGE_SPURIOUS) return; // left out, so the estimate did not move
         const bool settled = is_placed(s) && said_.health(SD_OWNER_TORQUE) == SD_VALID && !edge.backward;
         score_.edge(sent.crank_deg, edge.net_torque_nm, double(s.torque_mass_nm), settled);
+        const bool followed = is_placed(s) && said_.health(SD_OWNER_FIRING) == SD_VALID && !edge.backward;
+        waveform_.edge(sent.crank_deg, edge.net_torque_nm, double(s.firing_waveform_nm), followed);
+    }
+
+    void take_firing(double crank_deg) {
+        if (said_.firings() == firings_) return;
+        firings_ = said_.firings();
+        const sd_signals_t &s = said_.signals();
+        firing_.said(crank_deg, int(s.firing_cylinder), double(s.firing_torque_nm), double(s.firing_sd_nm),
+                     double(s.firing_mean_nm), double(s.firing_mean_sd_nm), said_.health(SD_OWNER_FIRING) == SD_VALID);
+        misfire_.said(crank_deg, int(s.firing_cylinder), int(s.misfire_verdict), double(s.misfire_index));
+        if (tables_) tables_->firing_judged(crank_deg, int(s.firing_cylinder), int(s.misfire_verdict), double(s.misfire_index));
     }
 
     void take_cycles() {
@@ -109,6 +128,8 @@ class Run {
         while (plant_.next_cycle(cycle)) {
             ++result_.true_cycles;
             result_.misfires += cycle.misfire;
+            firing_.truth(cycle);
+            misfire_.truth(cycle);
             cylinder_score_.truth(cycle);
             if (tables_) tables_->true_cycle(cycle);
             if (truth_) truth_->cycle(cycle);
@@ -121,8 +142,11 @@ class Run {
     EcuFeed &ecu_;
     RunTables *tables_;
     TruthSink *truth_;
-    TorqueScore score_;
+    TorqueScore score_, waveform_;
     CylinderScore cylinder_score_;
+    FiringScore firing_;
+    MisfireScore misfire_;
+    std::size_t firings_ = 0;
     std::vector<Sent> sent_;
     std::vector<sd_event_t> heard_;
     Answers answers_;
@@ -140,10 +164,15 @@ RunResult run_scenario(const Scenario &scenario, const sd_calibration_t &calibra
 }
 
 RunResult run_on_bench(const Scenario &scenario, const sd_calibration_t &calibration, RunTables *tables,
-                       const EventListener &listener) {
+                       const sd_pattern_sums_t *learned, const EventListener &listener) {
     const auto bench = std::make_unique<EcuBench>(calibration);
     if (listener) bench->listen(listener);
-    return run_scenario(scenario, calibration, *bench, tables);
+    if (learned && !bench->resume(*learned))
+        throw InputError("learned page", "pattern", "it is of another wheel, or the engine file has no heat release");
+    RunResult result = run_scenario(scenario, calibration, *bench, tables);
+    result.learned = bench->pattern().sums;
+    result.pattern_sd_deg = double(bench->pattern().sd_rad) * kDegPerRad;
+    return result;
 }
 
 } // namespace sixdeg

@@ -7,6 +7,8 @@
 
 #include "replay/ecu_bench.hpp"
 #include "run/cylinder_score.hpp"
+#include "run/firing_score.hpp"
+#include "run/misfire_score.hpp"
 #include "run/run_tables.hpp"
 #include "run/torque_score.hpp"
 #include "scenario/scenario.hpp"
@@ -15,6 +17,7 @@ namespace sixdeg {
 
 constexpr double kWrongRevolutionDeg = 180; ///< Off by more, a right tooth is in the wrong revolution.
 constexpr std::size_t kScoredCycles = 20; ///< The last settled ones go into the figures.
+constexpr int kWaveformHarmonics = 24;    ///< What the filter's waveform is compared on, for its shift.
 
 struct RunResult {
     double simulated_s = 0;            ///< To the last edge.
@@ -29,6 +32,11 @@ struct RunResult {
     std::size_t unanswered = 0;          ///< Crank edges of which the ecu said nothing; over a bus only.
     std::optional<TorqueFigures> torque; ///< None when the speed is prescribed: torques act on nothing then.
     std::optional<CylinderFigures> cylinders; ///< The same.
+    std::optional<TorqueFigures> waveform; ///< As torque, of the filter on tooth times, on kWaveformHarmonics.
+    std::optional<FiringFigures> firing;
+    MisfireFigures misfire;
+    sd_pattern_sums_t learned{};         ///< Tooth pattern at the end of the run,
+    double pattern_sd_deg = 0;           ///< and its standard deviation; 0: nothing learned.
 };
 
 /// Whoever gets the plant's truth as it happens; the ecu does not.
@@ -46,8 +54,9 @@ RunResult run_scenario(const Scenario &scenario, const sd_calibration_t &calibra
 
 /// Runs the scenario to its end. `calibration` comes from calibrate() and need not be of the scenario's
 /// engine. `tables` (nullptr: nothing is kept per tooth) takes the rows, `listener` (may be empty) every event in and
-/// out. A signal that wants the program to stop ends the run early. Throws InputError.
+/// out. `learned` (nullptr: none) is a tooth pattern from before. A signal that wants the program to stop ends the run
+/// early. Throws InputError.
 RunResult run_on_bench(const Scenario &scenario, const sd_calibration_t &calibration, RunTables *tables,
-                       const EventListener &listener = {});
+                       const sd_pattern_sums_t *learned = nullptr, const EventListener &listener = {});
 
 } // namespace sixdeg

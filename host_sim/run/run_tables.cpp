@@ -43,7 +43,8 @@ void RunTables::firmware_cycle_ended(std::int64_t number, const EcuSaid &ecu) {
 }
 
 std::string RunTables::cycles_csv() const {
-    std::string text = "cycle,cylinder,torque_true_nm,torque_nm,sd_nm,imep_true_bar,misfire_true,rpm,health\n";
+    std::string text =
+        "cycle,cylinder,torque_true_nm,torque_nm,sd_nm,imep_true_bar,misfire_true,misfire_index,misfire_verdict,rpm,health\n";
     const auto out = std::back_inserter(text);
     for (const CycleTruth &truth : truths_) {
         const auto &order = engine_.firing_order;
@@ -56,6 +57,10 @@ std::string RunTables::cycles_csv() const {
         text += ',';
         if (told) fmt::format_to(out, "{:.4f}", said->second.signals.cycle_cylinder_sd_nm[truth.cylinder - 1]);
         fmt::format_to(out, ",{:.4f},{},", truth.imep_pa / kPaPerBar, int(truth.misfire));
+        if (const auto *verdict = verdicts_.verdict(truth.cycle, truth.cylinder))
+            fmt::format_to(out, "{:.4f},{},", verdict->second, verdict->first);
+        else
+            text += ",,";
         if (heard) fmt::format_to(out, "{:.3f}", said->second.signals.cycle_speed_rpm);
         fmt::format_to(out, ",{}\n", health_name(heard ? said->second.health : std::uint8_t(SD_INVALID)));
     }

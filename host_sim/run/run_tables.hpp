@@ -9,6 +9,7 @@
 #include "common/engine_file.hpp"
 #include "engine/engine_model.hpp"
 #include "replay/ecu_feed.hpp"
+#include "run/misfire_score.hpp"
 #include "sensors/pickup.hpp"
 
 namespace sixdeg {
@@ -23,12 +24,16 @@ std::int64_t ended_cycle(const EngineFile &engine, double crank_deg);
 
 class RunTables {
   public:
-    explicit RunTables(const EngineFile &engine) : engine_(engine) {}
+    explicit RunTables(const EngineFile &engine) : engine_(engine), verdicts_(engine) {}
 
     /// A crank edge, and what the firmware said of it.
     void tooth(const EncoderEdge &truth, const EcuSaid &ecu);
     /// The firmware ended its cycle `number`.
     void firmware_cycle_ended(std::int64_t number, const EcuSaid &ecu);
+    /// The firmware judged a firing (misfire_score.hpp).
+    void firing_judged(double crank_deg, int cylinder, int verdict, double index) {
+        verdicts_.said(crank_deg, cylinder, verdict, index);
+    }
     void true_cycle(const CycleTruth &truth) { truths_.push_back(truth); }
 
     const std::string &teeth_csv() const { return teeth_; }
@@ -40,6 +45,7 @@ class RunTables {
         std::uint8_t health;
     };
     EngineFile engine_;
+    MisfireScore verdicts_;
     std::string teeth_ =
         "t_s,angle_deg,rpm_true,rpm,torque_true_nm,torque_nm,class,tooth,tooth_true,health,torque_health\n";
     std::vector<CycleTruth> truths_;

@@ -104,8 +104,7 @@ class BusCases:
         scenario = self.scenario()
         watch = self.start("watch", "--transport", self.transport, "--engine", ENGINE, "--out", self.folder / "heard")
         time.sleep(0.5)
-        # Nobody waits for a listener, so at the pace of time.
-        self.sixdeg("run", scenario, "--out", self.folder / "run", "--transport", self.transport, "--real-time")
+        self.sixdeg("run", scenario, "--out", self.folder / "run", "--transport", self.transport)
         out, _ = watch.communicate(timeout=60)
         self.assertIn("truth lost 0, edges without an answer 0", out)
         self.assertEqual(self.csv_bytes("run"), self.csv_bytes("heard"))
@@ -132,11 +131,18 @@ class BusCases:
         self.sixdeg("plant", self.scenario("cycles = 3"), "--transport", self.transport)
         self.assertIsNone(first.poll())
 
+    def test_in_real_time_nothing_is_faster_than_the_clock(self):
+        self.sixdeg("run", self.scenario("cycles = 12"), "--transport", self.transport, "--real-time", "--json", self.folder / "s.json")
+        summary = json.loads((self.folder / "s.json").read_text())
+        self.assertEqual(summary["bus"]["pace"], "real time")
+        self.assertLessEqual(summary["realtime_factor"], 1.05)
+        self.assertLessEqual(summary["bus"]["missed_deadlines"], summary["bus"]["clock_events"])
+
     def test_signals_leave_whole_files(self):
         for number in (signal.SIGTERM, signal.SIGINT):
             with self.subTest(number=number):
                 out = self.folder / number.name
-                run = self.start("run", self.scenario("duration_s = 600"), "--transport", self.transport, "--real-time", "--out", out)
+                run = self.start("run", self.scenario("duration_s = 600"), "--transport", self.transport, "--out", out)
                 time.sleep(2)
                 self.end(run, number)
                 self.assertEqual(run.returncode, -number)
@@ -149,7 +155,7 @@ class BusCases:
         """Alternately ecu and plant, at random moments. SD_FULL=1: 50 times, else 4."""
         dice = random.Random(1)
         page = self.scenario("duration_s = 600", rpm=3000)
-        plant_words = ("plant", page, "--transport", self.transport, "--real-time")
+        plant_words = ("plant", page, "--transport", self.transport)
         ecu = self.ecu()
         for kill in range(50 if os.environ.get("SD_FULL") else 4):
             out = self.folder / f"kill{kill}"

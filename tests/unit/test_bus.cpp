@@ -284,7 +284,7 @@ TEST(Faults, OnePercentOfFramesLostDoubledSwappedOrCutIsCountedAndNeverCalledVal
     const sd_port_counts_t &counts = wheel.ecu_side->counts;
     EXPECT_EQ(made[3], counts.malformed);
     EXPECT_GT(counts.gaps, 20u);
-    EXPECT_GE(counts.stale, made[1] / 3) << "a doubled clock frame is no news";
+    EXPECT_GT(counts.stale, 20u) << "doubled teeth; a doubled sample or clock frame is no news";
     std::printf("frames %u, lost %u, doubled %u, swapped %u, cut %u; teeth valid %u, wrong %u; gaps %u, stale %u, malformed %u\n",
                 counts.received, made[0], made[1], made[2], made[3], wheel.valid, wheel.wrong, counts.gaps, counts.stale, counts.malformed);
 }

@@ -1,82 +1,74 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Draws what `sixdeg replay` wrote into one self-contained page and prints its short table.
+"""Draws what `sixdeg run` and `sixdeg replay` wrote into one self-contained page and prints its short tables.
 
-usage: report.py --out REPORT.html FOLDER...      exit status 2 and one line for a folder that cannot be drawn
+usage: report.py --out REPORT.html [--figure-6 RUN] [--figure-5 RUN] [FOLDER...]
+       exit status 2 and one line for a folder that cannot be drawn
 """
 import argparse
-import base64
-import html
 import os
 import sys
 
-from replay_folder import BadFolder, Replay
+import sections
+from folder import BadFolder, read_summary
+from replay_folder import Replay
+from run_folder import Run
 
 STYLE = """
 body { font: 16px/1.5 system-ui, sans-serif; color: #222; max-width: 62rem; margin: 2rem auto; padding: 0 1rem; }
 h1 { font-weight: 600; margin-bottom: 0; } h2 { margin-top: 3rem; border-bottom: 1px solid #ddd; font-weight: 600; }
-p.lead { color: #555; margin-top: .2rem; } img { width: 100%; margin: .6rem 0; }
-table { border-collapse: collapse; } td { padding: .15rem 1.2rem .15rem 0; } td:first-child { color: #555; }
+p.lead { color: #555; margin-top: .2rem; } p.note { color: #555; font-size: .85rem; margin: .4rem 0; }
+img { width: 100%; margin: .6rem 0; } table { border-collapse: collapse; }
+th { text-align: left; font-weight: 600; } td, th { padding: .15rem 1.2rem .15rem 0; } td:first-child { color: #555; }
 ul.assumed { color: #8a4b00; } p.none { color: #555; font-style: italic; }
 """
 
 
-def picture(png, name, missing):
-    if png is None:
-        return f'<p class="none">{html.escape(missing)}</p>'
-    return f'<img alt="{html.escape(name)}" src="data:image/png;base64,{base64.b64encode(png).decode()}">'
+def open_folder(path):
+    """A run, which has a scenario, or a replay."""
+    return Run(path) if "scenario" in read_summary(path, ()) else Replay(path)
 
 
-def section(replay):
-    # Imported late: a bad folder is reported at once, not after the plotting library has loaded.
-    import pictures
-
-    rows = "".join(f"<tr><td>{html.escape(k)}</td><td>{html.escape(v)}</td></tr>" for k, v in replay.figures())
-    parts = [f"<h2>{html.escape(replay.recording())}</h2>", f"<table>{rows}</table>",
-             picture(pictures.speed(replay.teeth), "speed over time", "No speed: the decoder never synced."),
-             picture(pictures.mark(replay.teeth), "teeth around a mark", "No mark with decoded teeth on both sides."),
-             picture(pictures.torque(replay.teeth), "torque over crank angle", "No torque over a whole cycle.")]
-    assumed = replay.assumptions()
-    if assumed:
-        items = "".join(f"<li>{html.escape(a)}</li>" for a in assumed)
-        parts.append(f'<h3>What the torque rests on</h3><ul class="assumed">{items}</ul>')
-    return "\n".join(parts)
+def page(parts):
+    text = "\n".join(sections.section(folder, build) for folder, build in parts)
+    return (f'<!doctype html>\n<html lang="en"><head><meta charset="utf-8"><title>sixdeg: torque from crank teeth</title>'
+            f"<style>{STYLE}</style></head>\n<body><h1>Torque from crank teeth</h1>"
+            f'<p class="lead">Simulated and recorded edges, through the firmware that runs on the engine controller.</p>\n'
+            f"{text}\n</body></html>\n")
 
 
-def page(replays):
-    sections = "\n".join(section(r) for r in replays)
-    return (f'<!doctype html>\n<html lang="en"><head><meta charset="utf-8"><title>sixdeg: crank teeth and torque</title>'
-            f"<style>{STYLE}</style></head>\n<body><h1>Crank teeth and torque</h1>"
-            f'<p class="lead">Recorded edges, replayed through the firmware that runs on the engine controller.</p>\n'
-            f"{sections}\n</body></html>\n")
-
-
-def print_table(replay):
-    width = max(len(name) for name, _ in replay.figures())
-    print()
-    for name, value in replay.figures():
-        print(f"  {name:<{width}}  {value}")
-    for assumption in replay.assumptions():
-        print(f"  ! {assumption}")
-    print()
+def print_table(folder):
+    print(f"\n  {folder.title()}")
+    rows = ([folder.HEADER] if folder.HEADER else []) + folder.figures()
+    width = max(len(row[0]) for row in rows)
+    for name, *values in rows:
+        print(f"    {name:<{width}}  " + "".join(f"{value:<12}" for value in values).rstrip())
+    for assumption in folder.assumptions():
+        print(f"    ! {assumption}")
 
 
 def main():
-    parser = argparse.ArgumentParser(description="one self-contained page from folders of sixdeg replay")
-    parser.add_argument("folders", nargs="+", metavar="FOLDER")
+    parser = argparse.ArgumentParser(description="one self-contained page from folders of sixdeg run and sixdeg replay")
+    parser.add_argument("folders", nargs="*", metavar="FOLDER")
+    parser.add_argument("--figure-6", metavar="RUN", help="document 004, section 3.3.3: 1000 rpm, 5 bar")
+    parser.add_argument("--figure-5", metavar="RUN", help="document 004, section 3.3.1: 1500 rpm, 2 bar")
     parser.add_argument("--out", required=True, metavar="REPORT.html")
     options = parser.parse_args()
+    documented = ((options.figure_6, sections.figure_6_section), (options.figure_5, sections.figure_5_section))
     try:
-        replays = [Replay(folder) for folder in options.folders]
+        parts = [(Run(path), build) for path, build in documented if path]
+        parts += [(open_folder(path), None) for path in options.folders]
+        if not parts:
+            raise BadFolder("no folder given")
+        text = page(parts)
     except BadFolder as error:
         print(f"report: {error}", file=sys.stderr)
         return 2
-    text = page(replays)
     with open(options.out + ".partial", "w", encoding="utf-8", newline="\n") as out:
         out.write(text)
     os.replace(options.out + ".partial", options.out)
-    for replay in replays:
-        print_table(replay)
+    for folder, _ in parts:
+        print_table(folder)
     return 0
 
 

@@ -15,14 +15,14 @@ import bus_code
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 TABLE = ROOT / "hal" / "signals.toml"
-RATES = ("edge", "cycle")
-OWNERS = ("crank", "torque", "cylinder")
+RATES = ("edge", "cycle", "firing")
+OWNERS = ("crank", "torque", "cylinder", "firing", "misfire")
 REQUIRED = {"input": {"name", "unit", "range", "text"},
             "signal": {"name", "unit", "range", "rate", "owner", "text"},
             "parameter": {"name", "unit", "range", "default", "owner", "text"}}
 UNIT_SUFFIX = {"": "", "deg": "_deg", "rpm": "_rpm", "rad/s2": "_radps2", "Nm": "_nm", "J": "_j", "s": "_s",
                "1/rad": "_per_rad", "1/rad2": "_per_rad2", "cycles": "_cycles",
-               "bar": "_bar", "mg": "_mg"}
+               "bar": "_bar", "mg": "_mg", "J/mg": "_jpmg", "%": "_percent"}
 
 
 def load():

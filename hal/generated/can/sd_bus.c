@@ -1246,6 +1246,7 @@ int sd_bus_edge_pack(
     uint32_t crank_phase_known;
     uint32_t crank_speed;
     uint32_t crank_tooth;
+    uint32_t firing_waveform;
     uint32_t torque_innovation;
     uint32_t torque_mass;
 
@@ -1263,46 +1264,53 @@ int sd_bus_edge_pack(
     dst_p[5] |= pack_left_shift_u8(src_p->crank_why, 0u, 0xffu);
     dst_p[6] |= pack_left_shift_u8(src_p->torque_health, 0u, 0xffu);
     dst_p[7] |= pack_left_shift_u8(src_p->torque_why, 0u, 0xffu);
+    dst_p[8] |= pack_left_shift_u8(src_p->firing_health, 0u, 0xffu);
+    dst_p[9] |= pack_left_shift_u8(src_p->firing_why, 0u, 0xffu);
     memcpy(&crank_edge_class, &src_p->crank_edge_class, sizeof(crank_edge_class));
-    dst_p[8] |= pack_left_shift_u32(crank_edge_class, 0u, 0xffu);
-    dst_p[9] |= pack_right_shift_u32(crank_edge_class, 8u, 0xffu);
-    dst_p[10] |= pack_right_shift_u32(crank_edge_class, 16u, 0xffu);
-    dst_p[11] |= pack_right_shift_u32(crank_edge_class, 24u, 0xffu);
+    dst_p[10] |= pack_left_shift_u32(crank_edge_class, 0u, 0xffu);
+    dst_p[11] |= pack_right_shift_u32(crank_edge_class, 8u, 0xffu);
+    dst_p[12] |= pack_right_shift_u32(crank_edge_class, 16u, 0xffu);
+    dst_p[13] |= pack_right_shift_u32(crank_edge_class, 24u, 0xffu);
     memcpy(&crank_tooth, &src_p->crank_tooth, sizeof(crank_tooth));
-    dst_p[12] |= pack_left_shift_u32(crank_tooth, 0u, 0xffu);
-    dst_p[13] |= pack_right_shift_u32(crank_tooth, 8u, 0xffu);
-    dst_p[14] |= pack_right_shift_u32(crank_tooth, 16u, 0xffu);
-    dst_p[15] |= pack_right_shift_u32(crank_tooth, 24u, 0xffu);
+    dst_p[14] |= pack_left_shift_u32(crank_tooth, 0u, 0xffu);
+    dst_p[15] |= pack_right_shift_u32(crank_tooth, 8u, 0xffu);
+    dst_p[16] |= pack_right_shift_u32(crank_tooth, 16u, 0xffu);
+    dst_p[17] |= pack_right_shift_u32(crank_tooth, 24u, 0xffu);
     memcpy(&crank_angle, &src_p->crank_angle, sizeof(crank_angle));
-    dst_p[16] |= pack_left_shift_u32(crank_angle, 0u, 0xffu);
-    dst_p[17] |= pack_right_shift_u32(crank_angle, 8u, 0xffu);
-    dst_p[18] |= pack_right_shift_u32(crank_angle, 16u, 0xffu);
-    dst_p[19] |= pack_right_shift_u32(crank_angle, 24u, 0xffu);
+    dst_p[18] |= pack_left_shift_u32(crank_angle, 0u, 0xffu);
+    dst_p[19] |= pack_right_shift_u32(crank_angle, 8u, 0xffu);
+    dst_p[20] |= pack_right_shift_u32(crank_angle, 16u, 0xffu);
+    dst_p[21] |= pack_right_shift_u32(crank_angle, 24u, 0xffu);
     memcpy(&crank_phase_known, &src_p->crank_phase_known, sizeof(crank_phase_known));
-    dst_p[20] |= pack_left_shift_u32(crank_phase_known, 0u, 0xffu);
-    dst_p[21] |= pack_right_shift_u32(crank_phase_known, 8u, 0xffu);
-    dst_p[22] |= pack_right_shift_u32(crank_phase_known, 16u, 0xffu);
-    dst_p[23] |= pack_right_shift_u32(crank_phase_known, 24u, 0xffu);
+    dst_p[22] |= pack_left_shift_u32(crank_phase_known, 0u, 0xffu);
+    dst_p[23] |= pack_right_shift_u32(crank_phase_known, 8u, 0xffu);
+    dst_p[24] |= pack_right_shift_u32(crank_phase_known, 16u, 0xffu);
+    dst_p[25] |= pack_right_shift_u32(crank_phase_known, 24u, 0xffu);
     memcpy(&crank_speed, &src_p->crank_speed, sizeof(crank_speed));
-    dst_p[24] |= pack_left_shift_u32(crank_speed, 0u, 0xffu);
-    dst_p[25] |= pack_right_shift_u32(crank_speed, 8u, 0xffu);
-    dst_p[26] |= pack_right_shift_u32(crank_speed, 16u, 0xffu);
-    dst_p[27] |= pack_right_shift_u32(crank_speed, 24u, 0xffu);
+    dst_p[26] |= pack_left_shift_u32(crank_speed, 0u, 0xffu);
+    dst_p[27] |= pack_right_shift_u32(crank_speed, 8u, 0xffu);
+    dst_p[28] |= pack_right_shift_u32(crank_speed, 16u, 0xffu);
+    dst_p[29] |= pack_right_shift_u32(crank_speed, 24u, 0xffu);
     memcpy(&crank_acceleration, &src_p->crank_acceleration, sizeof(crank_acceleration));
-    dst_p[28] |= pack_left_shift_u32(crank_acceleration, 0u, 0xffu);
-    dst_p[29] |= pack_right_shift_u32(crank_acceleration, 8u, 0xffu);
-    dst_p[30] |= pack_right_shift_u32(crank_acceleration, 16u, 0xffu);
-    dst_p[31] |= pack_right_shift_u32(crank_acceleration, 24u, 0xffu);
+    dst_p[30] |= pack_left_shift_u32(crank_acceleration, 0u, 0xffu);
+    dst_p[31] |= pack_right_shift_u32(crank_acceleration, 8u, 0xffu);
+    dst_p[32] |= pack_right_shift_u32(crank_acceleration, 16u, 0xffu);
+    dst_p[33] |= pack_right_shift_u32(crank_acceleration, 24u, 0xffu);
     memcpy(&torque_mass, &src_p->torque_mass, sizeof(torque_mass));
-    dst_p[32] |= pack_left_shift_u32(torque_mass, 0u, 0xffu);
-    dst_p[33] |= pack_right_shift_u32(torque_mass, 8u, 0xffu);
-    dst_p[34] |= pack_right_shift_u32(torque_mass, 16u, 0xffu);
-    dst_p[35] |= pack_right_shift_u32(torque_mass, 24u, 0xffu);
+    dst_p[34] |= pack_left_shift_u32(torque_mass, 0u, 0xffu);
+    dst_p[35] |= pack_right_shift_u32(torque_mass, 8u, 0xffu);
+    dst_p[36] |= pack_right_shift_u32(torque_mass, 16u, 0xffu);
+    dst_p[37] |= pack_right_shift_u32(torque_mass, 24u, 0xffu);
     memcpy(&torque_innovation, &src_p->torque_innovation, sizeof(torque_innovation));
-    dst_p[36] |= pack_left_shift_u32(torque_innovation, 0u, 0xffu);
-    dst_p[37] |= pack_right_shift_u32(torque_innovation, 8u, 0xffu);
-    dst_p[38] |= pack_right_shift_u32(torque_innovation, 16u, 0xffu);
-    dst_p[39] |= pack_right_shift_u32(torque_innovation, 24u, 0xffu);
+    dst_p[38] |= pack_left_shift_u32(torque_innovation, 0u, 0xffu);
+    dst_p[39] |= pack_right_shift_u32(torque_innovation, 8u, 0xffu);
+    dst_p[40] |= pack_right_shift_u32(torque_innovation, 16u, 0xffu);
+    dst_p[41] |= pack_right_shift_u32(torque_innovation, 24u, 0xffu);
+    memcpy(&firing_waveform, &src_p->firing_waveform, sizeof(firing_waveform));
+    dst_p[42] |= pack_left_shift_u32(firing_waveform, 0u, 0xffu);
+    dst_p[43] |= pack_right_shift_u32(firing_waveform, 8u, 0xffu);
+    dst_p[44] |= pack_right_shift_u32(firing_waveform, 16u, 0xffu);
+    dst_p[45] |= pack_right_shift_u32(firing_waveform, 24u, 0xffu);
 
     return (48);
 }
@@ -1318,6 +1326,7 @@ int sd_bus_edge_unpack(
     uint32_t crank_phase_known;
     uint32_t crank_speed;
     uint32_t crank_tooth;
+    uint32_t firing_waveform;
     uint32_t torque_innovation;
     uint32_t torque_mass;
 
@@ -1333,46 +1342,53 @@ int sd_bus_edge_unpack(
     dst_p->crank_why = unpack_right_shift_u8(src_p[5], 0u, 0xffu);
     dst_p->torque_health = unpack_right_shift_u8(src_p[6], 0u, 0xffu);
     dst_p->torque_why = unpack_right_shift_u8(src_p[7], 0u, 0xffu);
-    crank_edge_class = unpack_right_shift_u32(src_p[8], 0u, 0xffu);
-    crank_edge_class |= unpack_left_shift_u32(src_p[9], 8u, 0xffu);
-    crank_edge_class |= unpack_left_shift_u32(src_p[10], 16u, 0xffu);
-    crank_edge_class |= unpack_left_shift_u32(src_p[11], 24u, 0xffu);
+    dst_p->firing_health = unpack_right_shift_u8(src_p[8], 0u, 0xffu);
+    dst_p->firing_why = unpack_right_shift_u8(src_p[9], 0u, 0xffu);
+    crank_edge_class = unpack_right_shift_u32(src_p[10], 0u, 0xffu);
+    crank_edge_class |= unpack_left_shift_u32(src_p[11], 8u, 0xffu);
+    crank_edge_class |= unpack_left_shift_u32(src_p[12], 16u, 0xffu);
+    crank_edge_class |= unpack_left_shift_u32(src_p[13], 24u, 0xffu);
     memcpy(&dst_p->crank_edge_class, &crank_edge_class, sizeof(dst_p->crank_edge_class));
-    crank_tooth = unpack_right_shift_u32(src_p[12], 0u, 0xffu);
-    crank_tooth |= unpack_left_shift_u32(src_p[13], 8u, 0xffu);
-    crank_tooth |= unpack_left_shift_u32(src_p[14], 16u, 0xffu);
-    crank_tooth |= unpack_left_shift_u32(src_p[15], 24u, 0xffu);
+    crank_tooth = unpack_right_shift_u32(src_p[14], 0u, 0xffu);
+    crank_tooth |= unpack_left_shift_u32(src_p[15], 8u, 0xffu);
+    crank_tooth |= unpack_left_shift_u32(src_p[16], 16u, 0xffu);
+    crank_tooth |= unpack_left_shift_u32(src_p[17], 24u, 0xffu);
     memcpy(&dst_p->crank_tooth, &crank_tooth, sizeof(dst_p->crank_tooth));
-    crank_angle = unpack_right_shift_u32(src_p[16], 0u, 0xffu);
-    crank_angle |= unpack_left_shift_u32(src_p[17], 8u, 0xffu);
-    crank_angle |= unpack_left_shift_u32(src_p[18], 16u, 0xffu);
-    crank_angle |= unpack_left_shift_u32(src_p[19], 24u, 0xffu);
+    crank_angle = unpack_right_shift_u32(src_p[18], 0u, 0xffu);
+    crank_angle |= unpack_left_shift_u32(src_p[19], 8u, 0xffu);
+    crank_angle |= unpack_left_shift_u32(src_p[20], 16u, 0xffu);
+    crank_angle |= unpack_left_shift_u32(src_p[21], 24u, 0xffu);
     memcpy(&dst_p->crank_angle, &crank_angle, sizeof(dst_p->crank_angle));
-    crank_phase_known = unpack_right_shift_u32(src_p[20], 0u, 0xffu);
-    crank_phase_known |= unpack_left_shift_u32(src_p[21], 8u, 0xffu);
-    crank_phase_known |= unpack_left_shift_u32(src_p[22], 16u, 0xffu);
-    crank_phase_known |= unpack_left_shift_u32(src_p[23], 24u, 0xffu);
+    crank_phase_known = unpack_right_shift_u32(src_p[22], 0u, 0xffu);
+    crank_phase_known |= unpack_left_shift_u32(src_p[23], 8u, 0xffu);
+    crank_phase_known |= unpack_left_shift_u32(src_p[24], 16u, 0xffu);
+    crank_phase_known |= unpack_left_shift_u32(src_p[25], 24u, 0xffu);
     memcpy(&dst_p->crank_phase_known, &crank_phase_known, sizeof(dst_p->crank_phase_known));
-    crank_speed = unpack_right_shift_u32(src_p[24], 0u, 0xffu);
-    crank_speed |= unpack_left_shift_u32(src_p[25], 8u, 0xffu);
-    crank_speed |= unpack_left_shift_u32(src_p[26], 16u, 0xffu);
-    crank_speed |= unpack_left_shift_u32(src_p[27], 24u, 0xffu);
+    crank_speed = unpack_right_shift_u32(src_p[26], 0u, 0xffu);
+    crank_speed |= unpack_left_shift_u32(src_p[27], 8u, 0xffu);
+    crank_speed |= unpack_left_shift_u32(src_p[28], 16u, 0xffu);
+    crank_speed |= unpack_left_shift_u32(src_p[29], 24u, 0xffu);
     memcpy(&dst_p->crank_speed, &crank_speed, sizeof(dst_p->crank_speed));
-    crank_acceleration = unpack_right_shift_u32(src_p[28], 0u, 0xffu);
-    crank_acceleration |= unpack_left_shift_u32(src_p[29], 8u, 0xffu);
-    crank_acceleration |= unpack_left_shift_u32(src_p[30], 16u, 0xffu);
-    crank_acceleration |= unpack_left_shift_u32(src_p[31], 24u, 0xffu);
+    crank_acceleration = unpack_right_shift_u32(src_p[30], 0u, 0xffu);
+    crank_acceleration |= unpack_left_shift_u32(src_p[31], 8u, 0xffu);
+    crank_acceleration |= unpack_left_shift_u32(src_p[32], 16u, 0xffu);
+    crank_acceleration |= unpack_left_shift_u32(src_p[33], 24u, 0xffu);
     memcpy(&dst_p->crank_acceleration, &crank_acceleration, sizeof(dst_p->crank_acceleration));
-    torque_mass = unpack_right_shift_u32(src_p[32], 0u, 0xffu);
-    torque_mass |= unpack_left_shift_u32(src_p[33], 8u, 0xffu);
-    torque_mass |= unpack_left_shift_u32(src_p[34], 16u, 0xffu);
-    torque_mass |= unpack_left_shift_u32(src_p[35], 24u, 0xffu);
+    torque_mass = unpack_right_shift_u32(src_p[34], 0u, 0xffu);
+    torque_mass |= unpack_left_shift_u32(src_p[35], 8u, 0xffu);
+    torque_mass |= unpack_left_shift_u32(src_p[36], 16u, 0xffu);
+    torque_mass |= unpack_left_shift_u32(src_p[37], 24u, 0xffu);
     memcpy(&dst_p->torque_mass, &torque_mass, sizeof(dst_p->torque_mass));
-    torque_innovation = unpack_right_shift_u32(src_p[36], 0u, 0xffu);
-    torque_innovation |= unpack_left_shift_u32(src_p[37], 8u, 0xffu);
-    torque_innovation |= unpack_left_shift_u32(src_p[38], 16u, 0xffu);
-    torque_innovation |= unpack_left_shift_u32(src_p[39], 24u, 0xffu);
+    torque_innovation = unpack_right_shift_u32(src_p[38], 0u, 0xffu);
+    torque_innovation |= unpack_left_shift_u32(src_p[39], 8u, 0xffu);
+    torque_innovation |= unpack_left_shift_u32(src_p[40], 16u, 0xffu);
+    torque_innovation |= unpack_left_shift_u32(src_p[41], 24u, 0xffu);
     memcpy(&dst_p->torque_innovation, &torque_innovation, sizeof(dst_p->torque_innovation));
+    firing_waveform = unpack_right_shift_u32(src_p[42], 0u, 0xffu);
+    firing_waveform |= unpack_left_shift_u32(src_p[43], 8u, 0xffu);
+    firing_waveform |= unpack_left_shift_u32(src_p[44], 16u, 0xffu);
+    firing_waveform |= unpack_left_shift_u32(src_p[45], 24u, 0xffu);
+    memcpy(&dst_p->firing_waveform, &firing_waveform, sizeof(dst_p->firing_waveform));
 
     return (0);
 }
@@ -1488,6 +1504,48 @@ bool sd_bus_edge_torque_why_is_in_range(uint8_t value)
 }
 
 bool sd_bus_edge_torque_why_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 255.0));
+}
+
+uint8_t sd_bus_edge_firing_health_encode(double value)
+{
+    return (uint8_t)(cantools_unsigned_from_double(round(value)));
+}
+
+double sd_bus_edge_firing_health_decode(uint8_t value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_edge_firing_health_is_in_range(uint8_t value)
+{
+    return (value <= 2u);
+}
+
+bool sd_bus_edge_firing_health_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 2.0));
+}
+
+uint8_t sd_bus_edge_firing_why_encode(double value)
+{
+    return (uint8_t)(cantools_unsigned_from_double(round(value)));
+}
+
+double sd_bus_edge_firing_why_decode(uint8_t value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_edge_firing_why_is_in_range(uint8_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool sd_bus_edge_firing_why_is_in_phys_range(double value)
 {
     return ((value >= 0.0) && (value <= 255.0));
 }
@@ -1650,6 +1708,26 @@ bool sd_bus_edge_torque_innovation_is_in_range(float value)
 bool sd_bus_edge_torque_innovation_is_in_phys_range(double value)
 {
     return ((value >= -1000000.0) && (value <= 1000000.0));
+}
+
+float sd_bus_edge_firing_waveform_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_edge_firing_waveform_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_edge_firing_waveform_is_in_range(float value)
+{
+    return ((value >= -20000.0f) && (value <= 20000.0f));
+}
+
+bool sd_bus_edge_firing_waveform_is_in_phys_range(double value)
+{
+    return ((value >= -20000.0) && (value <= 20000.0));
 }
 
 int sd_bus_cycle_1_pack(
@@ -2269,12 +2347,22 @@ int sd_bus_cycle_2_pack(
     uint32_t cycle_cylinder_sd_6;
     uint32_t cycle_cylinder_sd_7;
     uint32_t cycle_cylinder_sd_8;
+    uint32_t misfire_rate_200_1;
+    uint32_t misfire_rate_200_2;
+    uint32_t misfire_rate_200_3;
+    uint32_t misfire_rate_200_4;
+    uint32_t misfire_rate_200_5;
+    uint32_t misfire_rate_200_6;
+    uint32_t misfire_rate_200_7;
+    uint32_t misfire_rate_200_8;
+    uint32_t wheel_learned_cycles;
+    uint32_t wheel_pattern_sd;
 
-    if (size < 20u) {
+    if (size < 64u) {
         return (-EINVAL);
     }
 
-    memset(&dst_p[0], 0, 20);
+    memset(&dst_p[0], 0, 64);
 
     dst_p[0] |= pack_left_shift_u32(src_p->tick, 0u, 0xffu);
     dst_p[1] |= pack_right_shift_u32(src_p->tick, 8u, 0xffu);
@@ -2282,23 +2370,77 @@ int sd_bus_cycle_2_pack(
     dst_p[3] |= pack_right_shift_u32(src_p->tick, 24u, 0xffu);
     dst_p[4] |= pack_left_shift_u8(src_p->cylinder_health, 0u, 0xffu);
     dst_p[5] |= pack_left_shift_u8(src_p->cylinder_why, 0u, 0xffu);
+    dst_p[6] |= pack_left_shift_u8(src_p->crank_health, 0u, 0xffu);
+    dst_p[7] |= pack_left_shift_u8(src_p->crank_why, 0u, 0xffu);
+    dst_p[8] |= pack_left_shift_u8(src_p->misfire_health, 0u, 0xffu);
+    dst_p[9] |= pack_left_shift_u8(src_p->misfire_why, 0u, 0xffu);
     memcpy(&cycle_cylinder_sd_6, &src_p->cycle_cylinder_sd_6, sizeof(cycle_cylinder_sd_6));
-    dst_p[6] |= pack_left_shift_u32(cycle_cylinder_sd_6, 0u, 0xffu);
-    dst_p[7] |= pack_right_shift_u32(cycle_cylinder_sd_6, 8u, 0xffu);
-    dst_p[8] |= pack_right_shift_u32(cycle_cylinder_sd_6, 16u, 0xffu);
-    dst_p[9] |= pack_right_shift_u32(cycle_cylinder_sd_6, 24u, 0xffu);
+    dst_p[10] |= pack_left_shift_u32(cycle_cylinder_sd_6, 0u, 0xffu);
+    dst_p[11] |= pack_right_shift_u32(cycle_cylinder_sd_6, 8u, 0xffu);
+    dst_p[12] |= pack_right_shift_u32(cycle_cylinder_sd_6, 16u, 0xffu);
+    dst_p[13] |= pack_right_shift_u32(cycle_cylinder_sd_6, 24u, 0xffu);
     memcpy(&cycle_cylinder_sd_7, &src_p->cycle_cylinder_sd_7, sizeof(cycle_cylinder_sd_7));
-    dst_p[10] |= pack_left_shift_u32(cycle_cylinder_sd_7, 0u, 0xffu);
-    dst_p[11] |= pack_right_shift_u32(cycle_cylinder_sd_7, 8u, 0xffu);
-    dst_p[12] |= pack_right_shift_u32(cycle_cylinder_sd_7, 16u, 0xffu);
-    dst_p[13] |= pack_right_shift_u32(cycle_cylinder_sd_7, 24u, 0xffu);
+    dst_p[14] |= pack_left_shift_u32(cycle_cylinder_sd_7, 0u, 0xffu);
+    dst_p[15] |= pack_right_shift_u32(cycle_cylinder_sd_7, 8u, 0xffu);
+    dst_p[16] |= pack_right_shift_u32(cycle_cylinder_sd_7, 16u, 0xffu);
+    dst_p[17] |= pack_right_shift_u32(cycle_cylinder_sd_7, 24u, 0xffu);
     memcpy(&cycle_cylinder_sd_8, &src_p->cycle_cylinder_sd_8, sizeof(cycle_cylinder_sd_8));
-    dst_p[14] |= pack_left_shift_u32(cycle_cylinder_sd_8, 0u, 0xffu);
-    dst_p[15] |= pack_right_shift_u32(cycle_cylinder_sd_8, 8u, 0xffu);
-    dst_p[16] |= pack_right_shift_u32(cycle_cylinder_sd_8, 16u, 0xffu);
-    dst_p[17] |= pack_right_shift_u32(cycle_cylinder_sd_8, 24u, 0xffu);
+    dst_p[18] |= pack_left_shift_u32(cycle_cylinder_sd_8, 0u, 0xffu);
+    dst_p[19] |= pack_right_shift_u32(cycle_cylinder_sd_8, 8u, 0xffu);
+    dst_p[20] |= pack_right_shift_u32(cycle_cylinder_sd_8, 16u, 0xffu);
+    dst_p[21] |= pack_right_shift_u32(cycle_cylinder_sd_8, 24u, 0xffu);
+    memcpy(&wheel_pattern_sd, &src_p->wheel_pattern_sd, sizeof(wheel_pattern_sd));
+    dst_p[22] |= pack_left_shift_u32(wheel_pattern_sd, 0u, 0xffu);
+    dst_p[23] |= pack_right_shift_u32(wheel_pattern_sd, 8u, 0xffu);
+    dst_p[24] |= pack_right_shift_u32(wheel_pattern_sd, 16u, 0xffu);
+    dst_p[25] |= pack_right_shift_u32(wheel_pattern_sd, 24u, 0xffu);
+    memcpy(&wheel_learned_cycles, &src_p->wheel_learned_cycles, sizeof(wheel_learned_cycles));
+    dst_p[26] |= pack_left_shift_u32(wheel_learned_cycles, 0u, 0xffu);
+    dst_p[27] |= pack_right_shift_u32(wheel_learned_cycles, 8u, 0xffu);
+    dst_p[28] |= pack_right_shift_u32(wheel_learned_cycles, 16u, 0xffu);
+    dst_p[29] |= pack_right_shift_u32(wheel_learned_cycles, 24u, 0xffu);
+    memcpy(&misfire_rate_200_1, &src_p->misfire_rate_200_1, sizeof(misfire_rate_200_1));
+    dst_p[30] |= pack_left_shift_u32(misfire_rate_200_1, 0u, 0xffu);
+    dst_p[31] |= pack_right_shift_u32(misfire_rate_200_1, 8u, 0xffu);
+    dst_p[32] |= pack_right_shift_u32(misfire_rate_200_1, 16u, 0xffu);
+    dst_p[33] |= pack_right_shift_u32(misfire_rate_200_1, 24u, 0xffu);
+    memcpy(&misfire_rate_200_2, &src_p->misfire_rate_200_2, sizeof(misfire_rate_200_2));
+    dst_p[34] |= pack_left_shift_u32(misfire_rate_200_2, 0u, 0xffu);
+    dst_p[35] |= pack_right_shift_u32(misfire_rate_200_2, 8u, 0xffu);
+    dst_p[36] |= pack_right_shift_u32(misfire_rate_200_2, 16u, 0xffu);
+    dst_p[37] |= pack_right_shift_u32(misfire_rate_200_2, 24u, 0xffu);
+    memcpy(&misfire_rate_200_3, &src_p->misfire_rate_200_3, sizeof(misfire_rate_200_3));
+    dst_p[38] |= pack_left_shift_u32(misfire_rate_200_3, 0u, 0xffu);
+    dst_p[39] |= pack_right_shift_u32(misfire_rate_200_3, 8u, 0xffu);
+    dst_p[40] |= pack_right_shift_u32(misfire_rate_200_3, 16u, 0xffu);
+    dst_p[41] |= pack_right_shift_u32(misfire_rate_200_3, 24u, 0xffu);
+    memcpy(&misfire_rate_200_4, &src_p->misfire_rate_200_4, sizeof(misfire_rate_200_4));
+    dst_p[42] |= pack_left_shift_u32(misfire_rate_200_4, 0u, 0xffu);
+    dst_p[43] |= pack_right_shift_u32(misfire_rate_200_4, 8u, 0xffu);
+    dst_p[44] |= pack_right_shift_u32(misfire_rate_200_4, 16u, 0xffu);
+    dst_p[45] |= pack_right_shift_u32(misfire_rate_200_4, 24u, 0xffu);
+    memcpy(&misfire_rate_200_5, &src_p->misfire_rate_200_5, sizeof(misfire_rate_200_5));
+    dst_p[46] |= pack_left_shift_u32(misfire_rate_200_5, 0u, 0xffu);
+    dst_p[47] |= pack_right_shift_u32(misfire_rate_200_5, 8u, 0xffu);
+    dst_p[48] |= pack_right_shift_u32(misfire_rate_200_5, 16u, 0xffu);
+    dst_p[49] |= pack_right_shift_u32(misfire_rate_200_5, 24u, 0xffu);
+    memcpy(&misfire_rate_200_6, &src_p->misfire_rate_200_6, sizeof(misfire_rate_200_6));
+    dst_p[50] |= pack_left_shift_u32(misfire_rate_200_6, 0u, 0xffu);
+    dst_p[51] |= pack_right_shift_u32(misfire_rate_200_6, 8u, 0xffu);
+    dst_p[52] |= pack_right_shift_u32(misfire_rate_200_6, 16u, 0xffu);
+    dst_p[53] |= pack_right_shift_u32(misfire_rate_200_6, 24u, 0xffu);
+    memcpy(&misfire_rate_200_7, &src_p->misfire_rate_200_7, sizeof(misfire_rate_200_7));
+    dst_p[54] |= pack_left_shift_u32(misfire_rate_200_7, 0u, 0xffu);
+    dst_p[55] |= pack_right_shift_u32(misfire_rate_200_7, 8u, 0xffu);
+    dst_p[56] |= pack_right_shift_u32(misfire_rate_200_7, 16u, 0xffu);
+    dst_p[57] |= pack_right_shift_u32(misfire_rate_200_7, 24u, 0xffu);
+    memcpy(&misfire_rate_200_8, &src_p->misfire_rate_200_8, sizeof(misfire_rate_200_8));
+    dst_p[58] |= pack_left_shift_u32(misfire_rate_200_8, 0u, 0xffu);
+    dst_p[59] |= pack_right_shift_u32(misfire_rate_200_8, 8u, 0xffu);
+    dst_p[60] |= pack_right_shift_u32(misfire_rate_200_8, 16u, 0xffu);
+    dst_p[61] |= pack_right_shift_u32(misfire_rate_200_8, 24u, 0xffu);
 
-    return (20);
+    return (64);
 }
 
 int sd_bus_cycle_2_unpack(
@@ -2309,8 +2451,18 @@ int sd_bus_cycle_2_unpack(
     uint32_t cycle_cylinder_sd_6;
     uint32_t cycle_cylinder_sd_7;
     uint32_t cycle_cylinder_sd_8;
+    uint32_t misfire_rate_200_1;
+    uint32_t misfire_rate_200_2;
+    uint32_t misfire_rate_200_3;
+    uint32_t misfire_rate_200_4;
+    uint32_t misfire_rate_200_5;
+    uint32_t misfire_rate_200_6;
+    uint32_t misfire_rate_200_7;
+    uint32_t misfire_rate_200_8;
+    uint32_t wheel_learned_cycles;
+    uint32_t wheel_pattern_sd;
 
-    if (size < 20u) {
+    if (size < 64u) {
         return (-EINVAL);
     }
 
@@ -2320,21 +2472,75 @@ int sd_bus_cycle_2_unpack(
     dst_p->tick |= unpack_left_shift_u32(src_p[3], 24u, 0xffu);
     dst_p->cylinder_health = unpack_right_shift_u8(src_p[4], 0u, 0xffu);
     dst_p->cylinder_why = unpack_right_shift_u8(src_p[5], 0u, 0xffu);
-    cycle_cylinder_sd_6 = unpack_right_shift_u32(src_p[6], 0u, 0xffu);
-    cycle_cylinder_sd_6 |= unpack_left_shift_u32(src_p[7], 8u, 0xffu);
-    cycle_cylinder_sd_6 |= unpack_left_shift_u32(src_p[8], 16u, 0xffu);
-    cycle_cylinder_sd_6 |= unpack_left_shift_u32(src_p[9], 24u, 0xffu);
+    dst_p->crank_health = unpack_right_shift_u8(src_p[6], 0u, 0xffu);
+    dst_p->crank_why = unpack_right_shift_u8(src_p[7], 0u, 0xffu);
+    dst_p->misfire_health = unpack_right_shift_u8(src_p[8], 0u, 0xffu);
+    dst_p->misfire_why = unpack_right_shift_u8(src_p[9], 0u, 0xffu);
+    cycle_cylinder_sd_6 = unpack_right_shift_u32(src_p[10], 0u, 0xffu);
+    cycle_cylinder_sd_6 |= unpack_left_shift_u32(src_p[11], 8u, 0xffu);
+    cycle_cylinder_sd_6 |= unpack_left_shift_u32(src_p[12], 16u, 0xffu);
+    cycle_cylinder_sd_6 |= unpack_left_shift_u32(src_p[13], 24u, 0xffu);
     memcpy(&dst_p->cycle_cylinder_sd_6, &cycle_cylinder_sd_6, sizeof(dst_p->cycle_cylinder_sd_6));
-    cycle_cylinder_sd_7 = unpack_right_shift_u32(src_p[10], 0u, 0xffu);
-    cycle_cylinder_sd_7 |= unpack_left_shift_u32(src_p[11], 8u, 0xffu);
-    cycle_cylinder_sd_7 |= unpack_left_shift_u32(src_p[12], 16u, 0xffu);
-    cycle_cylinder_sd_7 |= unpack_left_shift_u32(src_p[13], 24u, 0xffu);
+    cycle_cylinder_sd_7 = unpack_right_shift_u32(src_p[14], 0u, 0xffu);
+    cycle_cylinder_sd_7 |= unpack_left_shift_u32(src_p[15], 8u, 0xffu);
+    cycle_cylinder_sd_7 |= unpack_left_shift_u32(src_p[16], 16u, 0xffu);
+    cycle_cylinder_sd_7 |= unpack_left_shift_u32(src_p[17], 24u, 0xffu);
     memcpy(&dst_p->cycle_cylinder_sd_7, &cycle_cylinder_sd_7, sizeof(dst_p->cycle_cylinder_sd_7));
-    cycle_cylinder_sd_8 = unpack_right_shift_u32(src_p[14], 0u, 0xffu);
-    cycle_cylinder_sd_8 |= unpack_left_shift_u32(src_p[15], 8u, 0xffu);
-    cycle_cylinder_sd_8 |= unpack_left_shift_u32(src_p[16], 16u, 0xffu);
-    cycle_cylinder_sd_8 |= unpack_left_shift_u32(src_p[17], 24u, 0xffu);
+    cycle_cylinder_sd_8 = unpack_right_shift_u32(src_p[18], 0u, 0xffu);
+    cycle_cylinder_sd_8 |= unpack_left_shift_u32(src_p[19], 8u, 0xffu);
+    cycle_cylinder_sd_8 |= unpack_left_shift_u32(src_p[20], 16u, 0xffu);
+    cycle_cylinder_sd_8 |= unpack_left_shift_u32(src_p[21], 24u, 0xffu);
     memcpy(&dst_p->cycle_cylinder_sd_8, &cycle_cylinder_sd_8, sizeof(dst_p->cycle_cylinder_sd_8));
+    wheel_pattern_sd = unpack_right_shift_u32(src_p[22], 0u, 0xffu);
+    wheel_pattern_sd |= unpack_left_shift_u32(src_p[23], 8u, 0xffu);
+    wheel_pattern_sd |= unpack_left_shift_u32(src_p[24], 16u, 0xffu);
+    wheel_pattern_sd |= unpack_left_shift_u32(src_p[25], 24u, 0xffu);
+    memcpy(&dst_p->wheel_pattern_sd, &wheel_pattern_sd, sizeof(dst_p->wheel_pattern_sd));
+    wheel_learned_cycles = unpack_right_shift_u32(src_p[26], 0u, 0xffu);
+    wheel_learned_cycles |= unpack_left_shift_u32(src_p[27], 8u, 0xffu);
+    wheel_learned_cycles |= unpack_left_shift_u32(src_p[28], 16u, 0xffu);
+    wheel_learned_cycles |= unpack_left_shift_u32(src_p[29], 24u, 0xffu);
+    memcpy(&dst_p->wheel_learned_cycles, &wheel_learned_cycles, sizeof(dst_p->wheel_learned_cycles));
+    misfire_rate_200_1 = unpack_right_shift_u32(src_p[30], 0u, 0xffu);
+    misfire_rate_200_1 |= unpack_left_shift_u32(src_p[31], 8u, 0xffu);
+    misfire_rate_200_1 |= unpack_left_shift_u32(src_p[32], 16u, 0xffu);
+    misfire_rate_200_1 |= unpack_left_shift_u32(src_p[33], 24u, 0xffu);
+    memcpy(&dst_p->misfire_rate_200_1, &misfire_rate_200_1, sizeof(dst_p->misfire_rate_200_1));
+    misfire_rate_200_2 = unpack_right_shift_u32(src_p[34], 0u, 0xffu);
+    misfire_rate_200_2 |= unpack_left_shift_u32(src_p[35], 8u, 0xffu);
+    misfire_rate_200_2 |= unpack_left_shift_u32(src_p[36], 16u, 0xffu);
+    misfire_rate_200_2 |= unpack_left_shift_u32(src_p[37], 24u, 0xffu);
+    memcpy(&dst_p->misfire_rate_200_2, &misfire_rate_200_2, sizeof(dst_p->misfire_rate_200_2));
+    misfire_rate_200_3 = unpack_right_shift_u32(src_p[38], 0u, 0xffu);
+    misfire_rate_200_3 |= unpack_left_shift_u32(src_p[39], 8u, 0xffu);
+    misfire_rate_200_3 |= unpack_left_shift_u32(src_p[40], 16u, 0xffu);
+    misfire_rate_200_3 |= unpack_left_shift_u32(src_p[41], 24u, 0xffu);
+    memcpy(&dst_p->misfire_rate_200_3, &misfire_rate_200_3, sizeof(dst_p->misfire_rate_200_3));
+    misfire_rate_200_4 = unpack_right_shift_u32(src_p[42], 0u, 0xffu);
+    misfire_rate_200_4 |= unpack_left_shift_u32(src_p[43], 8u, 0xffu);
+    misfire_rate_200_4 |= unpack_left_shift_u32(src_p[44], 16u, 0xffu);
+    misfire_rate_200_4 |= unpack_left_shift_u32(src_p[45], 24u, 0xffu);
+    memcpy(&dst_p->misfire_rate_200_4, &misfire_rate_200_4, sizeof(dst_p->misfire_rate_200_4));
+    misfire_rate_200_5 = unpack_right_shift_u32(src_p[46], 0u, 0xffu);
+    misfire_rate_200_5 |= unpack_left_shift_u32(src_p[47], 8u, 0xffu);
+    misfire_rate_200_5 |= unpack_left_shift_u32(src_p[48], 16u, 0xffu);
+    misfire_rate_200_5 |= unpack_left_shift_u32(src_p[49], 24u, 0xffu);
+    memcpy(&dst_p->misfire_rate_200_5, &misfire_rate_200_5, sizeof(dst_p->misfire_rate_200_5));
+    misfire_rate_200_6 = unpack_right_shift_u32(src_p[50], 0u, 0xffu);
+    misfire_rate_200_6 |= unpack_left_shift_u32(src_p[51], 8u, 0xffu);
+    misfire_rate_200_6 |= unpack_left_shift_u32(src_p[52], 16u, 0xffu);
+    misfire_rate_200_6 |= unpack_left_shift_u32(src_p[53], 24u, 0xffu);
+    memcpy(&dst_p->misfire_rate_200_6, &misfire_rate_200_6, sizeof(dst_p->misfire_rate_200_6));
+    misfire_rate_200_7 = unpack_right_shift_u32(src_p[54], 0u, 0xffu);
+    misfire_rate_200_7 |= unpack_left_shift_u32(src_p[55], 8u, 0xffu);
+    misfire_rate_200_7 |= unpack_left_shift_u32(src_p[56], 16u, 0xffu);
+    misfire_rate_200_7 |= unpack_left_shift_u32(src_p[57], 24u, 0xffu);
+    memcpy(&dst_p->misfire_rate_200_7, &misfire_rate_200_7, sizeof(dst_p->misfire_rate_200_7));
+    misfire_rate_200_8 = unpack_right_shift_u32(src_p[58], 0u, 0xffu);
+    misfire_rate_200_8 |= unpack_left_shift_u32(src_p[59], 8u, 0xffu);
+    misfire_rate_200_8 |= unpack_left_shift_u32(src_p[60], 16u, 0xffu);
+    misfire_rate_200_8 |= unpack_left_shift_u32(src_p[61], 24u, 0xffu);
+    memcpy(&dst_p->misfire_rate_200_8, &misfire_rate_200_8, sizeof(dst_p->misfire_rate_200_8));
 
     return (0);
 }
@@ -2412,6 +2618,90 @@ bool sd_bus_cycle_2_cylinder_why_is_in_phys_range(double value)
     return ((value >= 0.0) && (value <= 255.0));
 }
 
+uint8_t sd_bus_cycle_2_crank_health_encode(double value)
+{
+    return (uint8_t)(cantools_unsigned_from_double(round(value)));
+}
+
+double sd_bus_cycle_2_crank_health_decode(uint8_t value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_cycle_2_crank_health_is_in_range(uint8_t value)
+{
+    return (value <= 2u);
+}
+
+bool sd_bus_cycle_2_crank_health_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 2.0));
+}
+
+uint8_t sd_bus_cycle_2_crank_why_encode(double value)
+{
+    return (uint8_t)(cantools_unsigned_from_double(round(value)));
+}
+
+double sd_bus_cycle_2_crank_why_decode(uint8_t value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_cycle_2_crank_why_is_in_range(uint8_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool sd_bus_cycle_2_crank_why_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 255.0));
+}
+
+uint8_t sd_bus_cycle_2_misfire_health_encode(double value)
+{
+    return (uint8_t)(cantools_unsigned_from_double(round(value)));
+}
+
+double sd_bus_cycle_2_misfire_health_decode(uint8_t value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_cycle_2_misfire_health_is_in_range(uint8_t value)
+{
+    return (value <= 2u);
+}
+
+bool sd_bus_cycle_2_misfire_health_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 2.0));
+}
+
+uint8_t sd_bus_cycle_2_misfire_why_encode(double value)
+{
+    return (uint8_t)(cantools_unsigned_from_double(round(value)));
+}
+
+double sd_bus_cycle_2_misfire_why_decode(uint8_t value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_cycle_2_misfire_why_is_in_range(uint8_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool sd_bus_cycle_2_misfire_why_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 255.0));
+}
+
 float sd_bus_cycle_2_cycle_cylinder_sd_6_encode(double value)
 {
     return (float)(value);
@@ -2470,6 +2760,1250 @@ bool sd_bus_cycle_2_cycle_cylinder_sd_8_is_in_range(float value)
 bool sd_bus_cycle_2_cycle_cylinder_sd_8_is_in_phys_range(double value)
 {
     return ((value >= 0.0) && (value <= 20000.0));
+}
+
+float sd_bus_cycle_2_wheel_pattern_sd_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_cycle_2_wheel_pattern_sd_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_cycle_2_wheel_pattern_sd_is_in_range(float value)
+{
+    return ((value >= 0.0f) && (value <= 1.0f));
+}
+
+bool sd_bus_cycle_2_wheel_pattern_sd_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 1.0));
+}
+
+float sd_bus_cycle_2_wheel_learned_cycles_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_cycle_2_wheel_learned_cycles_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_cycle_2_wheel_learned_cycles_is_in_range(float value)
+{
+    return ((value >= 0.0f) && (value <= 1000000000.0f));
+}
+
+bool sd_bus_cycle_2_wheel_learned_cycles_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 1000000000.0));
+}
+
+float sd_bus_cycle_2_misfire_rate_200_1_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_cycle_2_misfire_rate_200_1_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_cycle_2_misfire_rate_200_1_is_in_range(float value)
+{
+    return ((value >= 0.0f) && (value <= 100.0f));
+}
+
+bool sd_bus_cycle_2_misfire_rate_200_1_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 100.0));
+}
+
+float sd_bus_cycle_2_misfire_rate_200_2_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_cycle_2_misfire_rate_200_2_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_cycle_2_misfire_rate_200_2_is_in_range(float value)
+{
+    return ((value >= 0.0f) && (value <= 100.0f));
+}
+
+bool sd_bus_cycle_2_misfire_rate_200_2_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 100.0));
+}
+
+float sd_bus_cycle_2_misfire_rate_200_3_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_cycle_2_misfire_rate_200_3_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_cycle_2_misfire_rate_200_3_is_in_range(float value)
+{
+    return ((value >= 0.0f) && (value <= 100.0f));
+}
+
+bool sd_bus_cycle_2_misfire_rate_200_3_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 100.0));
+}
+
+float sd_bus_cycle_2_misfire_rate_200_4_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_cycle_2_misfire_rate_200_4_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_cycle_2_misfire_rate_200_4_is_in_range(float value)
+{
+    return ((value >= 0.0f) && (value <= 100.0f));
+}
+
+bool sd_bus_cycle_2_misfire_rate_200_4_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 100.0));
+}
+
+float sd_bus_cycle_2_misfire_rate_200_5_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_cycle_2_misfire_rate_200_5_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_cycle_2_misfire_rate_200_5_is_in_range(float value)
+{
+    return ((value >= 0.0f) && (value <= 100.0f));
+}
+
+bool sd_bus_cycle_2_misfire_rate_200_5_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 100.0));
+}
+
+float sd_bus_cycle_2_misfire_rate_200_6_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_cycle_2_misfire_rate_200_6_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_cycle_2_misfire_rate_200_6_is_in_range(float value)
+{
+    return ((value >= 0.0f) && (value <= 100.0f));
+}
+
+bool sd_bus_cycle_2_misfire_rate_200_6_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 100.0));
+}
+
+float sd_bus_cycle_2_misfire_rate_200_7_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_cycle_2_misfire_rate_200_7_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_cycle_2_misfire_rate_200_7_is_in_range(float value)
+{
+    return ((value >= 0.0f) && (value <= 100.0f));
+}
+
+bool sd_bus_cycle_2_misfire_rate_200_7_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 100.0));
+}
+
+float sd_bus_cycle_2_misfire_rate_200_8_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_cycle_2_misfire_rate_200_8_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_cycle_2_misfire_rate_200_8_is_in_range(float value)
+{
+    return ((value >= 0.0f) && (value <= 100.0f));
+}
+
+bool sd_bus_cycle_2_misfire_rate_200_8_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 100.0));
+}
+
+int sd_bus_cycle_3_pack(
+    uint8_t *dst_p,
+    const struct sd_bus_cycle_3_t *src_p,
+    size_t size)
+{
+    uint32_t misfire_continuous;
+    uint32_t misfire_count;
+    uint32_t misfire_lamp;
+    uint32_t misfire_partial_burns;
+    uint32_t misfire_rate_1000_1;
+    uint32_t misfire_rate_1000_2;
+    uint32_t misfire_rate_1000_3;
+    uint32_t misfire_rate_1000_4;
+    uint32_t misfire_rate_1000_5;
+    uint32_t misfire_rate_1000_6;
+    uint32_t misfire_rate_1000_7;
+    uint32_t misfire_rate_1000_8;
+    uint32_t misfire_suspects;
+
+    if (size < 64u) {
+        return (-EINVAL);
+    }
+
+    memset(&dst_p[0], 0, 64);
+
+    dst_p[0] |= pack_left_shift_u32(src_p->tick, 0u, 0xffu);
+    dst_p[1] |= pack_right_shift_u32(src_p->tick, 8u, 0xffu);
+    dst_p[2] |= pack_right_shift_u32(src_p->tick, 16u, 0xffu);
+    dst_p[3] |= pack_right_shift_u32(src_p->tick, 24u, 0xffu);
+    dst_p[4] |= pack_left_shift_u8(src_p->misfire_health, 0u, 0xffu);
+    dst_p[5] |= pack_left_shift_u8(src_p->misfire_why, 0u, 0xffu);
+    memcpy(&misfire_rate_1000_1, &src_p->misfire_rate_1000_1, sizeof(misfire_rate_1000_1));
+    dst_p[6] |= pack_left_shift_u32(misfire_rate_1000_1, 0u, 0xffu);
+    dst_p[7] |= pack_right_shift_u32(misfire_rate_1000_1, 8u, 0xffu);
+    dst_p[8] |= pack_right_shift_u32(misfire_rate_1000_1, 16u, 0xffu);
+    dst_p[9] |= pack_right_shift_u32(misfire_rate_1000_1, 24u, 0xffu);
+    memcpy(&misfire_rate_1000_2, &src_p->misfire_rate_1000_2, sizeof(misfire_rate_1000_2));
+    dst_p[10] |= pack_left_shift_u32(misfire_rate_1000_2, 0u, 0xffu);
+    dst_p[11] |= pack_right_shift_u32(misfire_rate_1000_2, 8u, 0xffu);
+    dst_p[12] |= pack_right_shift_u32(misfire_rate_1000_2, 16u, 0xffu);
+    dst_p[13] |= pack_right_shift_u32(misfire_rate_1000_2, 24u, 0xffu);
+    memcpy(&misfire_rate_1000_3, &src_p->misfire_rate_1000_3, sizeof(misfire_rate_1000_3));
+    dst_p[14] |= pack_left_shift_u32(misfire_rate_1000_3, 0u, 0xffu);
+    dst_p[15] |= pack_right_shift_u32(misfire_rate_1000_3, 8u, 0xffu);
+    dst_p[16] |= pack_right_shift_u32(misfire_rate_1000_3, 16u, 0xffu);
+    dst_p[17] |= pack_right_shift_u32(misfire_rate_1000_3, 24u, 0xffu);
+    memcpy(&misfire_rate_1000_4, &src_p->misfire_rate_1000_4, sizeof(misfire_rate_1000_4));
+    dst_p[18] |= pack_left_shift_u32(misfire_rate_1000_4, 0u, 0xffu);
+    dst_p[19] |= pack_right_shift_u32(misfire_rate_1000_4, 8u, 0xffu);
+    dst_p[20] |= pack_right_shift_u32(misfire_rate_1000_4, 16u, 0xffu);
+    dst_p[21] |= pack_right_shift_u32(misfire_rate_1000_4, 24u, 0xffu);
+    memcpy(&misfire_rate_1000_5, &src_p->misfire_rate_1000_5, sizeof(misfire_rate_1000_5));
+    dst_p[22] |= pack_left_shift_u32(misfire_rate_1000_5, 0u, 0xffu);
+    dst_p[23] |= pack_right_shift_u32(misfire_rate_1000_5, 8u, 0xffu);
+    dst_p[24] |= pack_right_shift_u32(misfire_rate_1000_5, 16u, 0xffu);
+    dst_p[25] |= pack_right_shift_u32(misfire_rate_1000_5, 24u, 0xffu);
+    memcpy(&misfire_rate_1000_6, &src_p->misfire_rate_1000_6, sizeof(misfire_rate_1000_6));
+    dst_p[26] |= pack_left_shift_u32(misfire_rate_1000_6, 0u, 0xffu);
+    dst_p[27] |= pack_right_shift_u32(misfire_rate_1000_6, 8u, 0xffu);
+    dst_p[28] |= pack_right_shift_u32(misfire_rate_1000_6, 16u, 0xffu);
+    dst_p[29] |= pack_right_shift_u32(misfire_rate_1000_6, 24u, 0xffu);
+    memcpy(&misfire_rate_1000_7, &src_p->misfire_rate_1000_7, sizeof(misfire_rate_1000_7));
+    dst_p[30] |= pack_left_shift_u32(misfire_rate_1000_7, 0u, 0xffu);
+    dst_p[31] |= pack_right_shift_u32(misfire_rate_1000_7, 8u, 0xffu);
+    dst_p[32] |= pack_right_shift_u32(misfire_rate_1000_7, 16u, 0xffu);
+    dst_p[33] |= pack_right_shift_u32(misfire_rate_1000_7, 24u, 0xffu);
+    memcpy(&misfire_rate_1000_8, &src_p->misfire_rate_1000_8, sizeof(misfire_rate_1000_8));
+    dst_p[34] |= pack_left_shift_u32(misfire_rate_1000_8, 0u, 0xffu);
+    dst_p[35] |= pack_right_shift_u32(misfire_rate_1000_8, 8u, 0xffu);
+    dst_p[36] |= pack_right_shift_u32(misfire_rate_1000_8, 16u, 0xffu);
+    dst_p[37] |= pack_right_shift_u32(misfire_rate_1000_8, 24u, 0xffu);
+    memcpy(&misfire_continuous, &src_p->misfire_continuous, sizeof(misfire_continuous));
+    dst_p[38] |= pack_left_shift_u32(misfire_continuous, 0u, 0xffu);
+    dst_p[39] |= pack_right_shift_u32(misfire_continuous, 8u, 0xffu);
+    dst_p[40] |= pack_right_shift_u32(misfire_continuous, 16u, 0xffu);
+    dst_p[41] |= pack_right_shift_u32(misfire_continuous, 24u, 0xffu);
+    memcpy(&misfire_suspects, &src_p->misfire_suspects, sizeof(misfire_suspects));
+    dst_p[42] |= pack_left_shift_u32(misfire_suspects, 0u, 0xffu);
+    dst_p[43] |= pack_right_shift_u32(misfire_suspects, 8u, 0xffu);
+    dst_p[44] |= pack_right_shift_u32(misfire_suspects, 16u, 0xffu);
+    dst_p[45] |= pack_right_shift_u32(misfire_suspects, 24u, 0xffu);
+    memcpy(&misfire_lamp, &src_p->misfire_lamp, sizeof(misfire_lamp));
+    dst_p[46] |= pack_left_shift_u32(misfire_lamp, 0u, 0xffu);
+    dst_p[47] |= pack_right_shift_u32(misfire_lamp, 8u, 0xffu);
+    dst_p[48] |= pack_right_shift_u32(misfire_lamp, 16u, 0xffu);
+    dst_p[49] |= pack_right_shift_u32(misfire_lamp, 24u, 0xffu);
+    memcpy(&misfire_count, &src_p->misfire_count, sizeof(misfire_count));
+    dst_p[50] |= pack_left_shift_u32(misfire_count, 0u, 0xffu);
+    dst_p[51] |= pack_right_shift_u32(misfire_count, 8u, 0xffu);
+    dst_p[52] |= pack_right_shift_u32(misfire_count, 16u, 0xffu);
+    dst_p[53] |= pack_right_shift_u32(misfire_count, 24u, 0xffu);
+    memcpy(&misfire_partial_burns, &src_p->misfire_partial_burns, sizeof(misfire_partial_burns));
+    dst_p[54] |= pack_left_shift_u32(misfire_partial_burns, 0u, 0xffu);
+    dst_p[55] |= pack_right_shift_u32(misfire_partial_burns, 8u, 0xffu);
+    dst_p[56] |= pack_right_shift_u32(misfire_partial_burns, 16u, 0xffu);
+    dst_p[57] |= pack_right_shift_u32(misfire_partial_burns, 24u, 0xffu);
+
+    return (64);
+}
+
+int sd_bus_cycle_3_unpack(
+    struct sd_bus_cycle_3_t *dst_p,
+    const uint8_t *src_p,
+    size_t size)
+{
+    uint32_t misfire_continuous;
+    uint32_t misfire_count;
+    uint32_t misfire_lamp;
+    uint32_t misfire_partial_burns;
+    uint32_t misfire_rate_1000_1;
+    uint32_t misfire_rate_1000_2;
+    uint32_t misfire_rate_1000_3;
+    uint32_t misfire_rate_1000_4;
+    uint32_t misfire_rate_1000_5;
+    uint32_t misfire_rate_1000_6;
+    uint32_t misfire_rate_1000_7;
+    uint32_t misfire_rate_1000_8;
+    uint32_t misfire_suspects;
+
+    if (size < 64u) {
+        return (-EINVAL);
+    }
+
+    dst_p->tick = unpack_right_shift_u32(src_p[0], 0u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[1], 8u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[2], 16u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[3], 24u, 0xffu);
+    dst_p->misfire_health = unpack_right_shift_u8(src_p[4], 0u, 0xffu);
+    dst_p->misfire_why = unpack_right_shift_u8(src_p[5], 0u, 0xffu);
+    misfire_rate_1000_1 = unpack_right_shift_u32(src_p[6], 0u, 0xffu);
+    misfire_rate_1000_1 |= unpack_left_shift_u32(src_p[7], 8u, 0xffu);
+    misfire_rate_1000_1 |= unpack_left_shift_u32(src_p[8], 16u, 0xffu);
+    misfire_rate_1000_1 |= unpack_left_shift_u32(src_p[9], 24u, 0xffu);
+    memcpy(&dst_p->misfire_rate_1000_1, &misfire_rate_1000_1, sizeof(dst_p->misfire_rate_1000_1));
+    misfire_rate_1000_2 = unpack_right_shift_u32(src_p[10], 0u, 0xffu);
+    misfire_rate_1000_2 |= unpack_left_shift_u32(src_p[11], 8u, 0xffu);
+    misfire_rate_1000_2 |= unpack_left_shift_u32(src_p[12], 16u, 0xffu);
+    misfire_rate_1000_2 |= unpack_left_shift_u32(src_p[13], 24u, 0xffu);
+    memcpy(&dst_p->misfire_rate_1000_2, &misfire_rate_1000_2, sizeof(dst_p->misfire_rate_1000_2));
+    misfire_rate_1000_3 = unpack_right_shift_u32(src_p[14], 0u, 0xffu);
+    misfire_rate_1000_3 |= unpack_left_shift_u32(src_p[15], 8u, 0xffu);
+    misfire_rate_1000_3 |= unpack_left_shift_u32(src_p[16], 16u, 0xffu);
+    misfire_rate_1000_3 |= unpack_left_shift_u32(src_p[17], 24u, 0xffu);
+    memcpy(&dst_p->misfire_rate_1000_3, &misfire_rate_1000_3, sizeof(dst_p->misfire_rate_1000_3));
+    misfire_rate_1000_4 = unpack_right_shift_u32(src_p[18], 0u, 0xffu);
+    misfire_rate_1000_4 |= unpack_left_shift_u32(src_p[19], 8u, 0xffu);
+    misfire_rate_1000_4 |= unpack_left_shift_u32(src_p[20], 16u, 0xffu);
+    misfire_rate_1000_4 |= unpack_left_shift_u32(src_p[21], 24u, 0xffu);
+    memcpy(&dst_p->misfire_rate_1000_4, &misfire_rate_1000_4, sizeof(dst_p->misfire_rate_1000_4));
+    misfire_rate_1000_5 = unpack_right_shift_u32(src_p[22], 0u, 0xffu);
+    misfire_rate_1000_5 |= unpack_left_shift_u32(src_p[23], 8u, 0xffu);
+    misfire_rate_1000_5 |= unpack_left_shift_u32(src_p[24], 16u, 0xffu);
+    misfire_rate_1000_5 |= unpack_left_shift_u32(src_p[25], 24u, 0xffu);
+    memcpy(&dst_p->misfire_rate_1000_5, &misfire_rate_1000_5, sizeof(dst_p->misfire_rate_1000_5));
+    misfire_rate_1000_6 = unpack_right_shift_u32(src_p[26], 0u, 0xffu);
+    misfire_rate_1000_6 |= unpack_left_shift_u32(src_p[27], 8u, 0xffu);
+    misfire_rate_1000_6 |= unpack_left_shift_u32(src_p[28], 16u, 0xffu);
+    misfire_rate_1000_6 |= unpack_left_shift_u32(src_p[29], 24u, 0xffu);
+    memcpy(&dst_p->misfire_rate_1000_6, &misfire_rate_1000_6, sizeof(dst_p->misfire_rate_1000_6));
+    misfire_rate_1000_7 = unpack_right_shift_u32(src_p[30], 0u, 0xffu);
+    misfire_rate_1000_7 |= unpack_left_shift_u32(src_p[31], 8u, 0xffu);
+    misfire_rate_1000_7 |= unpack_left_shift_u32(src_p[32], 16u, 0xffu);
+    misfire_rate_1000_7 |= unpack_left_shift_u32(src_p[33], 24u, 0xffu);
+    memcpy(&dst_p->misfire_rate_1000_7, &misfire_rate_1000_7, sizeof(dst_p->misfire_rate_1000_7));
+    misfire_rate_1000_8 = unpack_right_shift_u32(src_p[34], 0u, 0xffu);
+    misfire_rate_1000_8 |= unpack_left_shift_u32(src_p[35], 8u, 0xffu);
+    misfire_rate_1000_8 |= unpack_left_shift_u32(src_p[36], 16u, 0xffu);
+    misfire_rate_1000_8 |= unpack_left_shift_u32(src_p[37], 24u, 0xffu);
+    memcpy(&dst_p->misfire_rate_1000_8, &misfire_rate_1000_8, sizeof(dst_p->misfire_rate_1000_8));
+    misfire_continuous = unpack_right_shift_u32(src_p[38], 0u, 0xffu);
+    misfire_continuous |= unpack_left_shift_u32(src_p[39], 8u, 0xffu);
+    misfire_continuous |= unpack_left_shift_u32(src_p[40], 16u, 0xffu);
+    misfire_continuous |= unpack_left_shift_u32(src_p[41], 24u, 0xffu);
+    memcpy(&dst_p->misfire_continuous, &misfire_continuous, sizeof(dst_p->misfire_continuous));
+    misfire_suspects = unpack_right_shift_u32(src_p[42], 0u, 0xffu);
+    misfire_suspects |= unpack_left_shift_u32(src_p[43], 8u, 0xffu);
+    misfire_suspects |= unpack_left_shift_u32(src_p[44], 16u, 0xffu);
+    misfire_suspects |= unpack_left_shift_u32(src_p[45], 24u, 0xffu);
+    memcpy(&dst_p->misfire_suspects, &misfire_suspects, sizeof(dst_p->misfire_suspects));
+    misfire_lamp = unpack_right_shift_u32(src_p[46], 0u, 0xffu);
+    misfire_lamp |= unpack_left_shift_u32(src_p[47], 8u, 0xffu);
+    misfire_lamp |= unpack_left_shift_u32(src_p[48], 16u, 0xffu);
+    misfire_lamp |= unpack_left_shift_u32(src_p[49], 24u, 0xffu);
+    memcpy(&dst_p->misfire_lamp, &misfire_lamp, sizeof(dst_p->misfire_lamp));
+    misfire_count = unpack_right_shift_u32(src_p[50], 0u, 0xffu);
+    misfire_count |= unpack_left_shift_u32(src_p[51], 8u, 0xffu);
+    misfire_count |= unpack_left_shift_u32(src_p[52], 16u, 0xffu);
+    misfire_count |= unpack_left_shift_u32(src_p[53], 24u, 0xffu);
+    memcpy(&dst_p->misfire_count, &misfire_count, sizeof(dst_p->misfire_count));
+    misfire_partial_burns = unpack_right_shift_u32(src_p[54], 0u, 0xffu);
+    misfire_partial_burns |= unpack_left_shift_u32(src_p[55], 8u, 0xffu);
+    misfire_partial_burns |= unpack_left_shift_u32(src_p[56], 16u, 0xffu);
+    misfire_partial_burns |= unpack_left_shift_u32(src_p[57], 24u, 0xffu);
+    memcpy(&dst_p->misfire_partial_burns, &misfire_partial_burns, sizeof(dst_p->misfire_partial_burns));
+
+    return (0);
+}
+
+int sd_bus_cycle_3_init(struct sd_bus_cycle_3_t *msg_p)
+{
+    if (msg_p == NULL) return -1;
+
+    memset(msg_p, 0, sizeof(struct sd_bus_cycle_3_t));
+
+    return 0;
+}
+
+uint32_t sd_bus_cycle_3_tick_encode(double value)
+{
+    return (uint32_t)(cantools_unsigned_from_double(round(value)));
+}
+
+double sd_bus_cycle_3_tick_decode(uint32_t value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_cycle_3_tick_is_in_range(uint32_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool sd_bus_cycle_3_tick_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 4294967295.0));
+}
+
+uint8_t sd_bus_cycle_3_misfire_health_encode(double value)
+{
+    return (uint8_t)(cantools_unsigned_from_double(round(value)));
+}
+
+double sd_bus_cycle_3_misfire_health_decode(uint8_t value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_cycle_3_misfire_health_is_in_range(uint8_t value)
+{
+    return (value <= 2u);
+}
+
+bool sd_bus_cycle_3_misfire_health_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 2.0));
+}
+
+uint8_t sd_bus_cycle_3_misfire_why_encode(double value)
+{
+    return (uint8_t)(cantools_unsigned_from_double(round(value)));
+}
+
+double sd_bus_cycle_3_misfire_why_decode(uint8_t value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_cycle_3_misfire_why_is_in_range(uint8_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool sd_bus_cycle_3_misfire_why_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 255.0));
+}
+
+float sd_bus_cycle_3_misfire_rate_1000_1_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_cycle_3_misfire_rate_1000_1_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_cycle_3_misfire_rate_1000_1_is_in_range(float value)
+{
+    return ((value >= 0.0f) && (value <= 100.0f));
+}
+
+bool sd_bus_cycle_3_misfire_rate_1000_1_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 100.0));
+}
+
+float sd_bus_cycle_3_misfire_rate_1000_2_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_cycle_3_misfire_rate_1000_2_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_cycle_3_misfire_rate_1000_2_is_in_range(float value)
+{
+    return ((value >= 0.0f) && (value <= 100.0f));
+}
+
+bool sd_bus_cycle_3_misfire_rate_1000_2_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 100.0));
+}
+
+float sd_bus_cycle_3_misfire_rate_1000_3_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_cycle_3_misfire_rate_1000_3_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_cycle_3_misfire_rate_1000_3_is_in_range(float value)
+{
+    return ((value >= 0.0f) && (value <= 100.0f));
+}
+
+bool sd_bus_cycle_3_misfire_rate_1000_3_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 100.0));
+}
+
+float sd_bus_cycle_3_misfire_rate_1000_4_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_cycle_3_misfire_rate_1000_4_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_cycle_3_misfire_rate_1000_4_is_in_range(float value)
+{
+    return ((value >= 0.0f) && (value <= 100.0f));
+}
+
+bool sd_bus_cycle_3_misfire_rate_1000_4_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 100.0));
+}
+
+float sd_bus_cycle_3_misfire_rate_1000_5_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_cycle_3_misfire_rate_1000_5_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_cycle_3_misfire_rate_1000_5_is_in_range(float value)
+{
+    return ((value >= 0.0f) && (value <= 100.0f));
+}
+
+bool sd_bus_cycle_3_misfire_rate_1000_5_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 100.0));
+}
+
+float sd_bus_cycle_3_misfire_rate_1000_6_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_cycle_3_misfire_rate_1000_6_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_cycle_3_misfire_rate_1000_6_is_in_range(float value)
+{
+    return ((value >= 0.0f) && (value <= 100.0f));
+}
+
+bool sd_bus_cycle_3_misfire_rate_1000_6_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 100.0));
+}
+
+float sd_bus_cycle_3_misfire_rate_1000_7_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_cycle_3_misfire_rate_1000_7_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_cycle_3_misfire_rate_1000_7_is_in_range(float value)
+{
+    return ((value >= 0.0f) && (value <= 100.0f));
+}
+
+bool sd_bus_cycle_3_misfire_rate_1000_7_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 100.0));
+}
+
+float sd_bus_cycle_3_misfire_rate_1000_8_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_cycle_3_misfire_rate_1000_8_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_cycle_3_misfire_rate_1000_8_is_in_range(float value)
+{
+    return ((value >= 0.0f) && (value <= 100.0f));
+}
+
+bool sd_bus_cycle_3_misfire_rate_1000_8_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 100.0));
+}
+
+float sd_bus_cycle_3_misfire_continuous_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_cycle_3_misfire_continuous_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_cycle_3_misfire_continuous_is_in_range(float value)
+{
+    return ((value >= 0.0f) && (value <= 255.0f));
+}
+
+bool sd_bus_cycle_3_misfire_continuous_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 255.0));
+}
+
+float sd_bus_cycle_3_misfire_suspects_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_cycle_3_misfire_suspects_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_cycle_3_misfire_suspects_is_in_range(float value)
+{
+    return ((value >= 0.0f) && (value <= 255.0f));
+}
+
+bool sd_bus_cycle_3_misfire_suspects_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 255.0));
+}
+
+float sd_bus_cycle_3_misfire_lamp_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_cycle_3_misfire_lamp_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_cycle_3_misfire_lamp_is_in_range(float value)
+{
+    return ((value >= 0.0f) && (value <= 3.0f));
+}
+
+bool sd_bus_cycle_3_misfire_lamp_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 3.0));
+}
+
+float sd_bus_cycle_3_misfire_count_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_cycle_3_misfire_count_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_cycle_3_misfire_count_is_in_range(float value)
+{
+    return ((value >= 0.0f) && (value <= 4000000000.0f));
+}
+
+bool sd_bus_cycle_3_misfire_count_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 4000000000.0));
+}
+
+float sd_bus_cycle_3_misfire_partial_burns_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_cycle_3_misfire_partial_burns_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_cycle_3_misfire_partial_burns_is_in_range(float value)
+{
+    return ((value >= 0.0f) && (value <= 4000000000.0f));
+}
+
+bool sd_bus_cycle_3_misfire_partial_burns_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 4000000000.0));
+}
+
+int sd_bus_firing_pack(
+    uint8_t *dst_p,
+    const struct sd_bus_firing_t *src_p,
+    size_t size)
+{
+    uint32_t firing_cylinder;
+    uint32_t firing_mean;
+    uint32_t firing_mean_sd;
+    uint32_t firing_sd;
+    uint32_t firing_torque;
+    uint32_t misfire_cylinder;
+    uint32_t misfire_firing;
+    uint32_t misfire_index;
+    uint32_t misfire_inhibit;
+    uint32_t misfire_limit;
+    uint32_t misfire_verdict;
+
+    if (size < 64u) {
+        return (-EINVAL);
+    }
+
+    memset(&dst_p[0], 0, 64);
+
+    dst_p[0] |= pack_left_shift_u32(src_p->tick, 0u, 0xffu);
+    dst_p[1] |= pack_right_shift_u32(src_p->tick, 8u, 0xffu);
+    dst_p[2] |= pack_right_shift_u32(src_p->tick, 16u, 0xffu);
+    dst_p[3] |= pack_right_shift_u32(src_p->tick, 24u, 0xffu);
+    dst_p[4] |= pack_left_shift_u8(src_p->firing_health, 0u, 0xffu);
+    dst_p[5] |= pack_left_shift_u8(src_p->firing_why, 0u, 0xffu);
+    dst_p[6] |= pack_left_shift_u8(src_p->misfire_health, 0u, 0xffu);
+    dst_p[7] |= pack_left_shift_u8(src_p->misfire_why, 0u, 0xffu);
+    memcpy(&firing_cylinder, &src_p->firing_cylinder, sizeof(firing_cylinder));
+    dst_p[8] |= pack_left_shift_u32(firing_cylinder, 0u, 0xffu);
+    dst_p[9] |= pack_right_shift_u32(firing_cylinder, 8u, 0xffu);
+    dst_p[10] |= pack_right_shift_u32(firing_cylinder, 16u, 0xffu);
+    dst_p[11] |= pack_right_shift_u32(firing_cylinder, 24u, 0xffu);
+    memcpy(&firing_torque, &src_p->firing_torque, sizeof(firing_torque));
+    dst_p[12] |= pack_left_shift_u32(firing_torque, 0u, 0xffu);
+    dst_p[13] |= pack_right_shift_u32(firing_torque, 8u, 0xffu);
+    dst_p[14] |= pack_right_shift_u32(firing_torque, 16u, 0xffu);
+    dst_p[15] |= pack_right_shift_u32(firing_torque, 24u, 0xffu);
+    memcpy(&firing_sd, &src_p->firing_sd, sizeof(firing_sd));
+    dst_p[16] |= pack_left_shift_u32(firing_sd, 0u, 0xffu);
+    dst_p[17] |= pack_right_shift_u32(firing_sd, 8u, 0xffu);
+    dst_p[18] |= pack_right_shift_u32(firing_sd, 16u, 0xffu);
+    dst_p[19] |= pack_right_shift_u32(firing_sd, 24u, 0xffu);
+    memcpy(&firing_mean, &src_p->firing_mean, sizeof(firing_mean));
+    dst_p[20] |= pack_left_shift_u32(firing_mean, 0u, 0xffu);
+    dst_p[21] |= pack_right_shift_u32(firing_mean, 8u, 0xffu);
+    dst_p[22] |= pack_right_shift_u32(firing_mean, 16u, 0xffu);
+    dst_p[23] |= pack_right_shift_u32(firing_mean, 24u, 0xffu);
+    memcpy(&firing_mean_sd, &src_p->firing_mean_sd, sizeof(firing_mean_sd));
+    dst_p[24] |= pack_left_shift_u32(firing_mean_sd, 0u, 0xffu);
+    dst_p[25] |= pack_right_shift_u32(firing_mean_sd, 8u, 0xffu);
+    dst_p[26] |= pack_right_shift_u32(firing_mean_sd, 16u, 0xffu);
+    dst_p[27] |= pack_right_shift_u32(firing_mean_sd, 24u, 0xffu);
+    memcpy(&misfire_index, &src_p->misfire_index, sizeof(misfire_index));
+    dst_p[28] |= pack_left_shift_u32(misfire_index, 0u, 0xffu);
+    dst_p[29] |= pack_right_shift_u32(misfire_index, 8u, 0xffu);
+    dst_p[30] |= pack_right_shift_u32(misfire_index, 16u, 0xffu);
+    dst_p[31] |= pack_right_shift_u32(misfire_index, 24u, 0xffu);
+    memcpy(&misfire_limit, &src_p->misfire_limit, sizeof(misfire_limit));
+    dst_p[32] |= pack_left_shift_u32(misfire_limit, 0u, 0xffu);
+    dst_p[33] |= pack_right_shift_u32(misfire_limit, 8u, 0xffu);
+    dst_p[34] |= pack_right_shift_u32(misfire_limit, 16u, 0xffu);
+    dst_p[35] |= pack_right_shift_u32(misfire_limit, 24u, 0xffu);
+    memcpy(&misfire_verdict, &src_p->misfire_verdict, sizeof(misfire_verdict));
+    dst_p[36] |= pack_left_shift_u32(misfire_verdict, 0u, 0xffu);
+    dst_p[37] |= pack_right_shift_u32(misfire_verdict, 8u, 0xffu);
+    dst_p[38] |= pack_right_shift_u32(misfire_verdict, 16u, 0xffu);
+    dst_p[39] |= pack_right_shift_u32(misfire_verdict, 24u, 0xffu);
+    memcpy(&misfire_inhibit, &src_p->misfire_inhibit, sizeof(misfire_inhibit));
+    dst_p[40] |= pack_left_shift_u32(misfire_inhibit, 0u, 0xffu);
+    dst_p[41] |= pack_right_shift_u32(misfire_inhibit, 8u, 0xffu);
+    dst_p[42] |= pack_right_shift_u32(misfire_inhibit, 16u, 0xffu);
+    dst_p[43] |= pack_right_shift_u32(misfire_inhibit, 24u, 0xffu);
+    memcpy(&misfire_firing, &src_p->misfire_firing, sizeof(misfire_firing));
+    dst_p[44] |= pack_left_shift_u32(misfire_firing, 0u, 0xffu);
+    dst_p[45] |= pack_right_shift_u32(misfire_firing, 8u, 0xffu);
+    dst_p[46] |= pack_right_shift_u32(misfire_firing, 16u, 0xffu);
+    dst_p[47] |= pack_right_shift_u32(misfire_firing, 24u, 0xffu);
+    memcpy(&misfire_cylinder, &src_p->misfire_cylinder, sizeof(misfire_cylinder));
+    dst_p[48] |= pack_left_shift_u32(misfire_cylinder, 0u, 0xffu);
+    dst_p[49] |= pack_right_shift_u32(misfire_cylinder, 8u, 0xffu);
+    dst_p[50] |= pack_right_shift_u32(misfire_cylinder, 16u, 0xffu);
+    dst_p[51] |= pack_right_shift_u32(misfire_cylinder, 24u, 0xffu);
+
+    return (64);
+}
+
+int sd_bus_firing_unpack(
+    struct sd_bus_firing_t *dst_p,
+    const uint8_t *src_p,
+    size_t size)
+{
+    uint32_t firing_cylinder;
+    uint32_t firing_mean;
+    uint32_t firing_mean_sd;
+    uint32_t firing_sd;
+    uint32_t firing_torque;
+    uint32_t misfire_cylinder;
+    uint32_t misfire_firing;
+    uint32_t misfire_index;
+    uint32_t misfire_inhibit;
+    uint32_t misfire_limit;
+    uint32_t misfire_verdict;
+
+    if (size < 64u) {
+        return (-EINVAL);
+    }
+
+    dst_p->tick = unpack_right_shift_u32(src_p[0], 0u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[1], 8u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[2], 16u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[3], 24u, 0xffu);
+    dst_p->firing_health = unpack_right_shift_u8(src_p[4], 0u, 0xffu);
+    dst_p->firing_why = unpack_right_shift_u8(src_p[5], 0u, 0xffu);
+    dst_p->misfire_health = unpack_right_shift_u8(src_p[6], 0u, 0xffu);
+    dst_p->misfire_why = unpack_right_shift_u8(src_p[7], 0u, 0xffu);
+    firing_cylinder = unpack_right_shift_u32(src_p[8], 0u, 0xffu);
+    firing_cylinder |= unpack_left_shift_u32(src_p[9], 8u, 0xffu);
+    firing_cylinder |= unpack_left_shift_u32(src_p[10], 16u, 0xffu);
+    firing_cylinder |= unpack_left_shift_u32(src_p[11], 24u, 0xffu);
+    memcpy(&dst_p->firing_cylinder, &firing_cylinder, sizeof(dst_p->firing_cylinder));
+    firing_torque = unpack_right_shift_u32(src_p[12], 0u, 0xffu);
+    firing_torque |= unpack_left_shift_u32(src_p[13], 8u, 0xffu);
+    firing_torque |= unpack_left_shift_u32(src_p[14], 16u, 0xffu);
+    firing_torque |= unpack_left_shift_u32(src_p[15], 24u, 0xffu);
+    memcpy(&dst_p->firing_torque, &firing_torque, sizeof(dst_p->firing_torque));
+    firing_sd = unpack_right_shift_u32(src_p[16], 0u, 0xffu);
+    firing_sd |= unpack_left_shift_u32(src_p[17], 8u, 0xffu);
+    firing_sd |= unpack_left_shift_u32(src_p[18], 16u, 0xffu);
+    firing_sd |= unpack_left_shift_u32(src_p[19], 24u, 0xffu);
+    memcpy(&dst_p->firing_sd, &firing_sd, sizeof(dst_p->firing_sd));
+    firing_mean = unpack_right_shift_u32(src_p[20], 0u, 0xffu);
+    firing_mean |= unpack_left_shift_u32(src_p[21], 8u, 0xffu);
+    firing_mean |= unpack_left_shift_u32(src_p[22], 16u, 0xffu);
+    firing_mean |= unpack_left_shift_u32(src_p[23], 24u, 0xffu);
+    memcpy(&dst_p->firing_mean, &firing_mean, sizeof(dst_p->firing_mean));
+    firing_mean_sd = unpack_right_shift_u32(src_p[24], 0u, 0xffu);
+    firing_mean_sd |= unpack_left_shift_u32(src_p[25], 8u, 0xffu);
+    firing_mean_sd |= unpack_left_shift_u32(src_p[26], 16u, 0xffu);
+    firing_mean_sd |= unpack_left_shift_u32(src_p[27], 24u, 0xffu);
+    memcpy(&dst_p->firing_mean_sd, &firing_mean_sd, sizeof(dst_p->firing_mean_sd));
+    misfire_index = unpack_right_shift_u32(src_p[28], 0u, 0xffu);
+    misfire_index |= unpack_left_shift_u32(src_p[29], 8u, 0xffu);
+    misfire_index |= unpack_left_shift_u32(src_p[30], 16u, 0xffu);
+    misfire_index |= unpack_left_shift_u32(src_p[31], 24u, 0xffu);
+    memcpy(&dst_p->misfire_index, &misfire_index, sizeof(dst_p->misfire_index));
+    misfire_limit = unpack_right_shift_u32(src_p[32], 0u, 0xffu);
+    misfire_limit |= unpack_left_shift_u32(src_p[33], 8u, 0xffu);
+    misfire_limit |= unpack_left_shift_u32(src_p[34], 16u, 0xffu);
+    misfire_limit |= unpack_left_shift_u32(src_p[35], 24u, 0xffu);
+    memcpy(&dst_p->misfire_limit, &misfire_limit, sizeof(dst_p->misfire_limit));
+    misfire_verdict = unpack_right_shift_u32(src_p[36], 0u, 0xffu);
+    misfire_verdict |= unpack_left_shift_u32(src_p[37], 8u, 0xffu);
+    misfire_verdict |= unpack_left_shift_u32(src_p[38], 16u, 0xffu);
+    misfire_verdict |= unpack_left_shift_u32(src_p[39], 24u, 0xffu);
+    memcpy(&dst_p->misfire_verdict, &misfire_verdict, sizeof(dst_p->misfire_verdict));
+    misfire_inhibit = unpack_right_shift_u32(src_p[40], 0u, 0xffu);
+    misfire_inhibit |= unpack_left_shift_u32(src_p[41], 8u, 0xffu);
+    misfire_inhibit |= unpack_left_shift_u32(src_p[42], 16u, 0xffu);
+    misfire_inhibit |= unpack_left_shift_u32(src_p[43], 24u, 0xffu);
+    memcpy(&dst_p->misfire_inhibit, &misfire_inhibit, sizeof(dst_p->misfire_inhibit));
+    misfire_firing = unpack_right_shift_u32(src_p[44], 0u, 0xffu);
+    misfire_firing |= unpack_left_shift_u32(src_p[45], 8u, 0xffu);
+    misfire_firing |= unpack_left_shift_u32(src_p[46], 16u, 0xffu);
+    misfire_firing |= unpack_left_shift_u32(src_p[47], 24u, 0xffu);
+    memcpy(&dst_p->misfire_firing, &misfire_firing, sizeof(dst_p->misfire_firing));
+    misfire_cylinder = unpack_right_shift_u32(src_p[48], 0u, 0xffu);
+    misfire_cylinder |= unpack_left_shift_u32(src_p[49], 8u, 0xffu);
+    misfire_cylinder |= unpack_left_shift_u32(src_p[50], 16u, 0xffu);
+    misfire_cylinder |= unpack_left_shift_u32(src_p[51], 24u, 0xffu);
+    memcpy(&dst_p->misfire_cylinder, &misfire_cylinder, sizeof(dst_p->misfire_cylinder));
+
+    return (0);
+}
+
+int sd_bus_firing_init(struct sd_bus_firing_t *msg_p)
+{
+    if (msg_p == NULL) return -1;
+
+    memset(msg_p, 0, sizeof(struct sd_bus_firing_t));
+
+    return 0;
+}
+
+uint32_t sd_bus_firing_tick_encode(double value)
+{
+    return (uint32_t)(cantools_unsigned_from_double(round(value)));
+}
+
+double sd_bus_firing_tick_decode(uint32_t value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_firing_tick_is_in_range(uint32_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool sd_bus_firing_tick_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 4294967295.0));
+}
+
+uint8_t sd_bus_firing_firing_health_encode(double value)
+{
+    return (uint8_t)(cantools_unsigned_from_double(round(value)));
+}
+
+double sd_bus_firing_firing_health_decode(uint8_t value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_firing_firing_health_is_in_range(uint8_t value)
+{
+    return (value <= 2u);
+}
+
+bool sd_bus_firing_firing_health_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 2.0));
+}
+
+uint8_t sd_bus_firing_firing_why_encode(double value)
+{
+    return (uint8_t)(cantools_unsigned_from_double(round(value)));
+}
+
+double sd_bus_firing_firing_why_decode(uint8_t value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_firing_firing_why_is_in_range(uint8_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool sd_bus_firing_firing_why_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 255.0));
+}
+
+uint8_t sd_bus_firing_misfire_health_encode(double value)
+{
+    return (uint8_t)(cantools_unsigned_from_double(round(value)));
+}
+
+double sd_bus_firing_misfire_health_decode(uint8_t value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_firing_misfire_health_is_in_range(uint8_t value)
+{
+    return (value <= 2u);
+}
+
+bool sd_bus_firing_misfire_health_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 2.0));
+}
+
+uint8_t sd_bus_firing_misfire_why_encode(double value)
+{
+    return (uint8_t)(cantools_unsigned_from_double(round(value)));
+}
+
+double sd_bus_firing_misfire_why_decode(uint8_t value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_firing_misfire_why_is_in_range(uint8_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool sd_bus_firing_misfire_why_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 255.0));
+}
+
+float sd_bus_firing_firing_cylinder_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_firing_firing_cylinder_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_firing_firing_cylinder_is_in_range(float value)
+{
+    return ((value >= 1.0f) && (value <= 8.0f));
+}
+
+bool sd_bus_firing_firing_cylinder_is_in_phys_range(double value)
+{
+    return ((value >= 1.0) && (value <= 8.0));
+}
+
+float sd_bus_firing_firing_torque_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_firing_firing_torque_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_firing_firing_torque_is_in_range(float value)
+{
+    return ((value >= -20000.0f) && (value <= 20000.0f));
+}
+
+bool sd_bus_firing_firing_torque_is_in_phys_range(double value)
+{
+    return ((value >= -20000.0) && (value <= 20000.0));
+}
+
+float sd_bus_firing_firing_sd_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_firing_firing_sd_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_firing_firing_sd_is_in_range(float value)
+{
+    return ((value >= 0.0f) && (value <= 20000.0f));
+}
+
+bool sd_bus_firing_firing_sd_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 20000.0));
+}
+
+float sd_bus_firing_firing_mean_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_firing_firing_mean_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_firing_firing_mean_is_in_range(float value)
+{
+    return ((value >= -20000.0f) && (value <= 20000.0f));
+}
+
+bool sd_bus_firing_firing_mean_is_in_phys_range(double value)
+{
+    return ((value >= -20000.0) && (value <= 20000.0));
+}
+
+float sd_bus_firing_firing_mean_sd_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_firing_firing_mean_sd_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_firing_firing_mean_sd_is_in_range(float value)
+{
+    return ((value >= 0.0f) && (value <= 20000.0f));
+}
+
+bool sd_bus_firing_firing_mean_sd_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 20000.0));
+}
+
+float sd_bus_firing_misfire_index_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_firing_misfire_index_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_firing_misfire_index_is_in_range(float value)
+{
+    return ((value >= -10.0f) && (value <= 10.0f));
+}
+
+bool sd_bus_firing_misfire_index_is_in_phys_range(double value)
+{
+    return ((value >= -10.0) && (value <= 10.0));
+}
+
+float sd_bus_firing_misfire_limit_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_firing_misfire_limit_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_firing_misfire_limit_is_in_range(float value)
+{
+    return ((value >= 0.0f) && (value <= 1.0f));
+}
+
+bool sd_bus_firing_misfire_limit_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 1.0));
+}
+
+float sd_bus_firing_misfire_verdict_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_firing_misfire_verdict_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_firing_misfire_verdict_is_in_range(float value)
+{
+    return ((value >= 0.0f) && (value <= 3.0f));
+}
+
+bool sd_bus_firing_misfire_verdict_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 3.0));
+}
+
+float sd_bus_firing_misfire_inhibit_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_firing_misfire_inhibit_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_firing_misfire_inhibit_is_in_range(float value)
+{
+    return ((value >= 0.0f) && (value <= 63.0f));
+}
+
+bool sd_bus_firing_misfire_inhibit_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 63.0));
+}
+
+float sd_bus_firing_misfire_firing_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_firing_misfire_firing_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_firing_misfire_firing_is_in_range(float value)
+{
+    return ((value >= 0.0f) && (value <= 7.0f));
+}
+
+bool sd_bus_firing_misfire_firing_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 7.0));
+}
+
+float sd_bus_firing_misfire_cylinder_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_firing_misfire_cylinder_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_firing_misfire_cylinder_is_in_range(float value)
+{
+    return ((value >= 1.0f) && (value <= 8.0f));
+}
+
+bool sd_bus_firing_misfire_cylinder_is_in_phys_range(double value)
+{
+    return ((value >= 1.0) && (value <= 8.0));
 }
 
 int sd_bus_done_pack(

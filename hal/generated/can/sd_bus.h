@@ -56,6 +56,8 @@ extern "C" {
 #define SD_BUS_EDGE_FRAME_ID (0xb0u)
 #define SD_BUS_CYCLE_1_FRAME_ID (0xb1u)
 #define SD_BUS_CYCLE_2_FRAME_ID (0xb2u)
+#define SD_BUS_CYCLE_3_FRAME_ID (0xb3u)
+#define SD_BUS_FIRING_FRAME_ID (0xb4u)
 #define SD_BUS_DONE_FRAME_ID (0xb8u)
 #define SD_BUS_PARAMETER_REQUEST_FRAME_ID (0xc0u)
 #define SD_BUS_PARAMETER_FRAME_ID (0xc1u)
@@ -73,7 +75,9 @@ extern "C" {
 #define SD_BUS_INPUT_EXHAUST_PRESSURE_LENGTH (8u)
 #define SD_BUS_EDGE_LENGTH (48u)
 #define SD_BUS_CYCLE_1_LENGTH (64u)
-#define SD_BUS_CYCLE_2_LENGTH (20u)
+#define SD_BUS_CYCLE_2_LENGTH (64u)
+#define SD_BUS_CYCLE_3_LENGTH (64u)
+#define SD_BUS_FIRING_LENGTH (64u)
 #define SD_BUS_DONE_LENGTH (8u)
 #define SD_BUS_PARAMETER_REQUEST_LENGTH (8u)
 #define SD_BUS_PARAMETER_LENGTH (8u)
@@ -92,6 +96,8 @@ extern "C" {
 #define SD_BUS_EDGE_IS_EXTENDED (0)
 #define SD_BUS_CYCLE_1_IS_EXTENDED (0)
 #define SD_BUS_CYCLE_2_IS_EXTENDED (0)
+#define SD_BUS_CYCLE_3_IS_EXTENDED (0)
+#define SD_BUS_FIRING_IS_EXTENDED (0)
 #define SD_BUS_DONE_IS_EXTENDED (0)
 #define SD_BUS_PARAMETER_REQUEST_IS_EXTENDED (0)
 #define SD_BUS_PARAMETER_IS_EXTENDED (0)
@@ -117,6 +123,10 @@ extern "C" {
 #define SD_BUS_EDGE_TORQUE_HEALTH_DEGRADED_CHOICE (1u)
 #define SD_BUS_EDGE_TORQUE_HEALTH_INVALID_CHOICE (2u)
 
+#define SD_BUS_EDGE_FIRING_HEALTH_VALID_CHOICE (0u)
+#define SD_BUS_EDGE_FIRING_HEALTH_DEGRADED_CHOICE (1u)
+#define SD_BUS_EDGE_FIRING_HEALTH_INVALID_CHOICE (2u)
+
 #define SD_BUS_CYCLE_1_CRANK_HEALTH_VALID_CHOICE (0u)
 #define SD_BUS_CYCLE_1_CRANK_HEALTH_DEGRADED_CHOICE (1u)
 #define SD_BUS_CYCLE_1_CRANK_HEALTH_INVALID_CHOICE (2u)
@@ -128,6 +138,26 @@ extern "C" {
 #define SD_BUS_CYCLE_2_CYLINDER_HEALTH_VALID_CHOICE (0u)
 #define SD_BUS_CYCLE_2_CYLINDER_HEALTH_DEGRADED_CHOICE (1u)
 #define SD_BUS_CYCLE_2_CYLINDER_HEALTH_INVALID_CHOICE (2u)
+
+#define SD_BUS_CYCLE_2_CRANK_HEALTH_VALID_CHOICE (0u)
+#define SD_BUS_CYCLE_2_CRANK_HEALTH_DEGRADED_CHOICE (1u)
+#define SD_BUS_CYCLE_2_CRANK_HEALTH_INVALID_CHOICE (2u)
+
+#define SD_BUS_CYCLE_2_MISFIRE_HEALTH_VALID_CHOICE (0u)
+#define SD_BUS_CYCLE_2_MISFIRE_HEALTH_DEGRADED_CHOICE (1u)
+#define SD_BUS_CYCLE_2_MISFIRE_HEALTH_INVALID_CHOICE (2u)
+
+#define SD_BUS_CYCLE_3_MISFIRE_HEALTH_VALID_CHOICE (0u)
+#define SD_BUS_CYCLE_3_MISFIRE_HEALTH_DEGRADED_CHOICE (1u)
+#define SD_BUS_CYCLE_3_MISFIRE_HEALTH_INVALID_CHOICE (2u)
+
+#define SD_BUS_FIRING_FIRING_HEALTH_VALID_CHOICE (0u)
+#define SD_BUS_FIRING_FIRING_HEALTH_DEGRADED_CHOICE (1u)
+#define SD_BUS_FIRING_FIRING_HEALTH_INVALID_CHOICE (2u)
+
+#define SD_BUS_FIRING_MISFIRE_HEALTH_VALID_CHOICE (0u)
+#define SD_BUS_FIRING_MISFIRE_HEALTH_DEGRADED_CHOICE (1u)
+#define SD_BUS_FIRING_MISFIRE_HEALTH_INVALID_CHOICE (2u)
 
 #define SD_BUS_PARAMETER_REQUEST_COMMAND_READ_CHOICE (0u)
 #define SD_BUS_PARAMETER_REQUEST_COMMAND_READ_REFERENCE_CHOICE (1u)
@@ -145,6 +175,30 @@ extern "C" {
 #define SD_BUS_PARAMETER_REQUEST_INDEX_TORQUE_SPEED_BASE_CHOICE (8u)
 #define SD_BUS_PARAMETER_REQUEST_INDEX_TORQUE_TORQUE_BASE_CHOICE (9u)
 #define SD_BUS_PARAMETER_REQUEST_INDEX_TORQUE_FIXED_POINT_CHOICE (10u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_FIRING_ENABLED_CHOICE (11u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_FIRING_HARMONICS_CHOICE (12u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_FIRING_EDGE_SD_CHOICE (13u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_FIRING_PATTERN_CHOICE (14u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_FIRING_LOAD_WALK_CHOICE (15u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_FIRING_CHANGE_CHOICE (16u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_FIRING_REJECT_CHOICE (17u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_FIRING_SETTLE_CHOICE (18u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_WORK_PER_FUEL_CHOICE (19u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_CYCLIC_CHOICE (20u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_Z_FALSE_CHOICE (21u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_Z_MISSED_CHOICE (22u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_DEFINITION_CHOICE (23u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_PARTIAL_CHOICE (24u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_FUEL_MIN_CHOICE (25u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_TORQUE_MIN_CHOICE (26u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_SPEED_CHANGE_CHOICE (27u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_START_CHOICE (28u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_HOLD_CHOICE (29u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_CONTINUOUS_CHOICE (30u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_EMISSION_CHOICE (31u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_CATALYST_CHOICE (32u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_EMISSION_WINDOWS_CHOICE (33u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_CATALYST_WINDOWS_CHOICE (34u)
 
 #define SD_BUS_PARAMETER_COMMAND_READ_CHOICE (0u)
 #define SD_BUS_PARAMETER_COMMAND_READ_REFERENCE_CHOICE (1u)
@@ -162,6 +216,30 @@ extern "C" {
 #define SD_BUS_PARAMETER_INDEX_TORQUE_SPEED_BASE_CHOICE (8u)
 #define SD_BUS_PARAMETER_INDEX_TORQUE_TORQUE_BASE_CHOICE (9u)
 #define SD_BUS_PARAMETER_INDEX_TORQUE_FIXED_POINT_CHOICE (10u)
+#define SD_BUS_PARAMETER_INDEX_FIRING_ENABLED_CHOICE (11u)
+#define SD_BUS_PARAMETER_INDEX_FIRING_HARMONICS_CHOICE (12u)
+#define SD_BUS_PARAMETER_INDEX_FIRING_EDGE_SD_CHOICE (13u)
+#define SD_BUS_PARAMETER_INDEX_FIRING_PATTERN_CHOICE (14u)
+#define SD_BUS_PARAMETER_INDEX_FIRING_LOAD_WALK_CHOICE (15u)
+#define SD_BUS_PARAMETER_INDEX_FIRING_CHANGE_CHOICE (16u)
+#define SD_BUS_PARAMETER_INDEX_FIRING_REJECT_CHOICE (17u)
+#define SD_BUS_PARAMETER_INDEX_FIRING_SETTLE_CHOICE (18u)
+#define SD_BUS_PARAMETER_INDEX_MISFIRE_WORK_PER_FUEL_CHOICE (19u)
+#define SD_BUS_PARAMETER_INDEX_MISFIRE_CYCLIC_CHOICE (20u)
+#define SD_BUS_PARAMETER_INDEX_MISFIRE_Z_FALSE_CHOICE (21u)
+#define SD_BUS_PARAMETER_INDEX_MISFIRE_Z_MISSED_CHOICE (22u)
+#define SD_BUS_PARAMETER_INDEX_MISFIRE_DEFINITION_CHOICE (23u)
+#define SD_BUS_PARAMETER_INDEX_MISFIRE_PARTIAL_CHOICE (24u)
+#define SD_BUS_PARAMETER_INDEX_MISFIRE_FUEL_MIN_CHOICE (25u)
+#define SD_BUS_PARAMETER_INDEX_MISFIRE_TORQUE_MIN_CHOICE (26u)
+#define SD_BUS_PARAMETER_INDEX_MISFIRE_SPEED_CHANGE_CHOICE (27u)
+#define SD_BUS_PARAMETER_INDEX_MISFIRE_START_CHOICE (28u)
+#define SD_BUS_PARAMETER_INDEX_MISFIRE_HOLD_CHOICE (29u)
+#define SD_BUS_PARAMETER_INDEX_MISFIRE_CONTINUOUS_CHOICE (30u)
+#define SD_BUS_PARAMETER_INDEX_MISFIRE_EMISSION_CHOICE (31u)
+#define SD_BUS_PARAMETER_INDEX_MISFIRE_CATALYST_CHOICE (32u)
+#define SD_BUS_PARAMETER_INDEX_MISFIRE_EMISSION_WINDOWS_CHOICE (33u)
+#define SD_BUS_PARAMETER_INDEX_MISFIRE_CATALYST_WINDOWS_CHOICE (34u)
 
 #define SD_BUS_PARAMETER_RESULT_OK_CHOICE (0u)
 #define SD_BUS_PARAMETER_RESULT_UNKNOWN_CHOICE (1u)
@@ -178,6 +256,8 @@ extern "C" {
 #define SD_BUS_EDGE_NAME "edge"
 #define SD_BUS_CYCLE_1_NAME "cycle_1"
 #define SD_BUS_CYCLE_2_NAME "cycle_2"
+#define SD_BUS_CYCLE_3_NAME "cycle_3"
+#define SD_BUS_FIRING_NAME "firing"
 #define SD_BUS_DONE_NAME "done"
 #define SD_BUS_PARAMETER_REQUEST_NAME "parameter_request"
 #define SD_BUS_PARAMETER_NAME "parameter"
@@ -221,6 +301,8 @@ extern "C" {
 #define SD_BUS_EDGE_CRANK_WHY_NAME "crank_why"
 #define SD_BUS_EDGE_TORQUE_HEALTH_NAME "torque_health"
 #define SD_BUS_EDGE_TORQUE_WHY_NAME "torque_why"
+#define SD_BUS_EDGE_FIRING_HEALTH_NAME "firing_health"
+#define SD_BUS_EDGE_FIRING_WHY_NAME "firing_why"
 #define SD_BUS_EDGE_CRANK_EDGE_CLASS_NAME "crank_edge_class"
 #define SD_BUS_EDGE_CRANK_TOOTH_NAME "crank_tooth"
 #define SD_BUS_EDGE_CRANK_ANGLE_NAME "crank_angle"
@@ -229,6 +311,7 @@ extern "C" {
 #define SD_BUS_EDGE_CRANK_ACCELERATION_NAME "crank_acceleration"
 #define SD_BUS_EDGE_TORQUE_MASS_NAME "torque_mass"
 #define SD_BUS_EDGE_TORQUE_INNOVATION_NAME "torque_innovation"
+#define SD_BUS_EDGE_FIRING_WAVEFORM_NAME "firing_waveform"
 #define SD_BUS_CYCLE_1_TICK_NAME "tick"
 #define SD_BUS_CYCLE_1_CRANK_HEALTH_NAME "crank_health"
 #define SD_BUS_CYCLE_1_CRANK_WHY_NAME "crank_why"
@@ -251,9 +334,55 @@ extern "C" {
 #define SD_BUS_CYCLE_2_TICK_NAME "tick"
 #define SD_BUS_CYCLE_2_CYLINDER_HEALTH_NAME "cylinder_health"
 #define SD_BUS_CYCLE_2_CYLINDER_WHY_NAME "cylinder_why"
+#define SD_BUS_CYCLE_2_CRANK_HEALTH_NAME "crank_health"
+#define SD_BUS_CYCLE_2_CRANK_WHY_NAME "crank_why"
+#define SD_BUS_CYCLE_2_MISFIRE_HEALTH_NAME "misfire_health"
+#define SD_BUS_CYCLE_2_MISFIRE_WHY_NAME "misfire_why"
 #define SD_BUS_CYCLE_2_CYCLE_CYLINDER_SD_6_NAME "cycle_cylinder_sd_6"
 #define SD_BUS_CYCLE_2_CYCLE_CYLINDER_SD_7_NAME "cycle_cylinder_sd_7"
 #define SD_BUS_CYCLE_2_CYCLE_CYLINDER_SD_8_NAME "cycle_cylinder_sd_8"
+#define SD_BUS_CYCLE_2_WHEEL_PATTERN_SD_NAME "wheel_pattern_sd"
+#define SD_BUS_CYCLE_2_WHEEL_LEARNED_CYCLES_NAME "wheel_learned_cycles"
+#define SD_BUS_CYCLE_2_MISFIRE_RATE_200_1_NAME "misfire_rate_200_1"
+#define SD_BUS_CYCLE_2_MISFIRE_RATE_200_2_NAME "misfire_rate_200_2"
+#define SD_BUS_CYCLE_2_MISFIRE_RATE_200_3_NAME "misfire_rate_200_3"
+#define SD_BUS_CYCLE_2_MISFIRE_RATE_200_4_NAME "misfire_rate_200_4"
+#define SD_BUS_CYCLE_2_MISFIRE_RATE_200_5_NAME "misfire_rate_200_5"
+#define SD_BUS_CYCLE_2_MISFIRE_RATE_200_6_NAME "misfire_rate_200_6"
+#define SD_BUS_CYCLE_2_MISFIRE_RATE_200_7_NAME "misfire_rate_200_7"
+#define SD_BUS_CYCLE_2_MISFIRE_RATE_200_8_NAME "misfire_rate_200_8"
+#define SD_BUS_CYCLE_3_TICK_NAME "tick"
+#define SD_BUS_CYCLE_3_MISFIRE_HEALTH_NAME "misfire_health"
+#define SD_BUS_CYCLE_3_MISFIRE_WHY_NAME "misfire_why"
+#define SD_BUS_CYCLE_3_MISFIRE_RATE_1000_1_NAME "misfire_rate_1000_1"
+#define SD_BUS_CYCLE_3_MISFIRE_RATE_1000_2_NAME "misfire_rate_1000_2"
+#define SD_BUS_CYCLE_3_MISFIRE_RATE_1000_3_NAME "misfire_rate_1000_3"
+#define SD_BUS_CYCLE_3_MISFIRE_RATE_1000_4_NAME "misfire_rate_1000_4"
+#define SD_BUS_CYCLE_3_MISFIRE_RATE_1000_5_NAME "misfire_rate_1000_5"
+#define SD_BUS_CYCLE_3_MISFIRE_RATE_1000_6_NAME "misfire_rate_1000_6"
+#define SD_BUS_CYCLE_3_MISFIRE_RATE_1000_7_NAME "misfire_rate_1000_7"
+#define SD_BUS_CYCLE_3_MISFIRE_RATE_1000_8_NAME "misfire_rate_1000_8"
+#define SD_BUS_CYCLE_3_MISFIRE_CONTINUOUS_NAME "misfire_continuous"
+#define SD_BUS_CYCLE_3_MISFIRE_SUSPECTS_NAME "misfire_suspects"
+#define SD_BUS_CYCLE_3_MISFIRE_LAMP_NAME "misfire_lamp"
+#define SD_BUS_CYCLE_3_MISFIRE_COUNT_NAME "misfire_count"
+#define SD_BUS_CYCLE_3_MISFIRE_PARTIAL_BURNS_NAME "misfire_partial_burns"
+#define SD_BUS_FIRING_TICK_NAME "tick"
+#define SD_BUS_FIRING_FIRING_HEALTH_NAME "firing_health"
+#define SD_BUS_FIRING_FIRING_WHY_NAME "firing_why"
+#define SD_BUS_FIRING_MISFIRE_HEALTH_NAME "misfire_health"
+#define SD_BUS_FIRING_MISFIRE_WHY_NAME "misfire_why"
+#define SD_BUS_FIRING_FIRING_CYLINDER_NAME "firing_cylinder"
+#define SD_BUS_FIRING_FIRING_TORQUE_NAME "firing_torque"
+#define SD_BUS_FIRING_FIRING_SD_NAME "firing_sd"
+#define SD_BUS_FIRING_FIRING_MEAN_NAME "firing_mean"
+#define SD_BUS_FIRING_FIRING_MEAN_SD_NAME "firing_mean_sd"
+#define SD_BUS_FIRING_MISFIRE_INDEX_NAME "misfire_index"
+#define SD_BUS_FIRING_MISFIRE_LIMIT_NAME "misfire_limit"
+#define SD_BUS_FIRING_MISFIRE_VERDICT_NAME "misfire_verdict"
+#define SD_BUS_FIRING_MISFIRE_INHIBIT_NAME "misfire_inhibit"
+#define SD_BUS_FIRING_MISFIRE_FIRING_NAME "misfire_firing"
+#define SD_BUS_FIRING_MISFIRE_CYLINDER_NAME "misfire_cylinder"
 #define SD_BUS_DONE_TICK_NAME "tick"
 #define SD_BUS_DONE_SESSION_NAME "session"
 #define SD_BUS_DONE_IGNORED_NAME "ignored"
@@ -614,6 +743,24 @@ struct sd_bus_edge_t {
     uint8_t torque_why;
 
     /**
+     * How far the values of firing may be trusted.
+     *
+     * Range: 0..2 (0..2 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t firing_health;
+
+    /**
+     * Why not, bits: sd_why_t.
+     *
+     * Range: 0..255 (0..255 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t firing_why;
+
+    /**
      * What became of the edge: 0 tooth, 1 coasted (a tooth after missing ones), 2 spurious, 3 unsynced.
      *
      * Range: 0.0..3.0 (0..3 -)
@@ -684,6 +831,15 @@ struct sd_bus_edge_t {
      * Offset: 0
      */
     float torque_innovation;
+
+    /**
+     * Torque at the tooth from the filter on tooth times: combustion and motored torque less load.
+     *
+     * Range: -20000.0..20000.0 (-20000..20000 Nm)
+     * Scale: 1
+     * Offset: 0
+     */
+    float firing_waveform;
 };
 
 /**
@@ -902,6 +1058,42 @@ struct sd_bus_cycle_2_t {
     uint8_t cylinder_why;
 
     /**
+     * How far the values of crank may be trusted.
+     *
+     * Range: 0..2 (0..2 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t crank_health;
+
+    /**
+     * Why not, bits: sd_why_t.
+     *
+     * Range: 0..255 (0..255 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t crank_why;
+
+    /**
+     * How far the values of misfire may be trusted.
+     *
+     * Range: 0..2 (0..2 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t misfire_health;
+
+    /**
+     * Why not, bits: sd_why_t.
+     *
+     * Range: 0..255 (0..255 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t misfire_why;
+
+    /**
      * Standard deviation of cycle.cylinder_torque from errors of the tooth times (torque.tooth_sd, timer); errors of the engine model are not in it.
      *
      * Range: 0.0..20000.0 (0..20000 Nm)
@@ -927,6 +1119,402 @@ struct sd_bus_cycle_2_t {
      * Offset: 0
      */
     float cycle_cylinder_sd_8;
+
+    /**
+     * Standard deviation of the learned error of a tooth; 0: nothing learned.
+     *
+     * Range: 0.0..1.0 (0..1 deg)
+     * Scale: 1
+     * Offset: 0
+     */
+    float wheel_pattern_sd;
+
+    /**
+     * Motored cycles the tooth pattern was learned from.
+     *
+     * Range: 0.0..1000000000.0 (0..1000000000 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    float wheel_learned_cycles;
+
+    /**
+     * Misfires of the cylinder in the last complete window of 200 judged revolutions, of its firings.
+     *
+     * Range: 0.0..100.0 (0..100 %)
+     * Scale: 1
+     * Offset: 0
+     */
+    float misfire_rate_200_1;
+
+    /**
+     * Misfires of the cylinder in the last complete window of 200 judged revolutions, of its firings.
+     *
+     * Range: 0.0..100.0 (0..100 %)
+     * Scale: 1
+     * Offset: 0
+     */
+    float misfire_rate_200_2;
+
+    /**
+     * Misfires of the cylinder in the last complete window of 200 judged revolutions, of its firings.
+     *
+     * Range: 0.0..100.0 (0..100 %)
+     * Scale: 1
+     * Offset: 0
+     */
+    float misfire_rate_200_3;
+
+    /**
+     * Misfires of the cylinder in the last complete window of 200 judged revolutions, of its firings.
+     *
+     * Range: 0.0..100.0 (0..100 %)
+     * Scale: 1
+     * Offset: 0
+     */
+    float misfire_rate_200_4;
+
+    /**
+     * Misfires of the cylinder in the last complete window of 200 judged revolutions, of its firings.
+     *
+     * Range: 0.0..100.0 (0..100 %)
+     * Scale: 1
+     * Offset: 0
+     */
+    float misfire_rate_200_5;
+
+    /**
+     * Misfires of the cylinder in the last complete window of 200 judged revolutions, of its firings.
+     *
+     * Range: 0.0..100.0 (0..100 %)
+     * Scale: 1
+     * Offset: 0
+     */
+    float misfire_rate_200_6;
+
+    /**
+     * Misfires of the cylinder in the last complete window of 200 judged revolutions, of its firings.
+     *
+     * Range: 0.0..100.0 (0..100 %)
+     * Scale: 1
+     * Offset: 0
+     */
+    float misfire_rate_200_7;
+
+    /**
+     * Misfires of the cylinder in the last complete window of 200 judged revolutions, of its firings.
+     *
+     * Range: 0.0..100.0 (0..100 %)
+     * Scale: 1
+     * Offset: 0
+     */
+    float misfire_rate_200_8;
+};
+
+/**
+ * Signals in message cycle_3.
+ *
+ * Signals of rate cycle, one row a tick.
+ *
+ * All signal values are as on the CAN bus.
+ */
+struct sd_bus_cycle_3_t {
+    /**
+     * Capture tick of the event that caused it.
+     *
+     * Range: 0..4294967295 (0..4294967295 tick)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint32_t tick;
+
+    /**
+     * How far the values of misfire may be trusted.
+     *
+     * Range: 0..2 (0..2 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t misfire_health;
+
+    /**
+     * Why not, bits: sd_why_t.
+     *
+     * Range: 0..255 (0..255 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t misfire_why;
+
+    /**
+     * The same in 1000.
+     *
+     * Range: 0.0..100.0 (0..100 %)
+     * Scale: 1
+     * Offset: 0
+     */
+    float misfire_rate_1000_1;
+
+    /**
+     * The same in 1000.
+     *
+     * Range: 0.0..100.0 (0..100 %)
+     * Scale: 1
+     * Offset: 0
+     */
+    float misfire_rate_1000_2;
+
+    /**
+     * The same in 1000.
+     *
+     * Range: 0.0..100.0 (0..100 %)
+     * Scale: 1
+     * Offset: 0
+     */
+    float misfire_rate_1000_3;
+
+    /**
+     * The same in 1000.
+     *
+     * Range: 0.0..100.0 (0..100 %)
+     * Scale: 1
+     * Offset: 0
+     */
+    float misfire_rate_1000_4;
+
+    /**
+     * The same in 1000.
+     *
+     * Range: 0.0..100.0 (0..100 %)
+     * Scale: 1
+     * Offset: 0
+     */
+    float misfire_rate_1000_5;
+
+    /**
+     * The same in 1000.
+     *
+     * Range: 0.0..100.0 (0..100 %)
+     * Scale: 1
+     * Offset: 0
+     */
+    float misfire_rate_1000_6;
+
+    /**
+     * The same in 1000.
+     *
+     * Range: 0.0..100.0 (0..100 %)
+     * Scale: 1
+     * Offset: 0
+     */
+    float misfire_rate_1000_7;
+
+    /**
+     * The same in 1000.
+     *
+     * Range: 0.0..100.0 (0..100 %)
+     * Scale: 1
+     * Offset: 0
+     */
+    float misfire_rate_1000_8;
+
+    /**
+     * Bit n - 1: cylinder n misfires each time.
+     *
+     * Range: 0.0..255.0 (0..255 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    float misfire_continuous;
+
+    /**
+     * Bit n - 1: cylinder n had over a tenth of the misfires of the window that moved the lamp.
+     *
+     * Range: 0.0..255.0 (0..255 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    float misfire_suspects;
+
+    /**
+     * Decision in the shape of OBD II, not verified against it: 0 off, 1 pending, 2 on, 3 blinking.
+     *
+     * Range: 0.0..3.0 (0..3 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    float misfire_lamp;
+
+    /**
+     * Misfires since init.
+     *
+     * Range: 0.0..4000000000.0 (0..4000000000 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    float misfire_count;
+
+    /**
+     * Partial burns since init.
+     *
+     * Range: 0.0..4000000000.0 (0..4000000000 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    float misfire_partial_burns;
+};
+
+/**
+ * Signals in message firing.
+ *
+ * Signals of rate firing, one row a tick.
+ *
+ * All signal values are as on the CAN bus.
+ */
+struct sd_bus_firing_t {
+    /**
+     * Capture tick of the event that caused it.
+     *
+     * Range: 0..4294967295 (0..4294967295 tick)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint32_t tick;
+
+    /**
+     * How far the values of firing may be trusted.
+     *
+     * Range: 0..2 (0..2 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t firing_health;
+
+    /**
+     * Why not, bits: sd_why_t.
+     *
+     * Range: 0..255 (0..255 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t firing_why;
+
+    /**
+     * How far the values of misfire may be trusted.
+     *
+     * Range: 0..2 (0..2 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t misfire_health;
+
+    /**
+     * Why not, bits: sd_why_t.
+     *
+     * Range: 0..255 (0..255 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t misfire_why;
+
+    /**
+     * Physical cylinder of the firing read.
+     *
+     * Range: 1.0..8.0 (1..8 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    float firing_cylinder;
+
+    /**
+     * Its mean combustion torque over the 180 deg after its TDC.
+     *
+     * Range: -20000.0..20000.0 (-20000..20000 Nm)
+     * Scale: 1
+     * Offset: 0
+     */
+    float firing_torque;
+
+    /**
+     * Standard deviation of firing.torque less the mean of all cylinders, from timing noise as met.
+     *
+     * Range: 0.0..20000.0 (0..20000 Nm)
+     * Scale: 1
+     * Offset: 0
+     */
+    float firing_sd;
+
+    /**
+     * Mean of the cylinder's last 10 firings.
+     *
+     * Range: -20000.0..20000.0 (-20000..20000 Nm)
+     * Scale: 1
+     * Offset: 0
+     */
+    float firing_mean;
+
+    /**
+     * Standard deviation of firing.mean less that of all cylinders: of the imbalance.
+     *
+     * Range: 0.0..20000.0 (0..20000 Nm)
+     * Scale: 1
+     * Offset: 0
+     */
+    float firing_mean_sd;
+
+    /**
+     * Work of the firing over the work expected of its fuel: 1 healthy, 0 a misfire; 0 when not judged.
+     *
+     * Range: -10.0..10.0 (-10..10 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    float misfire_index;
+
+    /**
+     * Index below which this firing counted as a misfire; 0 when not judged.
+     *
+     * Range: 0.0..1.0 (0..1 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    float misfire_limit;
+
+    /**
+     * 0 healthy, 1 partial burn, 2 misfire, 3 not judged.
+     *
+     * Range: 0.0..3.0 (0..3 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    float misfire_verdict;
+
+    /**
+     * Why not judged, bits: 1 start, 2 fuel cut or too little fuel, 4 gear shift, 8 no estimate, 16 fuel cut or shift ended a moment ago, 32 a faulty tooth or unknown fuel.
+     *
+     * Range: 0.0..63.0 (0..63 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    float misfire_inhibit;
+
+    /**
+     * Which firing of the firing order, from 0.
+     *
+     * Range: 0.0..7.0 (0..7 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    float misfire_firing;
+
+    /**
+     * Its physical cylinder.
+     *
+     * Range: 1.0..8.0 (1..8 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    float misfire_cylinder;
 };
 
 /**
@@ -2850,6 +3438,86 @@ bool sd_bus_edge_torque_why_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
+uint8_t sd_bus_edge_firing_health_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_edge_firing_health_decode(uint8_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_edge_firing_health_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_edge_firing_health_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint8_t sd_bus_edge_firing_why_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_edge_firing_why_decode(uint8_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_edge_firing_why_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_edge_firing_why_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
 float sd_bus_edge_crank_edge_class_encode(double value);
 
 /**
@@ -3162,6 +3830,46 @@ bool sd_bus_edge_torque_innovation_is_in_range(float value);
  * @return true if in range, false otherwise.
  */
 bool sd_bus_edge_torque_innovation_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_edge_firing_waveform_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_edge_firing_waveform_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_edge_firing_waveform_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_edge_firing_waveform_is_in_phys_range(double value);
 
 /**
  * Pack message cycle_1.
@@ -4124,6 +4832,166 @@ bool sd_bus_cycle_2_cylinder_why_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
+uint8_t sd_bus_cycle_2_crank_health_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_2_crank_health_decode(uint8_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_2_crank_health_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_2_crank_health_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint8_t sd_bus_cycle_2_crank_why_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_2_crank_why_decode(uint8_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_2_crank_why_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_2_crank_why_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint8_t sd_bus_cycle_2_misfire_health_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_2_misfire_health_decode(uint8_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_2_misfire_health_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_2_misfire_health_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint8_t sd_bus_cycle_2_misfire_why_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_2_misfire_why_decode(uint8_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_2_misfire_why_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_2_misfire_why_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
 float sd_bus_cycle_2_cycle_cylinder_sd_6_encode(double value);
 
 /**
@@ -4236,6 +5104,1760 @@ bool sd_bus_cycle_2_cycle_cylinder_sd_8_is_in_range(float value);
  * @return true if in range, false otherwise.
  */
 bool sd_bus_cycle_2_cycle_cylinder_sd_8_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_cycle_2_wheel_pattern_sd_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_2_wheel_pattern_sd_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_2_wheel_pattern_sd_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_2_wheel_pattern_sd_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_cycle_2_wheel_learned_cycles_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_2_wheel_learned_cycles_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_2_wheel_learned_cycles_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_2_wheel_learned_cycles_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_cycle_2_misfire_rate_200_1_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_2_misfire_rate_200_1_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_2_misfire_rate_200_1_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_2_misfire_rate_200_1_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_cycle_2_misfire_rate_200_2_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_2_misfire_rate_200_2_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_2_misfire_rate_200_2_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_2_misfire_rate_200_2_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_cycle_2_misfire_rate_200_3_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_2_misfire_rate_200_3_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_2_misfire_rate_200_3_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_2_misfire_rate_200_3_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_cycle_2_misfire_rate_200_4_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_2_misfire_rate_200_4_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_2_misfire_rate_200_4_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_2_misfire_rate_200_4_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_cycle_2_misfire_rate_200_5_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_2_misfire_rate_200_5_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_2_misfire_rate_200_5_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_2_misfire_rate_200_5_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_cycle_2_misfire_rate_200_6_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_2_misfire_rate_200_6_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_2_misfire_rate_200_6_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_2_misfire_rate_200_6_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_cycle_2_misfire_rate_200_7_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_2_misfire_rate_200_7_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_2_misfire_rate_200_7_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_2_misfire_rate_200_7_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_cycle_2_misfire_rate_200_8_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_2_misfire_rate_200_8_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_2_misfire_rate_200_8_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_2_misfire_rate_200_8_is_in_phys_range(double value);
+
+/**
+ * Pack message cycle_3.
+ *
+ * @param[out] dst_p Buffer to pack the message into.
+ * @param[in] src_p Data to pack.
+ * @param[in] size Size of dst_p.
+ *
+ * @return Size of packed data, or negative error code.
+ */
+int sd_bus_cycle_3_pack(
+    uint8_t *dst_p,
+    const struct sd_bus_cycle_3_t *src_p,
+    size_t size);
+
+/**
+ * Unpack message cycle_3.
+ *
+ * @param[out] dst_p Object to unpack the message into.
+ * @param[in] src_p Message to unpack.
+ * @param[in] size Size of src_p.
+ *
+ * @return zero(0) or negative error code.
+ */
+int sd_bus_cycle_3_unpack(
+    struct sd_bus_cycle_3_t *dst_p,
+    const uint8_t *src_p,
+    size_t size);
+
+/**
+ * Init message fields to default values from cycle_3.
+ *
+ * @param[in] msg_p Message to init.
+ *
+ * @return zero(0) on success or (-1) in case of nullptr argument.
+ */
+int sd_bus_cycle_3_init(struct sd_bus_cycle_3_t *msg_p);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint32_t sd_bus_cycle_3_tick_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_3_tick_decode(uint32_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_3_tick_is_in_range(uint32_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_3_tick_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint8_t sd_bus_cycle_3_misfire_health_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_3_misfire_health_decode(uint8_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_3_misfire_health_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_3_misfire_health_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint8_t sd_bus_cycle_3_misfire_why_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_3_misfire_why_decode(uint8_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_3_misfire_why_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_3_misfire_why_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_cycle_3_misfire_rate_1000_1_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_3_misfire_rate_1000_1_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_3_misfire_rate_1000_1_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_3_misfire_rate_1000_1_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_cycle_3_misfire_rate_1000_2_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_3_misfire_rate_1000_2_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_3_misfire_rate_1000_2_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_3_misfire_rate_1000_2_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_cycle_3_misfire_rate_1000_3_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_3_misfire_rate_1000_3_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_3_misfire_rate_1000_3_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_3_misfire_rate_1000_3_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_cycle_3_misfire_rate_1000_4_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_3_misfire_rate_1000_4_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_3_misfire_rate_1000_4_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_3_misfire_rate_1000_4_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_cycle_3_misfire_rate_1000_5_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_3_misfire_rate_1000_5_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_3_misfire_rate_1000_5_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_3_misfire_rate_1000_5_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_cycle_3_misfire_rate_1000_6_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_3_misfire_rate_1000_6_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_3_misfire_rate_1000_6_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_3_misfire_rate_1000_6_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_cycle_3_misfire_rate_1000_7_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_3_misfire_rate_1000_7_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_3_misfire_rate_1000_7_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_3_misfire_rate_1000_7_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_cycle_3_misfire_rate_1000_8_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_3_misfire_rate_1000_8_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_3_misfire_rate_1000_8_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_3_misfire_rate_1000_8_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_cycle_3_misfire_continuous_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_3_misfire_continuous_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_3_misfire_continuous_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_3_misfire_continuous_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_cycle_3_misfire_suspects_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_3_misfire_suspects_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_3_misfire_suspects_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_3_misfire_suspects_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_cycle_3_misfire_lamp_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_3_misfire_lamp_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_3_misfire_lamp_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_3_misfire_lamp_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_cycle_3_misfire_count_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_3_misfire_count_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_3_misfire_count_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_3_misfire_count_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_cycle_3_misfire_partial_burns_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_3_misfire_partial_burns_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_3_misfire_partial_burns_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_3_misfire_partial_burns_is_in_phys_range(double value);
+
+/**
+ * Pack message firing.
+ *
+ * @param[out] dst_p Buffer to pack the message into.
+ * @param[in] src_p Data to pack.
+ * @param[in] size Size of dst_p.
+ *
+ * @return Size of packed data, or negative error code.
+ */
+int sd_bus_firing_pack(
+    uint8_t *dst_p,
+    const struct sd_bus_firing_t *src_p,
+    size_t size);
+
+/**
+ * Unpack message firing.
+ *
+ * @param[out] dst_p Object to unpack the message into.
+ * @param[in] src_p Message to unpack.
+ * @param[in] size Size of src_p.
+ *
+ * @return zero(0) or negative error code.
+ */
+int sd_bus_firing_unpack(
+    struct sd_bus_firing_t *dst_p,
+    const uint8_t *src_p,
+    size_t size);
+
+/**
+ * Init message fields to default values from firing.
+ *
+ * @param[in] msg_p Message to init.
+ *
+ * @return zero(0) on success or (-1) in case of nullptr argument.
+ */
+int sd_bus_firing_init(struct sd_bus_firing_t *msg_p);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint32_t sd_bus_firing_tick_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_firing_tick_decode(uint32_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_firing_tick_is_in_range(uint32_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_firing_tick_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint8_t sd_bus_firing_firing_health_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_firing_firing_health_decode(uint8_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_firing_firing_health_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_firing_firing_health_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint8_t sd_bus_firing_firing_why_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_firing_firing_why_decode(uint8_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_firing_firing_why_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_firing_firing_why_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint8_t sd_bus_firing_misfire_health_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_firing_misfire_health_decode(uint8_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_firing_misfire_health_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_firing_misfire_health_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint8_t sd_bus_firing_misfire_why_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_firing_misfire_why_decode(uint8_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_firing_misfire_why_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_firing_misfire_why_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_firing_firing_cylinder_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_firing_firing_cylinder_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_firing_firing_cylinder_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_firing_firing_cylinder_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_firing_firing_torque_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_firing_firing_torque_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_firing_firing_torque_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_firing_firing_torque_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_firing_firing_sd_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_firing_firing_sd_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_firing_firing_sd_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_firing_firing_sd_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_firing_firing_mean_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_firing_firing_mean_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_firing_firing_mean_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_firing_firing_mean_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_firing_firing_mean_sd_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_firing_firing_mean_sd_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_firing_firing_mean_sd_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_firing_firing_mean_sd_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_firing_misfire_index_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_firing_misfire_index_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_firing_misfire_index_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_firing_misfire_index_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_firing_misfire_limit_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_firing_misfire_limit_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_firing_misfire_limit_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_firing_misfire_limit_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_firing_misfire_verdict_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_firing_misfire_verdict_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_firing_misfire_verdict_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_firing_misfire_verdict_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_firing_misfire_inhibit_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_firing_misfire_inhibit_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_firing_misfire_inhibit_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_firing_misfire_inhibit_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_firing_misfire_firing_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_firing_misfire_firing_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_firing_misfire_firing_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_firing_misfire_firing_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_firing_misfire_cylinder_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_firing_misfire_cylinder_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_firing_misfire_cylinder_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_firing_misfire_cylinder_is_in_phys_range(double value);
 
 /**
  * Pack message done.

@@ -3,6 +3,7 @@
 #ifndef SD_LCM_ROWS_H
 #define SD_LCM_ROWS_H
 
+#include "sixdeg_firing_t.h"
 #include "sixdeg_cycle_t.h"
 #include "sixdeg_edge_t.h"
 #include "sd_row.h"
@@ -13,6 +14,8 @@ static inline void sd_lcm_edge_from_row(sixdeg_edge_t *m, const sd_row_t *row) {
     m->crank_why = (int8_t)row->why[SD_OWNER_CRANK];
     m->torque_health = (int8_t)row->health[SD_OWNER_TORQUE];
     m->torque_why = (int8_t)row->why[SD_OWNER_TORQUE];
+    m->firing_health = (int8_t)row->health[SD_OWNER_FIRING];
+    m->firing_why = (int8_t)row->why[SD_OWNER_FIRING];
     m->crank_edge_class = row->value[0];
     m->crank_tooth = row->value[1];
     m->crank_angle = row->value[2];
@@ -21,12 +24,14 @@ static inline void sd_lcm_edge_from_row(sixdeg_edge_t *m, const sd_row_t *row) {
     m->crank_acceleration = row->value[5];
     m->torque_mass = row->value[6];
     m->torque_innovation = row->value[7];
+    m->firing_waveform = row->value[25];
 }
 
 static inline void sd_lcm_edge_to_row(sd_row_t *row, const sixdeg_edge_t *m) {
     sd_row_begin(row, (uint32_t)m->tick, SD_RATE_EDGE);
     sd_row_status(row, SD_OWNER_CRANK, (uint8_t)m->crank_health, (uint8_t)m->crank_why);
     sd_row_status(row, SD_OWNER_TORQUE, (uint8_t)m->torque_health, (uint8_t)m->torque_why);
+    sd_row_status(row, SD_OWNER_FIRING, (uint8_t)m->firing_health, (uint8_t)m->firing_why);
     sd_row_put(row, 0, m->crank_edge_class);
     sd_row_put(row, 1, m->crank_tooth);
     sd_row_put(row, 2, m->crank_angle);
@@ -35,6 +40,7 @@ static inline void sd_lcm_edge_to_row(sd_row_t *row, const sixdeg_edge_t *m) {
     sd_row_put(row, 5, m->crank_acceleration);
     sd_row_put(row, 6, m->torque_mass);
     sd_row_put(row, 7, m->torque_innovation);
+    sd_row_put(row, 25, m->firing_waveform);
 }
 
 static inline void sd_lcm_cycle_from_row(sixdeg_cycle_t *m, const sd_row_t *row) {
@@ -43,6 +49,8 @@ static inline void sd_lcm_cycle_from_row(sixdeg_cycle_t *m, const sd_row_t *row)
     m->crank_why = (int8_t)row->why[SD_OWNER_CRANK];
     m->cylinder_health = (int8_t)row->health[SD_OWNER_CYLINDER];
     m->cylinder_why = (int8_t)row->why[SD_OWNER_CYLINDER];
+    m->misfire_health = (int8_t)row->health[SD_OWNER_MISFIRE];
+    m->misfire_why = (int8_t)row->why[SD_OWNER_MISFIRE];
     m->cycle_speed = row->value[8];
     m->cycle_cylinder_torque_1 = row->value[9];
     m->cycle_cylinder_torque_2 = row->value[10];
@@ -60,12 +68,36 @@ static inline void sd_lcm_cycle_from_row(sixdeg_cycle_t *m, const sd_row_t *row)
     m->cycle_cylinder_sd_6 = row->value[22];
     m->cycle_cylinder_sd_7 = row->value[23];
     m->cycle_cylinder_sd_8 = row->value[24];
+    m->wheel_pattern_sd = row->value[26];
+    m->wheel_learned_cycles = row->value[27];
+    m->misfire_rate_200_1 = row->value[39];
+    m->misfire_rate_200_2 = row->value[40];
+    m->misfire_rate_200_3 = row->value[41];
+    m->misfire_rate_200_4 = row->value[42];
+    m->misfire_rate_200_5 = row->value[43];
+    m->misfire_rate_200_6 = row->value[44];
+    m->misfire_rate_200_7 = row->value[45];
+    m->misfire_rate_200_8 = row->value[46];
+    m->misfire_rate_1000_1 = row->value[47];
+    m->misfire_rate_1000_2 = row->value[48];
+    m->misfire_rate_1000_3 = row->value[49];
+    m->misfire_rate_1000_4 = row->value[50];
+    m->misfire_rate_1000_5 = row->value[51];
+    m->misfire_rate_1000_6 = row->value[52];
+    m->misfire_rate_1000_7 = row->value[53];
+    m->misfire_rate_1000_8 = row->value[54];
+    m->misfire_continuous = row->value[55];
+    m->misfire_suspects = row->value[56];
+    m->misfire_lamp = row->value[57];
+    m->misfire_count = row->value[58];
+    m->misfire_partial_burns = row->value[59];
 }
 
 static inline void sd_lcm_cycle_to_row(sd_row_t *row, const sixdeg_cycle_t *m) {
     sd_row_begin(row, (uint32_t)m->tick, SD_RATE_CYCLE);
     sd_row_status(row, SD_OWNER_CRANK, (uint8_t)m->crank_health, (uint8_t)m->crank_why);
     sd_row_status(row, SD_OWNER_CYLINDER, (uint8_t)m->cylinder_health, (uint8_t)m->cylinder_why);
+    sd_row_status(row, SD_OWNER_MISFIRE, (uint8_t)m->misfire_health, (uint8_t)m->misfire_why);
     sd_row_put(row, 8, m->cycle_speed);
     sd_row_put(row, 9, m->cycle_cylinder_torque_1);
     sd_row_put(row, 10, m->cycle_cylinder_torque_2);
@@ -83,6 +115,65 @@ static inline void sd_lcm_cycle_to_row(sd_row_t *row, const sixdeg_cycle_t *m) {
     sd_row_put(row, 22, m->cycle_cylinder_sd_6);
     sd_row_put(row, 23, m->cycle_cylinder_sd_7);
     sd_row_put(row, 24, m->cycle_cylinder_sd_8);
+    sd_row_put(row, 26, m->wheel_pattern_sd);
+    sd_row_put(row, 27, m->wheel_learned_cycles);
+    sd_row_put(row, 39, m->misfire_rate_200_1);
+    sd_row_put(row, 40, m->misfire_rate_200_2);
+    sd_row_put(row, 41, m->misfire_rate_200_3);
+    sd_row_put(row, 42, m->misfire_rate_200_4);
+    sd_row_put(row, 43, m->misfire_rate_200_5);
+    sd_row_put(row, 44, m->misfire_rate_200_6);
+    sd_row_put(row, 45, m->misfire_rate_200_7);
+    sd_row_put(row, 46, m->misfire_rate_200_8);
+    sd_row_put(row, 47, m->misfire_rate_1000_1);
+    sd_row_put(row, 48, m->misfire_rate_1000_2);
+    sd_row_put(row, 49, m->misfire_rate_1000_3);
+    sd_row_put(row, 50, m->misfire_rate_1000_4);
+    sd_row_put(row, 51, m->misfire_rate_1000_5);
+    sd_row_put(row, 52, m->misfire_rate_1000_6);
+    sd_row_put(row, 53, m->misfire_rate_1000_7);
+    sd_row_put(row, 54, m->misfire_rate_1000_8);
+    sd_row_put(row, 55, m->misfire_continuous);
+    sd_row_put(row, 56, m->misfire_suspects);
+    sd_row_put(row, 57, m->misfire_lamp);
+    sd_row_put(row, 58, m->misfire_count);
+    sd_row_put(row, 59, m->misfire_partial_burns);
+}
+
+static inline void sd_lcm_firing_from_row(sixdeg_firing_t *m, const sd_row_t *row) {
+    m->tick = (int32_t)row->tick;
+    m->firing_health = (int8_t)row->health[SD_OWNER_FIRING];
+    m->firing_why = (int8_t)row->why[SD_OWNER_FIRING];
+    m->misfire_health = (int8_t)row->health[SD_OWNER_MISFIRE];
+    m->misfire_why = (int8_t)row->why[SD_OWNER_MISFIRE];
+    m->firing_cylinder = row->value[28];
+    m->firing_torque = row->value[29];
+    m->firing_sd = row->value[30];
+    m->firing_mean = row->value[31];
+    m->firing_mean_sd = row->value[32];
+    m->misfire_index = row->value[33];
+    m->misfire_limit = row->value[34];
+    m->misfire_verdict = row->value[35];
+    m->misfire_inhibit = row->value[36];
+    m->misfire_firing = row->value[37];
+    m->misfire_cylinder = row->value[38];
+}
+
+static inline void sd_lcm_firing_to_row(sd_row_t *row, const sixdeg_firing_t *m) {
+    sd_row_begin(row, (uint32_t)m->tick, SD_RATE_FIRING);
+    sd_row_status(row, SD_OWNER_FIRING, (uint8_t)m->firing_health, (uint8_t)m->firing_why);
+    sd_row_status(row, SD_OWNER_MISFIRE, (uint8_t)m->misfire_health, (uint8_t)m->misfire_why);
+    sd_row_put(row, 28, m->firing_cylinder);
+    sd_row_put(row, 29, m->firing_torque);
+    sd_row_put(row, 30, m->firing_sd);
+    sd_row_put(row, 31, m->firing_mean);
+    sd_row_put(row, 32, m->firing_mean_sd);
+    sd_row_put(row, 33, m->misfire_index);
+    sd_row_put(row, 34, m->misfire_limit);
+    sd_row_put(row, 35, m->misfire_verdict);
+    sd_row_put(row, 36, m->misfire_inhibit);
+    sd_row_put(row, 37, m->misfire_firing);
+    sd_row_put(row, 38, m->misfire_cylinder);
 }
 
 #endif

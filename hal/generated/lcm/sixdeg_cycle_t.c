@@ -23,12 +23,37 @@ uint64_t __sixdeg_cycle_t_hash_recursive(const __lcm_hash_ptr *p)
     cp.v = (void*)__sixdeg_cycle_t_get_hash;
     (void) cp;
 
-    uint64_t hash = (uint64_t)0x1f27a85e17d0fdaeLL
+    uint64_t hash = (uint64_t)0x0cbf237eee3e50eeLL
          + __int32_t_hash_recursive(&cp)
          + __int8_t_hash_recursive(&cp)
          + __int8_t_hash_recursive(&cp)
          + __int8_t_hash_recursive(&cp)
          + __int8_t_hash_recursive(&cp)
+         + __int8_t_hash_recursive(&cp)
+         + __int8_t_hash_recursive(&cp)
+         + __float_hash_recursive(&cp)
+         + __float_hash_recursive(&cp)
+         + __float_hash_recursive(&cp)
+         + __float_hash_recursive(&cp)
+         + __float_hash_recursive(&cp)
+         + __float_hash_recursive(&cp)
+         + __float_hash_recursive(&cp)
+         + __float_hash_recursive(&cp)
+         + __float_hash_recursive(&cp)
+         + __float_hash_recursive(&cp)
+         + __float_hash_recursive(&cp)
+         + __float_hash_recursive(&cp)
+         + __float_hash_recursive(&cp)
+         + __float_hash_recursive(&cp)
+         + __float_hash_recursive(&cp)
+         + __float_hash_recursive(&cp)
+         + __float_hash_recursive(&cp)
+         + __float_hash_recursive(&cp)
+         + __float_hash_recursive(&cp)
+         + __float_hash_recursive(&cp)
+         + __float_hash_recursive(&cp)
+         + __float_hash_recursive(&cp)
+         + __float_hash_recursive(&cp)
          + __float_hash_recursive(&cp)
          + __float_hash_recursive(&cp)
          + __float_hash_recursive(&cp)
@@ -83,6 +108,12 @@ int __sixdeg_cycle_t_encode_array(void *buf, int offset, int maxlen, const sixde
         thislen = __int8_t_encode_array(buf, offset + pos, maxlen - pos, &(p[element].cylinder_why), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
+        thislen = __int8_t_encode_array(buf, offset + pos, maxlen - pos, &(p[element].misfire_health), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __int8_t_encode_array(buf, offset + pos, maxlen - pos, &(p[element].misfire_why), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
         thislen = __float_encode_array(buf, offset + pos, maxlen - pos, &(p[element].cycle_speed), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
@@ -134,6 +165,75 @@ int __sixdeg_cycle_t_encode_array(void *buf, int offset, int maxlen, const sixde
         thislen = __float_encode_array(buf, offset + pos, maxlen - pos, &(p[element].cycle_cylinder_sd_8), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
+        thislen = __float_encode_array(buf, offset + pos, maxlen - pos, &(p[element].wheel_pattern_sd), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_encode_array(buf, offset + pos, maxlen - pos, &(p[element].wheel_learned_cycles), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_encode_array(buf, offset + pos, maxlen - pos, &(p[element].misfire_rate_200_1), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_encode_array(buf, offset + pos, maxlen - pos, &(p[element].misfire_rate_200_2), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_encode_array(buf, offset + pos, maxlen - pos, &(p[element].misfire_rate_200_3), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_encode_array(buf, offset + pos, maxlen - pos, &(p[element].misfire_rate_200_4), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_encode_array(buf, offset + pos, maxlen - pos, &(p[element].misfire_rate_200_5), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_encode_array(buf, offset + pos, maxlen - pos, &(p[element].misfire_rate_200_6), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_encode_array(buf, offset + pos, maxlen - pos, &(p[element].misfire_rate_200_7), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_encode_array(buf, offset + pos, maxlen - pos, &(p[element].misfire_rate_200_8), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_encode_array(buf, offset + pos, maxlen - pos, &(p[element].misfire_rate_1000_1), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_encode_array(buf, offset + pos, maxlen - pos, &(p[element].misfire_rate_1000_2), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_encode_array(buf, offset + pos, maxlen - pos, &(p[element].misfire_rate_1000_3), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_encode_array(buf, offset + pos, maxlen - pos, &(p[element].misfire_rate_1000_4), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_encode_array(buf, offset + pos, maxlen - pos, &(p[element].misfire_rate_1000_5), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_encode_array(buf, offset + pos, maxlen - pos, &(p[element].misfire_rate_1000_6), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_encode_array(buf, offset + pos, maxlen - pos, &(p[element].misfire_rate_1000_7), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_encode_array(buf, offset + pos, maxlen - pos, &(p[element].misfire_rate_1000_8), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_encode_array(buf, offset + pos, maxlen - pos, &(p[element].misfire_continuous), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_encode_array(buf, offset + pos, maxlen - pos, &(p[element].misfire_suspects), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_encode_array(buf, offset + pos, maxlen - pos, &(p[element].misfire_lamp), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_encode_array(buf, offset + pos, maxlen - pos, &(p[element].misfire_count), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_encode_array(buf, offset + pos, maxlen - pos, &(p[element].misfire_partial_burns), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
     }
     return pos;
 }
@@ -166,6 +266,10 @@ int __sixdeg_cycle_t_encoded_array_size(const sixdeg_cycle_t *p, int elements)
         size += __int8_t_encoded_array_size(&(p[element].cylinder_health), 1);
 
         size += __int8_t_encoded_array_size(&(p[element].cylinder_why), 1);
+
+        size += __int8_t_encoded_array_size(&(p[element].misfire_health), 1);
+
+        size += __int8_t_encoded_array_size(&(p[element].misfire_why), 1);
 
         size += __float_encoded_array_size(&(p[element].cycle_speed), 1);
 
@@ -201,6 +305,52 @@ int __sixdeg_cycle_t_encoded_array_size(const sixdeg_cycle_t *p, int elements)
 
         size += __float_encoded_array_size(&(p[element].cycle_cylinder_sd_8), 1);
 
+        size += __float_encoded_array_size(&(p[element].wheel_pattern_sd), 1);
+
+        size += __float_encoded_array_size(&(p[element].wheel_learned_cycles), 1);
+
+        size += __float_encoded_array_size(&(p[element].misfire_rate_200_1), 1);
+
+        size += __float_encoded_array_size(&(p[element].misfire_rate_200_2), 1);
+
+        size += __float_encoded_array_size(&(p[element].misfire_rate_200_3), 1);
+
+        size += __float_encoded_array_size(&(p[element].misfire_rate_200_4), 1);
+
+        size += __float_encoded_array_size(&(p[element].misfire_rate_200_5), 1);
+
+        size += __float_encoded_array_size(&(p[element].misfire_rate_200_6), 1);
+
+        size += __float_encoded_array_size(&(p[element].misfire_rate_200_7), 1);
+
+        size += __float_encoded_array_size(&(p[element].misfire_rate_200_8), 1);
+
+        size += __float_encoded_array_size(&(p[element].misfire_rate_1000_1), 1);
+
+        size += __float_encoded_array_size(&(p[element].misfire_rate_1000_2), 1);
+
+        size += __float_encoded_array_size(&(p[element].misfire_rate_1000_3), 1);
+
+        size += __float_encoded_array_size(&(p[element].misfire_rate_1000_4), 1);
+
+        size += __float_encoded_array_size(&(p[element].misfire_rate_1000_5), 1);
+
+        size += __float_encoded_array_size(&(p[element].misfire_rate_1000_6), 1);
+
+        size += __float_encoded_array_size(&(p[element].misfire_rate_1000_7), 1);
+
+        size += __float_encoded_array_size(&(p[element].misfire_rate_1000_8), 1);
+
+        size += __float_encoded_array_size(&(p[element].misfire_continuous), 1);
+
+        size += __float_encoded_array_size(&(p[element].misfire_suspects), 1);
+
+        size += __float_encoded_array_size(&(p[element].misfire_lamp), 1);
+
+        size += __float_encoded_array_size(&(p[element].misfire_count), 1);
+
+        size += __float_encoded_array_size(&(p[element].misfire_partial_burns), 1);
+
     }
     return size;
 }
@@ -229,6 +379,12 @@ int __sixdeg_cycle_t_decode_array(const void *buf, int offset, int maxlen, sixde
         if (thislen < 0) return thislen; else pos += thislen;
 
         thislen = __int8_t_decode_array(buf, offset + pos, maxlen - pos, &(p[element].cylinder_why), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __int8_t_decode_array(buf, offset + pos, maxlen - pos, &(p[element].misfire_health), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __int8_t_decode_array(buf, offset + pos, maxlen - pos, &(p[element].misfire_why), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
         thislen = __float_decode_array(buf, offset + pos, maxlen - pos, &(p[element].cycle_speed), 1);
@@ -282,6 +438,75 @@ int __sixdeg_cycle_t_decode_array(const void *buf, int offset, int maxlen, sixde
         thislen = __float_decode_array(buf, offset + pos, maxlen - pos, &(p[element].cycle_cylinder_sd_8), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
+        thislen = __float_decode_array(buf, offset + pos, maxlen - pos, &(p[element].wheel_pattern_sd), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_decode_array(buf, offset + pos, maxlen - pos, &(p[element].wheel_learned_cycles), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_decode_array(buf, offset + pos, maxlen - pos, &(p[element].misfire_rate_200_1), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_decode_array(buf, offset + pos, maxlen - pos, &(p[element].misfire_rate_200_2), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_decode_array(buf, offset + pos, maxlen - pos, &(p[element].misfire_rate_200_3), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_decode_array(buf, offset + pos, maxlen - pos, &(p[element].misfire_rate_200_4), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_decode_array(buf, offset + pos, maxlen - pos, &(p[element].misfire_rate_200_5), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_decode_array(buf, offset + pos, maxlen - pos, &(p[element].misfire_rate_200_6), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_decode_array(buf, offset + pos, maxlen - pos, &(p[element].misfire_rate_200_7), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_decode_array(buf, offset + pos, maxlen - pos, &(p[element].misfire_rate_200_8), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_decode_array(buf, offset + pos, maxlen - pos, &(p[element].misfire_rate_1000_1), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_decode_array(buf, offset + pos, maxlen - pos, &(p[element].misfire_rate_1000_2), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_decode_array(buf, offset + pos, maxlen - pos, &(p[element].misfire_rate_1000_3), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_decode_array(buf, offset + pos, maxlen - pos, &(p[element].misfire_rate_1000_4), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_decode_array(buf, offset + pos, maxlen - pos, &(p[element].misfire_rate_1000_5), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_decode_array(buf, offset + pos, maxlen - pos, &(p[element].misfire_rate_1000_6), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_decode_array(buf, offset + pos, maxlen - pos, &(p[element].misfire_rate_1000_7), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_decode_array(buf, offset + pos, maxlen - pos, &(p[element].misfire_rate_1000_8), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_decode_array(buf, offset + pos, maxlen - pos, &(p[element].misfire_continuous), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_decode_array(buf, offset + pos, maxlen - pos, &(p[element].misfire_suspects), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_decode_array(buf, offset + pos, maxlen - pos, &(p[element].misfire_lamp), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_decode_array(buf, offset + pos, maxlen - pos, &(p[element].misfire_count), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_decode_array(buf, offset + pos, maxlen - pos, &(p[element].misfire_partial_burns), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
     }
     return pos;
 }
@@ -300,6 +525,10 @@ int __sixdeg_cycle_t_decode_array_cleanup(sixdeg_cycle_t *p, int elements)
         __int8_t_decode_array_cleanup(&(p[element].cylinder_health), 1);
 
         __int8_t_decode_array_cleanup(&(p[element].cylinder_why), 1);
+
+        __int8_t_decode_array_cleanup(&(p[element].misfire_health), 1);
+
+        __int8_t_decode_array_cleanup(&(p[element].misfire_why), 1);
 
         __float_decode_array_cleanup(&(p[element].cycle_speed), 1);
 
@@ -334,6 +563,52 @@ int __sixdeg_cycle_t_decode_array_cleanup(sixdeg_cycle_t *p, int elements)
         __float_decode_array_cleanup(&(p[element].cycle_cylinder_sd_7), 1);
 
         __float_decode_array_cleanup(&(p[element].cycle_cylinder_sd_8), 1);
+
+        __float_decode_array_cleanup(&(p[element].wheel_pattern_sd), 1);
+
+        __float_decode_array_cleanup(&(p[element].wheel_learned_cycles), 1);
+
+        __float_decode_array_cleanup(&(p[element].misfire_rate_200_1), 1);
+
+        __float_decode_array_cleanup(&(p[element].misfire_rate_200_2), 1);
+
+        __float_decode_array_cleanup(&(p[element].misfire_rate_200_3), 1);
+
+        __float_decode_array_cleanup(&(p[element].misfire_rate_200_4), 1);
+
+        __float_decode_array_cleanup(&(p[element].misfire_rate_200_5), 1);
+
+        __float_decode_array_cleanup(&(p[element].misfire_rate_200_6), 1);
+
+        __float_decode_array_cleanup(&(p[element].misfire_rate_200_7), 1);
+
+        __float_decode_array_cleanup(&(p[element].misfire_rate_200_8), 1);
+
+        __float_decode_array_cleanup(&(p[element].misfire_rate_1000_1), 1);
+
+        __float_decode_array_cleanup(&(p[element].misfire_rate_1000_2), 1);
+
+        __float_decode_array_cleanup(&(p[element].misfire_rate_1000_3), 1);
+
+        __float_decode_array_cleanup(&(p[element].misfire_rate_1000_4), 1);
+
+        __float_decode_array_cleanup(&(p[element].misfire_rate_1000_5), 1);
+
+        __float_decode_array_cleanup(&(p[element].misfire_rate_1000_6), 1);
+
+        __float_decode_array_cleanup(&(p[element].misfire_rate_1000_7), 1);
+
+        __float_decode_array_cleanup(&(p[element].misfire_rate_1000_8), 1);
+
+        __float_decode_array_cleanup(&(p[element].misfire_continuous), 1);
+
+        __float_decode_array_cleanup(&(p[element].misfire_suspects), 1);
+
+        __float_decode_array_cleanup(&(p[element].misfire_lamp), 1);
+
+        __float_decode_array_cleanup(&(p[element].misfire_count), 1);
+
+        __float_decode_array_cleanup(&(p[element].misfire_partial_burns), 1);
 
     }
     return 0;
@@ -375,6 +650,10 @@ int __sixdeg_cycle_t_clone_array(const sixdeg_cycle_t *p, sixdeg_cycle_t *q, int
 
         __int8_t_clone_array(&(p[element].cylinder_why), &(q[element].cylinder_why), 1);
 
+        __int8_t_clone_array(&(p[element].misfire_health), &(q[element].misfire_health), 1);
+
+        __int8_t_clone_array(&(p[element].misfire_why), &(q[element].misfire_why), 1);
+
         __float_clone_array(&(p[element].cycle_speed), &(q[element].cycle_speed), 1);
 
         __float_clone_array(&(p[element].cycle_cylinder_torque_1), &(q[element].cycle_cylinder_torque_1), 1);
@@ -408,6 +687,52 @@ int __sixdeg_cycle_t_clone_array(const sixdeg_cycle_t *p, sixdeg_cycle_t *q, int
         __float_clone_array(&(p[element].cycle_cylinder_sd_7), &(q[element].cycle_cylinder_sd_7), 1);
 
         __float_clone_array(&(p[element].cycle_cylinder_sd_8), &(q[element].cycle_cylinder_sd_8), 1);
+
+        __float_clone_array(&(p[element].wheel_pattern_sd), &(q[element].wheel_pattern_sd), 1);
+
+        __float_clone_array(&(p[element].wheel_learned_cycles), &(q[element].wheel_learned_cycles), 1);
+
+        __float_clone_array(&(p[element].misfire_rate_200_1), &(q[element].misfire_rate_200_1), 1);
+
+        __float_clone_array(&(p[element].misfire_rate_200_2), &(q[element].misfire_rate_200_2), 1);
+
+        __float_clone_array(&(p[element].misfire_rate_200_3), &(q[element].misfire_rate_200_3), 1);
+
+        __float_clone_array(&(p[element].misfire_rate_200_4), &(q[element].misfire_rate_200_4), 1);
+
+        __float_clone_array(&(p[element].misfire_rate_200_5), &(q[element].misfire_rate_200_5), 1);
+
+        __float_clone_array(&(p[element].misfire_rate_200_6), &(q[element].misfire_rate_200_6), 1);
+
+        __float_clone_array(&(p[element].misfire_rate_200_7), &(q[element].misfire_rate_200_7), 1);
+
+        __float_clone_array(&(p[element].misfire_rate_200_8), &(q[element].misfire_rate_200_8), 1);
+
+        __float_clone_array(&(p[element].misfire_rate_1000_1), &(q[element].misfire_rate_1000_1), 1);
+
+        __float_clone_array(&(p[element].misfire_rate_1000_2), &(q[element].misfire_rate_1000_2), 1);
+
+        __float_clone_array(&(p[element].misfire_rate_1000_3), &(q[element].misfire_rate_1000_3), 1);
+
+        __float_clone_array(&(p[element].misfire_rate_1000_4), &(q[element].misfire_rate_1000_4), 1);
+
+        __float_clone_array(&(p[element].misfire_rate_1000_5), &(q[element].misfire_rate_1000_5), 1);
+
+        __float_clone_array(&(p[element].misfire_rate_1000_6), &(q[element].misfire_rate_1000_6), 1);
+
+        __float_clone_array(&(p[element].misfire_rate_1000_7), &(q[element].misfire_rate_1000_7), 1);
+
+        __float_clone_array(&(p[element].misfire_rate_1000_8), &(q[element].misfire_rate_1000_8), 1);
+
+        __float_clone_array(&(p[element].misfire_continuous), &(q[element].misfire_continuous), 1);
+
+        __float_clone_array(&(p[element].misfire_suspects), &(q[element].misfire_suspects), 1);
+
+        __float_clone_array(&(p[element].misfire_lamp), &(q[element].misfire_lamp), 1);
+
+        __float_clone_array(&(p[element].misfire_count), &(q[element].misfire_count), 1);
+
+        __float_clone_array(&(p[element].misfire_partial_burns), &(q[element].misfire_partial_burns), 1);
 
     }
     return 0;

@@ -25,6 +25,8 @@ struct _sixdeg_cycle_t
     int8_t     crank_why;
     int8_t     cylinder_health;
     int8_t     cylinder_why;
+    int8_t     misfire_health;
+    int8_t     misfire_why;
     float      cycle_speed;
     float      cycle_cylinder_torque_1;
     float      cycle_cylinder_torque_2;
@@ -42,6 +44,29 @@ struct _sixdeg_cycle_t
     float      cycle_cylinder_sd_6;
     float      cycle_cylinder_sd_7;
     float      cycle_cylinder_sd_8;
+    float      wheel_pattern_sd;
+    float      wheel_learned_cycles;
+    float      misfire_rate_200_1;
+    float      misfire_rate_200_2;
+    float      misfire_rate_200_3;
+    float      misfire_rate_200_4;
+    float      misfire_rate_200_5;
+    float      misfire_rate_200_6;
+    float      misfire_rate_200_7;
+    float      misfire_rate_200_8;
+    float      misfire_rate_1000_1;
+    float      misfire_rate_1000_2;
+    float      misfire_rate_1000_3;
+    float      misfire_rate_1000_4;
+    float      misfire_rate_1000_5;
+    float      misfire_rate_1000_6;
+    float      misfire_rate_1000_7;
+    float      misfire_rate_1000_8;
+    float      misfire_continuous;
+    float      misfire_suspects;
+    float      misfire_lamp;
+    float      misfire_count;
+    float      misfire_partial_burns;
 };
 
 /**

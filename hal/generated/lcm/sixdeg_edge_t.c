@@ -23,12 +23,15 @@ uint64_t __sixdeg_edge_t_hash_recursive(const __lcm_hash_ptr *p)
     cp.v = (void*)__sixdeg_edge_t_get_hash;
     (void) cp;
 
-    uint64_t hash = (uint64_t)0x3a823e4e54cae128LL
+    uint64_t hash = (uint64_t)0xa5b7a854958ff1d7LL
          + __int32_t_hash_recursive(&cp)
          + __int8_t_hash_recursive(&cp)
          + __int8_t_hash_recursive(&cp)
          + __int8_t_hash_recursive(&cp)
          + __int8_t_hash_recursive(&cp)
+         + __int8_t_hash_recursive(&cp)
+         + __int8_t_hash_recursive(&cp)
+         + __float_hash_recursive(&cp)
          + __float_hash_recursive(&cp)
          + __float_hash_recursive(&cp)
          + __float_hash_recursive(&cp)
@@ -74,6 +77,12 @@ int __sixdeg_edge_t_encode_array(void *buf, int offset, int maxlen, const sixdeg
         thislen = __int8_t_encode_array(buf, offset + pos, maxlen - pos, &(p[element].torque_why), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
+        thislen = __int8_t_encode_array(buf, offset + pos, maxlen - pos, &(p[element].firing_health), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __int8_t_encode_array(buf, offset + pos, maxlen - pos, &(p[element].firing_why), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
         thislen = __float_encode_array(buf, offset + pos, maxlen - pos, &(p[element].crank_edge_class), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
@@ -96,6 +105,9 @@ int __sixdeg_edge_t_encode_array(void *buf, int offset, int maxlen, const sixdeg
         if (thislen < 0) return thislen; else pos += thislen;
 
         thislen = __float_encode_array(buf, offset + pos, maxlen - pos, &(p[element].torque_innovation), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_encode_array(buf, offset + pos, maxlen - pos, &(p[element].firing_waveform), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
     }
@@ -131,6 +143,10 @@ int __sixdeg_edge_t_encoded_array_size(const sixdeg_edge_t *p, int elements)
 
         size += __int8_t_encoded_array_size(&(p[element].torque_why), 1);
 
+        size += __int8_t_encoded_array_size(&(p[element].firing_health), 1);
+
+        size += __int8_t_encoded_array_size(&(p[element].firing_why), 1);
+
         size += __float_encoded_array_size(&(p[element].crank_edge_class), 1);
 
         size += __float_encoded_array_size(&(p[element].crank_tooth), 1);
@@ -146,6 +162,8 @@ int __sixdeg_edge_t_encoded_array_size(const sixdeg_edge_t *p, int elements)
         size += __float_encoded_array_size(&(p[element].torque_mass), 1);
 
         size += __float_encoded_array_size(&(p[element].torque_innovation), 1);
+
+        size += __float_encoded_array_size(&(p[element].firing_waveform), 1);
 
     }
     return size;
@@ -177,6 +195,12 @@ int __sixdeg_edge_t_decode_array(const void *buf, int offset, int maxlen, sixdeg
         thislen = __int8_t_decode_array(buf, offset + pos, maxlen - pos, &(p[element].torque_why), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
+        thislen = __int8_t_decode_array(buf, offset + pos, maxlen - pos, &(p[element].firing_health), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __int8_t_decode_array(buf, offset + pos, maxlen - pos, &(p[element].firing_why), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
         thislen = __float_decode_array(buf, offset + pos, maxlen - pos, &(p[element].crank_edge_class), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
@@ -201,6 +225,9 @@ int __sixdeg_edge_t_decode_array(const void *buf, int offset, int maxlen, sixdeg
         thislen = __float_decode_array(buf, offset + pos, maxlen - pos, &(p[element].torque_innovation), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
+        thislen = __float_decode_array(buf, offset + pos, maxlen - pos, &(p[element].firing_waveform), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
     }
     return pos;
 }
@@ -220,6 +247,10 @@ int __sixdeg_edge_t_decode_array_cleanup(sixdeg_edge_t *p, int elements)
 
         __int8_t_decode_array_cleanup(&(p[element].torque_why), 1);
 
+        __int8_t_decode_array_cleanup(&(p[element].firing_health), 1);
+
+        __int8_t_decode_array_cleanup(&(p[element].firing_why), 1);
+
         __float_decode_array_cleanup(&(p[element].crank_edge_class), 1);
 
         __float_decode_array_cleanup(&(p[element].crank_tooth), 1);
@@ -235,6 +266,8 @@ int __sixdeg_edge_t_decode_array_cleanup(sixdeg_edge_t *p, int elements)
         __float_decode_array_cleanup(&(p[element].torque_mass), 1);
 
         __float_decode_array_cleanup(&(p[element].torque_innovation), 1);
+
+        __float_decode_array_cleanup(&(p[element].firing_waveform), 1);
 
     }
     return 0;
@@ -276,6 +309,10 @@ int __sixdeg_edge_t_clone_array(const sixdeg_edge_t *p, sixdeg_edge_t *q, int el
 
         __int8_t_clone_array(&(p[element].torque_why), &(q[element].torque_why), 1);
 
+        __int8_t_clone_array(&(p[element].firing_health), &(q[element].firing_health), 1);
+
+        __int8_t_clone_array(&(p[element].firing_why), &(q[element].firing_why), 1);
+
         __float_clone_array(&(p[element].crank_edge_class), &(q[element].crank_edge_class), 1);
 
         __float_clone_array(&(p[element].crank_tooth), &(q[element].crank_tooth), 1);
@@ -291,6 +328,8 @@ int __sixdeg_edge_t_clone_array(const sixdeg_edge_t *p, sixdeg_edge_t *q, int el
         __float_clone_array(&(p[element].torque_mass), &(q[element].torque_mass), 1);
 
         __float_clone_array(&(p[element].torque_innovation), &(q[element].torque_innovation), 1);
+
+        __float_clone_array(&(p[element].firing_waveform), &(q[element].firing_waveform), 1);
 
     }
     return 0;

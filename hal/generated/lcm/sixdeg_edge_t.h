@@ -25,6 +25,8 @@ struct _sixdeg_edge_t
     int8_t     crank_why;
     int8_t     torque_health;
     int8_t     torque_why;
+    int8_t     firing_health;
+    int8_t     firing_why;
     float      crank_edge_class;
     float      crank_tooth;
     float      crank_angle;
@@ -33,6 +35,7 @@ struct _sixdeg_edge_t
     float      crank_acceleration;
     float      torque_mass;
     float      torque_innovation;
+    float      firing_waveform;
 };
 
 /**

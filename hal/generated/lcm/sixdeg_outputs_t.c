@@ -23,7 +23,8 @@ uint64_t __sixdeg_outputs_t_hash_recursive(const __lcm_hash_ptr *p)
     cp.v = (void*)__sixdeg_outputs_t_get_hash;
     (void) cp;
 
-    uint64_t hash = (uint64_t)0xaef85069b65bdee7LL
+    uint64_t hash = (uint64_t)0xb84d837318f5e9d7LL
+         + __int32_t_hash_recursive(&cp)
          + __int32_t_hash_recursive(&cp)
          + __int32_t_hash_recursive(&cp)
          + __int32_t_hash_recursive(&cp)
@@ -33,6 +34,7 @@ uint64_t __sixdeg_outputs_t_hash_recursive(const __lcm_hash_ptr *p)
          + __int32_t_hash_recursive(&cp)
          + __sixdeg_edge_t_hash_recursive(&cp)
          + __sixdeg_cycle_t_hash_recursive(&cp)
+         + __sixdeg_firing_t_hash_recursive(&cp)
         ;
 
     return (hash<<1) + ((hash>>63)&1);
@@ -61,6 +63,9 @@ int __sixdeg_outputs_t_encode_array(void *buf, int offset, int maxlen, const six
         thislen = __int32_t_encode_array(buf, offset + pos, maxlen - pos, &(p[element].cycles), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
+        thislen = __int32_t_encode_array(buf, offset + pos, maxlen - pos, &(p[element].firings), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
         thislen = __int32_t_encode_array(buf, offset + pos, maxlen - pos, &(p[element].done), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
@@ -80,6 +85,9 @@ int __sixdeg_outputs_t_encode_array(void *buf, int offset, int maxlen, const six
         if (thislen < 0) return thislen; else pos += thislen;
 
         thislen = __sixdeg_cycle_t_encode_array(buf, offset + pos, maxlen - pos, p[element].cycle, p[element].cycles);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __sixdeg_firing_t_encode_array(buf, offset + pos, maxlen - pos, p[element].firing, p[element].firings);
         if (thislen < 0) return thislen; else pos += thislen;
 
     }
@@ -109,6 +117,8 @@ int __sixdeg_outputs_t_encoded_array_size(const sixdeg_outputs_t *p, int element
 
         size += __int32_t_encoded_array_size(&(p[element].cycles), 1);
 
+        size += __int32_t_encoded_array_size(&(p[element].firings), 1);
+
         size += __int32_t_encoded_array_size(&(p[element].done), 1);
 
         size += __int32_t_encoded_array_size(&(p[element].tick), 1);
@@ -122,6 +132,8 @@ int __sixdeg_outputs_t_encoded_array_size(const sixdeg_outputs_t *p, int element
         size += __sixdeg_edge_t_encoded_array_size(p[element].edge, p[element].edges);
 
         size += __sixdeg_cycle_t_encoded_array_size(p[element].cycle, p[element].cycles);
+
+        size += __sixdeg_firing_t_encoded_array_size(p[element].firing, p[element].firings);
 
     }
     return size;
@@ -142,6 +154,9 @@ int __sixdeg_outputs_t_decode_array(const void *buf, int offset, int maxlen, six
         if (thislen < 0) return thislen; else pos += thislen;
 
         thislen = __int32_t_decode_array(buf, offset + pos, maxlen - pos, &(p[element].cycles), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __int32_t_decode_array(buf, offset + pos, maxlen - pos, &(p[element].firings), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
         thislen = __int32_t_decode_array(buf, offset + pos, maxlen - pos, &(p[element].done), 1);
@@ -167,6 +182,10 @@ int __sixdeg_outputs_t_decode_array(const void *buf, int offset, int maxlen, six
         thislen = __sixdeg_cycle_t_decode_array(buf, offset + pos, maxlen - pos, p[element].cycle, p[element].cycles);
         if (thislen < 0) return thislen; else pos += thislen;
 
+        p[element].firing = (sixdeg_firing_t*) lcm_malloc(sizeof(sixdeg_firing_t) * p[element].firings);
+        thislen = __sixdeg_firing_t_decode_array(buf, offset + pos, maxlen - pos, p[element].firing, p[element].firings);
+        if (thislen < 0) return thislen; else pos += thislen;
+
     }
     return pos;
 }
@@ -179,6 +198,8 @@ int __sixdeg_outputs_t_decode_array_cleanup(sixdeg_outputs_t *p, int elements)
         __int32_t_decode_array_cleanup(&(p[element].edges), 1);
 
         __int32_t_decode_array_cleanup(&(p[element].cycles), 1);
+
+        __int32_t_decode_array_cleanup(&(p[element].firings), 1);
 
         __int32_t_decode_array_cleanup(&(p[element].done), 1);
 
@@ -195,6 +216,9 @@ int __sixdeg_outputs_t_decode_array_cleanup(sixdeg_outputs_t *p, int elements)
 
         __sixdeg_cycle_t_decode_array_cleanup(p[element].cycle, p[element].cycles);
         if (p[element].cycle) free(p[element].cycle);
+
+        __sixdeg_firing_t_decode_array_cleanup(p[element].firing, p[element].firings);
+        if (p[element].firing) free(p[element].firing);
 
     }
     return 0;
@@ -230,6 +254,8 @@ int __sixdeg_outputs_t_clone_array(const sixdeg_outputs_t *p, sixdeg_outputs_t *
 
         __int32_t_clone_array(&(p[element].cycles), &(q[element].cycles), 1);
 
+        __int32_t_clone_array(&(p[element].firings), &(q[element].firings), 1);
+
         __int32_t_clone_array(&(p[element].done), &(q[element].done), 1);
 
         __int32_t_clone_array(&(p[element].tick), &(q[element].tick), 1);
@@ -245,6 +271,9 @@ int __sixdeg_outputs_t_clone_array(const sixdeg_outputs_t *p, sixdeg_outputs_t *
 
         q[element].cycle = (sixdeg_cycle_t*) lcm_malloc(sizeof(sixdeg_cycle_t) * q[element].cycles);
         __sixdeg_cycle_t_clone_array(p[element].cycle, q[element].cycle, p[element].cycles);
+
+        q[element].firing = (sixdeg_firing_t*) lcm_malloc(sizeof(sixdeg_firing_t) * q[element].firings);
+        __sixdeg_firing_t_clone_array(p[element].firing, q[element].firing, p[element].firings);
 
     }
     return 0;

@@ -1,42 +1,13 @@
 # SPDX-License-Identifier: MIT
 """The pictures of a replay, as PNG bytes. Each function returns None where there is nothing to draw."""
-import io
-import os
-import sys
+import numpy as np
 
-# The font cache belongs to the build folder, not to the user's home.
-os.environ.setdefault("MPLCONFIGDIR", os.path.join(sys.prefix, "matplotlib"))
+from style import BLUE, GREY, INK, ORANGE, RED, axes_of, png
 
-import matplotlib  # noqa: E402
-
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt  # noqa: E402
-import numpy as np  # noqa: E402
-
-INK, BLUE, ORANGE, RED, GREY = "#222222", "#1f5f99", "#d9822b", "#c23b22", "#9a9a9a"
 MARKS = {"coasted": (ORANGE, "v", "coasted through"), "spurious": (RED, "x", "spurious"),
          "unsynced": (GREY, ".", "not yet synced")}
 LAST_CYCLES = 8
 TEETH_BESIDE_MARK = 12
-
-plt.rcParams.update({"font.size": 10, "axes.edgecolor": INK, "axes.spines.top": False, "axes.spines.right": False,
-                     "axes.grid": True, "grid.color": "#e6e6e6", "axes.axisbelow": True, "legend.frameon": False})
-
-
-def _png(figure):
-    data = io.BytesIO()
-    # Without the version of the library in it, the same numbers give the same bytes.
-    figure.savefig(data, format="png", dpi=110, metadata={"Software": None})
-    plt.close(figure)
-    return data.getvalue()
-
-
-def _axes(title, x, y):
-    figure, axes = plt.subplots(figsize=(10, 4), layout="constrained")
-    axes.set_title(title, loc="left", color=INK)
-    axes.set_xlabel(x)
-    axes.set_ylabel(y)
-    return figure, axes
 
 
 def speed(teeth):
@@ -44,7 +15,7 @@ def speed(teeth):
     known = np.isfinite(teeth.rpm)
     if not known.any():
         return None
-    figure, axes = _axes("Speed, tooth by tooth", "time, s", "speed, rpm")
+    figure, axes = axes_of("Speed, tooth by tooth", "time, s", "speed, rpm")
     axes.plot(teeth.t_s[known], teeth.rpm[known], color=BLUE, linewidth=0.7)
     for kind, (color, marker, label) in MARKS.items():
         chosen = teeth.kind == kind
@@ -56,7 +27,7 @@ def speed(teeth):
     axes.set_ylim(bottom=0)
     if axes.get_legend_handles_labels()[0]:
         axes.legend(loc="lower right")
-    return _png(figure)
+    return png(figure)
 
 
 def _cycles(angle_deg):
@@ -78,14 +49,14 @@ def torque(teeth):
     if not whole:
         return None
     name = "cycles" if span_deg == 720 else "revolutions"
-    figure, axes = _axes(f"Torque at the crank, last {len(whole)} {name}", "crank angle, deg", "torque, N m")
+    figure, axes = axes_of(f"Torque at the crank, last {len(whole)} {name}", "crank angle, deg", "torque, N m")
     for age, (a, b) in enumerate(reversed(whole)):
         axes.plot(angle_deg[a:b], torque_nm[a:b], color=BLUE if age == 0 else GREY, linewidth=1.6 if age == 0 else 0.7,
                   zorder=3 if age == 0 else 2)
     axes.axhline(0, color=INK, linewidth=0.6)
     axes.set_xlim(0, span_deg)
     axes.set_xticks(range(0, span_deg + 1, 90))
-    return _png(figure)
+    return png(figure)
 
 
 def mark(teeth):
@@ -98,7 +69,7 @@ def mark(teeth):
     shown = np.arange(middle - TEETH_BESIDE_MARK, middle + TEETH_BESIDE_MARK)
     t_ms = 1e3 * (teeth.t_s[shown] - teeth.t_s[middle])
     interval_ms = 1e3 * (teeth.t_s[shown] - teeth.t_s[shown - 1])
-    figure, axes = _axes(f"Decoded teeth around the mark at {teeth.t_s[middle]:.3f} s", "time after the first tooth, ms",
+    figure, axes = axes_of(f"Decoded teeth around the mark at {teeth.t_s[middle]:.3f} s", "time after the first tooth, ms",
                          "time since the edge before, ms")
     axes.vlines(t_ms, 0, interval_ms, color=GREY, linewidth=1)
     for i, x, y in zip(shown, t_ms, interval_ms):
@@ -107,4 +78,24 @@ def mark(teeth):
         label = f"{teeth.tooth[i]:.0f}" if np.isfinite(teeth.tooth[i]) else "?"
         axes.annotate(label, (x, y), textcoords="offset points", xytext=(0, 6), ha="center", fontsize=8, color=INK)
     axes.set_ylim(0, 1.2 * interval_ms.max())
-    return _png(figure)
+    return png(figure)
+
+
+def contributions(replay):
+    """What each cylinder gives more or less than the mean of all: bars, and every cycle as a dot."""
+    values = replay.contributions()
+    if not values:
+        return None
+    count = max(v.size for v in values.values())
+    figure, axes = axes_of(f"Cylinder contributions: torque less the mean of all, {count} cycles", "cylinder",
+                           "difference, N m")
+    for place, of_cycles in enumerate(values.values()):
+        bar = axes.bar(place, of_cycles.mean(), width=0.55, color=BLUE)
+        beside = place + np.linspace(-0.22, 0.22, of_cycles.size)
+        dots, = axes.plot(beside, of_cycles, "o", color=ORANGE, markersize=4, markeredgecolor="white",
+                          markeredgewidth=0.5)
+    axes.axhline(0, color=INK, linewidth=0.8)
+    axes.set_xticks(range(len(values)), [f"{c}" for c in values])
+    axes.grid(axis="x", visible=False)
+    figure.legend([bar, dots], ["mean", "each cycle, in order"], loc="outside right upper")
+    return png(figure)

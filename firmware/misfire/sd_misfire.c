@@ -1,0 +1,278 @@
+/* SPDX-License-Identifier: MIT */
+#include "sd_misfire.h"
+
+#include <string.h>
+
+#define PI 3.14159265f
+#define FACTOR_MIN 0.6f    /* the expectation may learn no further than this, or a misfire could become normal */
+#define FACTOR_MAX 1.5f
+#define SCATTER_START 0.25f
+#define SCATTER_MIN 0.01f
+#define SCATTER_MAX 1e6f
+#define LEARN_FIRINGS  64u /* the factor is a mean of so many, fewer after init */
+#define LEARNED_ENOUGH 16u /* firings of a cylinder before its scatter says anything */
+#define LEARN_SCATTER (1.0f / 32.0f)
+
+static float root(float x) { return (x > 1e-30f) ? x * sd_rsqrt_f32(x) : 0.0f; }
+static float clamp(float x, float low, float high) { return (x < low) ? low : (x > high) ? high : x; }
+static float larger(float a, float b) { return (a > b) ? a : b; }
+static uint32_t count_up(uint32_t x) { return (x < UINT32_MAX) ? x + 1u : x; }
+
+/* ---- what is not judged ------------------------------------------------------------------------------------------ */
+
+static bool is_number(float x, float high) { return (x > -high) && (x < high); } /* false for NaN */
+
+static bool estimate_fit(const sd_misfire_t *self, const sd_misfire_firing_t *f) {
+    return (f->index < self->config.cylinders) && (f->health != (uint8_t)SD_INVALID) && is_number(f->torque_nm, 1e6f) &&
+           (f->torque_sd_nm >= 0.0f) && is_number(f->torque_sd_nm, 1e6f) && (f->speed_radps > 0.0f) &&
+           is_number(f->speed_radps, 1e4f);
+}
+
+static float expected_torque(const sd_misfire_t *self, const sd_misfire_firing_t *f) {
+    return f->fuel_mg * self->config.work_per_fuel_jpmg / PI * self->factor[f->index];
+}
+
+static bool fuelled(const sd_misfire_t *self, const sd_misfire_firing_t *f) {
+    const float expected = expected_torque(self, f);
+    return (f->fuel_mg >= self->config.fuel_min_mg) && is_number(f->fuel_mg, 1e6f) && (expected > 0.0f) &&
+           (expected >= self->config.torque_min_nm);
+}
+
+static bool shifting(const sd_misfire_t *self, const sd_misfire_firing_t *f) {
+    const float change = f->speed_radps - self->last_speed_radps;
+    /* One firing more or less, of work W, changes the speed by W / 2 E of itself. */
+    const float of_firing = (f->energy_j > 0.0f) ? 0.5f * PI * expected_torque(self, f) / f->energy_j : 0.0f;
+    const float limit = (self->config.speed_change + clamp(of_firing, 0.0f, 1.0f)) * f->speed_radps;
+    return (self->last_speed_radps > 0.0f) && ((change > limit) || (change < -limit));
+}
+
+static uint8_t inhibited(sd_misfire_t *self, const sd_misfire_firing_t *f) {
+    uint32_t why = (f->inhibit != 0u) ? (uint32_t)SD_INHIBIT_OUTSIDE : 0u;
+    if (!estimate_fit(self, f)) {
+        why |= SD_INHIBIT_ESTIMATE;
+    } else {
+        if (!fuelled(self, f)) { why |= SD_INHIBIT_FUEL_CUT; }
+        if (shifting(self, f)) { why |= SD_INHIBIT_SHIFT; }
+        self->last_speed_radps = f->speed_radps;
+    }
+    if ((why & ((uint32_t)SD_INHIBIT_FUEL_CUT | (uint32_t)SD_INHIBIT_SHIFT)) != 0u) {
+        self->hold = self->config.hold_firings;
+    } else if (self->hold > 0u) {
+        self->hold--;
+        why |= SD_INHIBIT_HOLD;
+    }
+    if (self->since_start < self->config.start_firings) {
+        self->since_start++;
+        why |= SD_INHIBIT_START;
+    }
+    return (uint8_t)why;
+}
+
+/* ---- the limit --------------------------------------------------------------------------------------------------- */
+
+typedef struct sd_spread { float healthy, missed; } sd_spread_t; /* sd_0, sd_1 */
+
+static sd_spread_t spread_of(const sd_misfire_t *self, float relative_sd) {
+    const float cyclic = self->config.cyclic * self->config.cyclic, noise = relative_sd * relative_sd;
+    return (sd_spread_t){ root(self->scatter * cyclic + noise), root(larger(self->scatter - 1.0f, 0.0f) * cyclic + noise) };
+}
+
+static float limit_of(sd_misfire_t *self, sd_spread_t spread) {
+    const float low = self->config.z_missed * spread.missed, gap = self->config.z_false * spread.healthy;
+    self->test_ratio = low + gap;
+    if (self->test_ratio > 1.0f) { return low / (low + gap); }
+    return clamp(self->config.definition, low, 1.0f - gap);
+}
+
+static uint8_t verdict_of(const sd_misfire_t *self, float index, float limit, sd_spread_t spread) {
+    if (index < limit) { return SD_MISFIRE; }
+    const bool weak = (index < self->config.partial) && (index < 1.0f - self->config.z_false * spread.healthy);
+    return weak ? SD_PARTIAL_BURN : SD_HEALTHY;
+}
+
+/* Only a healthy firing near the expectation moves it (and any but a misfire while nothing is known of that cylinder).
+ * Scatter is seen above it, where no misfire comes. */
+static void learn(sd_misfire_t *self, const sd_misfire_verdict_t *v, float relative_sd, sd_spread_t spread) {
+    const uint32_t firing = v->firing;
+    const float off = v->index - 1.0f;
+    self->innovation = off;
+    if ((off > 0.0f) && (self->learned[firing] >= LEARNED_ENOUGH)) {
+        const float size = clamp(off, 0.0f, 10.0f * spread.healthy), cyclic = self->config.cyclic;
+        const float seen = (size * size - relative_sd * relative_sd) / (cyclic * cyclic);
+        self->scatter = clamp(self->scatter + LEARN_SCATTER * (seen - self->scatter), SCATTER_MIN, SCATTER_MAX);
+    }
+    const bool unknown = self->learned[firing] < LEARNED_ENOUGH;
+    const float near = larger(0.25f, 2.0f * spread.healthy); /* an overlooked misfire is not */
+    const bool teaches = (off > -near) && (off < near) && (v->verdict == (uint8_t)SD_HEALTHY);
+    if (teaches || (unknown && (v->verdict != (uint8_t)SD_MISFIRE))) {
+        const float weight = 1.0f / (4.0f + (float)self->learned[firing]);
+        const float factor = self->factor[firing] * (1.0f + weight * clamp(off, -0.5f, 0.5f));
+        if (self->learned[firing] < LEARN_FIRINGS) { self->learned[firing]++; }
+        self->factor[firing] = clamp(factor, FACTOR_MIN, FACTOR_MAX);
+    }
+}
+
+/* ---- windows and the lamp ---------------------------------------------------------------------------------------- */
+
+static uint32_t misfires_in(const sd_misfire_window_t *window) {
+    uint32_t sum = 0;
+    for (uint32_t i = 0; i < SD_MISFIRE_CYLINDERS_MAX; ++i) { sum += window->misfires[i]; }
+    return sum;
+}
+
+static uint8_t suspects_of(const sd_misfire_window_t *window) {
+    uint32_t bits = 0;
+    for (uint32_t i = 0; i < SD_MISFIRE_CYLINDERS_MAX; ++i) {
+        if (10u * window->misfires[i] > misfires_in(window)) { bits |= 1u << i; }
+    }
+    return (uint8_t)bits;
+}
+
+static bool exceeds(const sd_misfire_window_t *window, float percent) {
+    return 100.0f * (float)misfires_in(window) > percent * (float)window->firings;
+}
+
+static void light(sd_misfire_t *self, const sd_misfire_window_t *window, bool enough, uint8_t lamp) {
+    const uint8_t wanted = enough ? lamp : (uint8_t)SD_LAMP_PENDING;
+    self->suspects = suspects_of(window);
+    if (wanted > self->lamp) { self->lamp = wanted; }
+}
+
+static uint16_t count_up_16(uint16_t x) { return (x < UINT16_MAX) ? (uint16_t)(x + 1u) : x; }
+
+/* Counts the firing; true, and the window in *last, when it is complete. */
+static bool fill(sd_misfire_window_t *running, sd_misfire_window_t *last, uint32_t full, uint32_t cylinder, bool misfire) {
+    running->firings++;
+    if (misfire) { running->misfires[cylinder - 1u]++; }
+    if (running->firings < full) { return false; }
+    *last = *running;
+    memset(running, 0, sizeof *running);
+    return true;
+}
+
+static void count(sd_misfire_t *self, const sd_misfire_verdict_t *v) {
+    const sd_misfire_config_t *c = &self->config;
+    const bool misfire = v->verdict == (uint8_t)SD_MISFIRE;
+    self->firings = count_up(self->firings);
+    if (misfire) { self->misfires = count_up(self->misfires); }
+    if (v->verdict == (uint8_t)SD_PARTIAL_BURN) { self->partial_burns = count_up(self->partial_burns); }
+    self->in_row[v->firing] = misfire ? count_up_16(self->in_row[v->firing]) : 0u;
+    if (fill(&self->running_200, &self->last_200, 100u * c->cylinders, v->cylinder, misfire) &&
+        exceeds(&self->last_200, c->catalyst_percent)) {
+        self->catalyst_exceeded = count_up_16(self->catalyst_exceeded);
+        light(self, &self->last_200, self->catalyst_exceeded >= c->catalyst_exceedances, SD_LAMP_BLINKS);
+    }
+    if (fill(&self->running_1000, &self->last_1000, 500u * c->cylinders, v->cylinder, misfire)) {
+        const bool first = self->first_1000_done == 0u;
+        self->first_1000_done = 1;
+        if (exceeds(&self->last_1000, c->emission_percent)) {
+            self->emission_exceeded = count_up_16(self->emission_exceeded);
+            light(self, &self->last_1000, first || (self->emission_exceeded >= c->emission_exceedances), SD_LAMP_ON);
+        }
+    }
+}
+
+/* ---- the interface ----------------------------------------------------------------------------------------------- */
+
+static void report_health(sd_misfire_t *self, const sd_misfire_firing_t *f, const sd_misfire_verdict_t *v) {
+    self->health = (f->health > (uint8_t)SD_DEGRADED) ? (uint8_t)SD_INVALID : f->health;
+    self->why = 0;
+    if (v->inhibit != 0u) {
+        self->health = SD_INVALID;
+        self->why = ((v->inhibit & (uint8_t)SD_INHIBIT_START) != 0u) ? (uint8_t)SD_WHY_CONVERGING : (uint8_t)SD_WHY_REJECTED;
+    } else if (self->test_ratio > 1.0f) {
+        self->health = SD_DEGRADED;
+        self->why = SD_WHY_REJECTED;
+    }
+}
+
+sd_misfire_verdict_t sd_misfire_judge(sd_misfire_t *self, const sd_misfire_firing_t *f) {
+    sd_misfire_verdict_t v;
+    memset(&v, 0, sizeof v);
+    v.verdict = SD_NOT_JUDGED;
+    v.inhibit = inhibited(self, f);
+    if (f->index < self->config.cylinders) {
+        v.firing = f->index;
+        v.cylinder = self->config.firing_order[f->index];
+    }
+    if (v.inhibit == 0u) {
+        const float expected = expected_torque(self, f);
+        const float relative_sd = clamp(f->torque_sd_nm / expected, 0.0f, 10.0f);
+        const sd_spread_t spread = spread_of(self, relative_sd);
+        v.index = clamp(f->torque_nm / expected, -10.0f, 10.0f);
+        v.index_sd = spread.healthy;
+        v.limit = limit_of(self, spread);
+        v.verdict = verdict_of(self, v.index, v.limit, spread);
+        learn(self, &v, relative_sd, spread);
+        count(self, &v);
+    } else {
+        self->rejected = count_up_16(self->rejected);
+    }
+    report_health(self, f, &v);
+    return v;
+}
+
+void sd_misfire_start(sd_misfire_t *self) {
+    self->since_start = 0;
+    self->hold = 0;
+    self->last_speed_radps = 0.0f;
+    memset(self->in_row, 0, sizeof self->in_row);
+    self->health = SD_INVALID;
+    self->why = SD_WHY_CONVERGING;
+}
+
+static float percent(const sd_misfire_window_t *window, uint32_t i, uint32_t cylinders) {
+    if (window->firings == 0u) { return 0.0f; }
+    return 100.0f * (float)(window->misfires[i] * cylinders) / (float)window->firings;
+}
+
+void sd_misfire_read(const sd_misfire_t *self, sd_misfire_report_t *report) {
+    const sd_misfire_config_t *c = &self->config;
+    memset(report, 0, sizeof *report);
+    uint32_t continuous = 0;
+    for (uint32_t i = 0; i < c->cylinders; ++i) {
+        report->percent_200[i] = percent(&self->last_200, i, c->cylinders);
+        report->percent_1000[i] = percent(&self->last_1000, i, c->cylinders);
+        if (self->in_row[i] >= c->continuous_firings) { continuous |= 1u << (c->firing_order[i] - 1u); }
+    }
+    report->firings = self->firings;
+    report->misfires = self->misfires;
+    report->partial_burns = self->partial_burns;
+    report->continuous = (uint8_t)continuous;
+    report->suspects = self->suspects;
+    report->lamp = self->lamp;
+    report->emission_exceeded = self->emission_exceeded;
+    report->catalyst_exceeded = self->catalyst_exceeded;
+    report->status = (sd_status_t){ .health = self->health, .why = self->why, .rejected = self->rejected,
+                                    .innovation = self->innovation, .test_ratio = self->test_ratio };
+}
+
+/* Written so that NaN is out of range. */
+static bool in(float x, float low, float high) { return (x >= low) && (x <= high); }
+
+static bool order_ok(const sd_misfire_config_t *c) {
+    uint32_t seen = 0;
+    if ((c->cylinders < 1u) || (c->cylinders > SD_MISFIRE_CYLINDERS_MAX)) { return false; }
+    for (uint32_t i = 0; i < c->cylinders; ++i) {
+        if ((c->firing_order[i] < 1u) || (c->firing_order[i] > c->cylinders)) { return false; }
+        seen |= 1u << (c->firing_order[i] - 1u);
+    }
+    return seen == (1u << c->cylinders) - 1u;
+}
+
+sd_result_t sd_misfire_init(sd_misfire_t *self, const sd_misfire_config_t *c) {
+    const bool fine = order_ok(c) && in(c->work_per_fuel_jpmg, 1e-3f, 100.0f) && in(c->cyclic, 1e-3f, 0.5f) &&
+                      in(c->z_false, 1.0f, 6.0f) && in(c->z_missed, 1.0f, 6.0f) && in(c->definition, 0.2f, 0.8f) &&
+                      in(c->partial, c->definition, 1.0f) && in(c->fuel_min_mg, 1e-3f, 1e4f) &&
+                      in(c->torque_min_nm, 0.0f, 1e5f) && in(c->speed_change, 1e-3f, 1.0f) &&
+                      (c->continuous_firings >= 2u) && in(c->emission_percent, 1e-3f, 100.0f) &&
+                      in(c->catalyst_percent, 1e-3f, 100.0f) && (c->emission_exceedances >= 1u) &&
+                      (c->catalyst_exceedances >= 1u);
+    if (!fine) { return SD_ERR_CONFIG; }
+    memset(self, 0, sizeof *self);
+    self->config = *c;
+    self->scatter = SCATTER_START;
+    for (uint32_t i = 0; i < SD_MISFIRE_CYLINDERS_MAX; ++i) { self->factor[i] = 1.0f; }
+    sd_misfire_start(self);
+    return SD_OK;
+}

@@ -1,0 +1,131 @@
+/* SPDX-License-Identifier: MIT */
+/// sd_misfire.h - the event monitor: from the torque of every single firing to verdicts, rates and a decision.
+///
+/// Index of a firing = torque it gave / torque expected of its fuel: 1 healthy, 0 misfire. The expectation is
+///     expected = fuel x work_per_fuel / pi x factor of the cylinder            (mean over the 180 deg after TDC)
+/// and the factor learns slowly from firings that were found healthy (and from weak ones in a cylinder's first 16, when
+/// the expectation itself may be wrong), within 0.6 to 1.5. No firing is ever compared with its
+/// neighbours, so two cylinders missing together, or all, are seen like one.
+///
+/// The healthy index scatters by sd_0 (combustion and estimate), that of a misfire by sd_1 (estimate alone):
+///     sd_0^2 = r cyclic^2 + (torque_sd / expected)^2,   sd_1^2 = max(r - 1, 0) cyclic^2 + (torque_sd / expected)^2
+/// r is learned from the upper half of the scatter, which no misfire reaches. Up to 1 it is combustion; what is beyond
+/// is disturbance that a misfire has too: this is the adaptation to rough roads.
+/// A misfire is less than `definition` of the work expected. Where that would break the wanted error rates, the limit
+/// moves to the nearest that keeps both, limit in [z_missed sd_1, 1 - z_false sd_0]; where none does, it shares the
+/// shortage between both in proportion: z_missed sd_1 / (z_missed sd_1 + z_false sd_0). Status is degraded then.
+/// A partial burn is a firing below `partial` and below 1 - z_false sd_0 that is no misfire.
+///
+/// Windows of 200 and 1000 revolutions follow one another and count monitored firings only; the shape of the decision is
+/// that of OBD II as recalled, not verified against the regulation (docs/misfire.md).
+///
+/// Real-time contract: no heap, no globals, no libm; one call a firing, loops over cylinders only. One writer per state.
+/// Call order: init; start whenever the engine or the estimator started; firing for each; read.
+#ifndef SD_MISFIRE_H
+#define SD_MISFIRE_H
+#include "sd_num.h"
+#include "sd_status.h"
+
+#define SD_MISFIRE_CYLINDERS_MAX 8
+
+/// SI units but for fuel; read by init only, need not outlive it.
+typedef struct sd_misfire_config {
+    uint8_t  cylinders;                              ///< 1 to SD_MISFIRE_CYLINDERS_MAX.
+    uint8_t  firing_order[SD_MISFIRE_CYLINDERS_MAX]; ///< Physical cylinder, 1 to cylinders, of each firing; each once.
+    float    work_per_fuel_jpmg; ///< Work of combustion of a healthy firing, [0.001, 100].
+    float    cyclic;             ///< Largest usual standard deviation of a healthy firing's work over its mean, [0.001, 0.5].
+    float    z_false, z_missed;  ///< Wanted distances in deviations: 3.54 is 2 in 10,000, 2.58 is 5 in 1000; [1, 6].
+    float    definition;         ///< Share of the work below which it is a misfire, [0.2, 0.8].
+    float    partial;            ///< Share below which it is a partial burn, [definition, 1].
+    float    fuel_min_mg;        ///< Below it there is nothing to monitor, > 0.
+    float    torque_min_nm;      ///< The same for the expected torque, >= 0.
+    float    speed_change;       ///< Change of speed from firing to firing beyond which the gear is being shifted, (0, 1].
+    uint16_t start_firings;      ///< Not monitored after a start.
+    uint16_t hold_firings;       ///< Not monitored after fuel cut or a shift.
+    uint16_t continuous_firings; ///< Of a cylinder, all misfires, from which it counts as continuous; >= 2.
+    float    emission_percent;   ///< Of the firings in 1000 revolutions, [0.001, 100].
+    float    catalyst_percent;   ///< Of the firings in 200 revolutions, [0.001, 100].
+    uint16_t emission_exceedances; ///< Windows that light the lamp, after the first 1000 revolutions; >= 1.
+    uint16_t catalyst_exceedances; ///< Windows that make it blink; >= 1.
+} sd_misfire_config_t;
+
+/// Why a firing was not judged; bits.
+typedef enum sd_inhibit {
+    SD_INHIBIT_START    = 1 << 0,
+    SD_INHIBIT_FUEL_CUT = 1 << 1, ///< No or hardly any fuel, or too little torque expected.
+    SD_INHIBIT_SHIFT    = 1 << 2, ///< Speed changes as it does in a gear shift.
+    SD_INHIBIT_ESTIMATE = 1 << 3, ///< The torque is invalid or no number.
+    SD_INHIBIT_HOLD     = 1 << 4, ///< Fuel cut or a shift ended a moment ago.
+    SD_INHIBIT_OUTSIDE  = 1 << 5, ///< Asked for by the caller.
+} sd_inhibit_t;
+
+typedef enum sd_verdict { SD_HEALTHY = 0, SD_PARTIAL_BURN = 1, SD_MISFIRE = 2, SD_NOT_JUDGED = 3 } sd_verdict_t;
+
+typedef enum sd_lamp {
+    SD_LAMP_OFF = 0,
+    SD_LAMP_PENDING = 1,  ///< A window was exceeded.
+    SD_LAMP_ON = 2,       ///< Emissions.
+    SD_LAMP_BLINKS = 3,   ///< Catalyst.
+} sd_lamp_t;
+
+/// A firing as the estimator reports it.
+typedef struct sd_misfire_firing {
+    uint8_t index;        ///< In firing order.
+    uint8_t health;       ///< sd_health_t of the torque; invalid is not judged.
+    uint8_t inhibit;      ///< Not 0: not judged, for a reason of the caller's, such as a gear shift it knows of.
+    float   torque_nm;    ///< Mean combustion torque over the 180 deg after its TDC.
+    float   torque_sd_nm; ///< >= 0.
+    float   fuel_mg;      ///< Commanded for this firing.
+    float   speed_radps;  ///< > 0.
+    float   energy_j;     ///< Kinetic energy of the crank; widens what counts as a shift by what a misfire does. 0: unknown.
+} sd_misfire_firing_t;
+
+typedef struct sd_misfire_verdict {
+    uint8_t verdict;   ///< sd_verdict_t.
+    uint8_t inhibit;   ///< sd_inhibit_t bits, 0 when judged.
+    uint8_t firing;    ///< In firing order, from 0.
+    uint8_t cylinder;  ///< Physical, from 1.
+    float   index, index_sd, limit; ///< 0 when not judged. index_sd: sd_0.
+} sd_misfire_verdict_t;
+
+/// Firings and misfires in a window, by physical cylinder.
+typedef struct sd_misfire_window {
+    uint32_t firings, misfires[SD_MISFIRE_CYLINDERS_MAX];
+} sd_misfire_window_t;
+
+/// Decisions and rates; those of a window are of the last complete one.
+typedef struct sd_misfire_report {
+    float    percent_200[SD_MISFIRE_CYLINDERS_MAX], percent_1000[SD_MISFIRE_CYLINDERS_MAX]; ///< Of that cylinder's firings.
+    uint32_t firings, misfires, partial_burns; ///< Judged since init, saturating.
+    uint8_t  continuous;   ///< Bit n - 1: cylinder n misfires each time.
+    uint8_t  suspects;     ///< Bit n - 1: cylinder n has over a tenth of the misfires of the window that decided.
+    uint8_t  lamp;         ///< sd_lamp_t.
+    uint16_t emission_exceeded, catalyst_exceeded; ///< Windows so far.
+    sd_status_t status;    ///< rejected: firings not judged. test_ratio: wanted over available distance; above 1 degraded.
+} sd_misfire_report_t;
+
+/// Plain data, caller-owned.
+typedef struct sd_misfire {
+    float    factor[SD_MISFIRE_CYLINDERS_MAX];     ///< By firing.
+    uint8_t  learned[SD_MISFIRE_CYLINDERS_MAX];    ///< Firings that the factor has learned from, up to 64.
+    uint16_t in_row[SD_MISFIRE_CYLINDERS_MAX];     ///< Misfires, by firing.
+    float    scatter;                              ///< r.
+    float    last_speed_radps, test_ratio, innovation;
+    uint16_t hold, since_start;                    ///< Firings left; firings since start, saturating.
+    uint16_t rejected, emission_exceeded, catalyst_exceeded;
+    uint8_t  health, why, lamp, suspects;
+    uint8_t  first_1000_done;
+    uint32_t firings, misfires, partial_burns;
+    sd_misfire_window_t running_200, running_1000, last_200, last_1000;
+    sd_misfire_config_t config;
+} sd_misfire_t;
+
+/// SD_OK, or SD_ERR_CONFIG with the state untouched.
+sd_result_t sd_misfire_init(sd_misfire_t *self, const sd_misfire_config_t *config);
+/// The engine, or the estimator, starts: the next start_firings are not judged. Counts and what was learned stay.
+void sd_misfire_start(sd_misfire_t *self);
+/// Judges a firing; never NaN. An index out of range is counted and not judged.
+sd_misfire_verdict_t sd_misfire_judge(sd_misfire_t *self, const sd_misfire_firing_t *firing);
+void sd_misfire_read(const sd_misfire_t *self, sd_misfire_report_t *report);
+
+#endif

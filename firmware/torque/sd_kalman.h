@@ -1,0 +1,116 @@
+/* SPDX-License-Identifier: MIT */
+/// sd_kalman.h - periodic Kalman filter on tooth times: torque of each single firing, from crank teeth.
+///
+/// The measurement is the time of a tooth edge, not a speed: edge jitter is white there, and a gap in the wheel is three
+/// predictions without a correction. State: lateness tau (s), kinetic energy e (J), coefficients x (Nm) of
+///     T(alpha) = known(alpha) + x_0 + sum over j >= 1 of x_j f_j(alpha)
+/// known is the motored torque for the present intake pressure; x_0 is everything constant: less load, less friction.
+/// With the pulse basis f_j is the combustion torque of firing j, mean 1 over the 180 deg after its TDC, so that x_j is
+/// that cylinder's mean combustion torque; with the Fourier basis it is cos and sin of harmonics. The kernel knows only
+/// tables. One tooth position, d the pitch (derivation: docs/firing.md):
+///     dt   = d sqrt(J_interval / (2 (e + d (moment of T))))      time over the interval, by its mean energy
+///     e   += d (mean of T),  tau += dt
+/// and at a tooth that is there, w = sqrt(2 e / J_tooth), s = J_mean w^2, r its lateness in rad against the prediction:
+///     tau -= measured period,  tau += K_0 r / w,  e += K_1 r s,  x += K_x r s
+/// K is a table over cycle position and speed, from the periodic Riccati equation (`sixdeg calibrate`), zero where the
+/// wheel has no tooth, linear between speeds and constant beyond them.
+///
+/// Firing torque: x_j as it stands read_position of firing j, a good half turn after its pulse.
+///
+/// Real-time contract: no heap, no globals, no libm; a step costs 9 m + 60 flop and one division a present tooth for m
+/// coefficients (4 cylinders: m = 5, 105 flop), and 4 m + 20 for each missing one. One writer per state. Tables are
+/// read only and may be shared. Call order: init; step for every placed tooth; restart after lost sync or a stall.
+#ifndef SD_KALMAN_H
+#define SD_KALMAN_H
+#include "sd_num.h"
+#include "sd_status.h"
+
+#define SD_KALMAN_COEFFICIENTS_MAX 25
+#define SD_KALMAN_POSITIONS_MAX    120
+#define SD_KALMAN_SPEEDS_MAX       4
+#define SD_KALMAN_FIRINGS_MAX      8
+#define SD_KALMAN_POOL             12000///< Floats for basis and gains: 4 speeds for 8 cylinders, 1 for 12 harmonics.
+
+/// Read only. One row of `pool` a cycle position k, angles between the teeth k - 1 and k:
+/// mean[m - 1], moment[m - 1], point[m - 1] of the basis, then for each speed K_0, K_1, K_x[m].
+/// mean: over the interval; moment: of (1 - s) f, s from 0 to 1 over the interval; point: at tooth k.
+typedef struct sd_kalman_tables {
+    uint8_t  positions;    ///< Wheel positions a revolution N, even, 12 to 120.
+    uint8_t  coefficients; ///< m, 1 to SD_KALMAN_COEFFICIENTS_MAX, x_0 included.
+    uint8_t  speeds;       ///< Gain tables, 1 to SD_KALMAN_SPEEDS_MAX.
+    uint8_t  firings;      ///< Coefficient 1 + i belongs to firing i; 0 with the Fourier basis. Below m.
+    uint16_t read_position[SD_KALMAN_FIRINGS_MAX]; ///< Cycle position at which firing i is read, [0, 2 N).
+    float    tick_hz;        ///< Capture ticks a second, [1e5, 2e8].
+    float    torque_base_nm; ///< Highest |coefficient|, (0, 20000]; beyond it the filter starts anew.
+    float    reject_rad;     ///< Lateness beyond which a tooth is left out, besides what torque_base_nm explains, > 0.
+    uint16_t settle_teeth;   ///< Until the estimate counts as converged.
+    float    inertia_mean_kgm2;                             ///< (0, 10].
+    float    inertia_tooth_kgm2[SD_KALMAN_POSITIONS_MAX];   ///< At position k, (0, 10].
+    float    inertia_interval_kgm2[SD_KALMAN_POSITIONS_MAX];///< J_interval: what takes as long as J(alpha) does, (0, 10].
+    float    known_per_bar[3][2 * SD_KALMAN_POSITIONS_MAX]; ///< Motored torque, Nm per bar of intake pressure: mean,
+    float    known[3][2 * SD_KALMAN_POSITIONS_MAX];         ///< moment, point; and the part that does not scale, Nm.
+    float    speed_radps[SD_KALMAN_SPEEDS_MAX];             ///< Of the gain tables, ascending, > 0.
+    float    noise_rad[SD_KALMAN_SPEEDS_MAX];               ///< Timing error the gains were made for, > 0.
+    float    innovation[SD_KALMAN_SPEEDS_MAX];              ///< Its expected rms over noise_rad, >= 1.
+    /// Standard deviation of a firing less the mean of all cylinders, per rad of timing error, over J_mean w^2: one
+    /// firing, errors new at each edge; mean of SD_KALMAN_MEAN cycles, the same; either, errors that stay with a tooth.
+    float    single_sd[SD_KALMAN_SPEEDS_MAX], mean_sd[SD_KALMAN_SPEEDS_MAX], pattern_sd[SD_KALMAN_SPEEDS_MAX];
+    float    pool[SD_KALMAN_POOL];
+} sd_kalman_tables_t;
+
+#define SD_KALMAN_MEAN 10 ///< Cycles that a cylinder's mean torque is taken over.
+
+/// A placed tooth.
+typedef struct sd_kalman_tooth {
+    uint16_t cycle_position; ///< [0, 2 N).
+    uint16_t advance;        ///< Positions since the last one, 1 to 2 N.
+    uint32_t period_ticks;   ///< Time since the last one.
+    uint8_t  trusted;        ///< 0: predict only.
+    float    late_rad;       ///< Learned error of this tooth, positive when its edge comes late.
+    float    pattern_rad;    ///< Standard deviation of what is not learned of it.
+    float    intake_bar;     ///< Intake pressure, [0, 10]; anything else, NaN included: the last good one is held.
+} sd_kalman_tooth_t;
+
+/// One firing: sent when its estimate is complete.
+typedef struct sd_firing {
+    uint8_t index;      ///< In firing order.
+    float   torque_nm;  ///< Mean combustion torque over the 180 deg after its TDC.
+    float   sd_nm;      ///< Standard deviation of that less the mean of all cylinders, from timing noise as met.
+    float   mean_nm;    ///< Of this cylinder's last SD_KALMAN_MEAN cycles, fewer after a start.
+    float   mean_sd_nm;
+} sd_firing_t;
+
+typedef struct sd_kalman {
+    float    lateness_s;  ///< When the last tooth was due, after it came.
+    float    energy_j;    ///< At the last tooth.
+    float    coefficient_nm[SD_KALMAN_COEFFICIENTS_MAX];
+    float    torque_nm;   ///< T at the last tooth.
+    float    intake_bar;  ///< Last good one.
+    float    innovation_rad, test_ratio;
+    float    noise_ratio; ///< Running mean square of the innovation over its expectation.
+    float    ring_nm[SD_KALMAN_FIRINGS_MAX][SD_KALMAN_MEAN];
+    uint8_t  kept[SD_KALMAN_FIRINGS_MAX]; ///< Filled places of each ring.
+    uint8_t  next[SD_KALMAN_FIRINGS_MAX]; ///< Where the next firing goes.
+    uint16_t teeth;       ///< Since restart, saturating.
+    uint16_t rejected, rejected_in_row;
+    uint8_t  running;
+    uint8_t  intake_held; ///< The last intake pressure was no number in range.
+} sd_kalman_t;
+
+/// Floats of `pool` that such tables use.
+uint32_t sd_kalman_pool_used(const sd_kalman_tables_t *tables);
+
+/// SD_OK, or SD_ERR_CONFIG with the state untouched: a field of *tables is outside its range. Starts not running.
+sd_result_t sd_kalman_init(sd_kalman_t *self, const sd_kalman_tables_t *tables);
+
+/// The next step begins anew from its own speed, with zero torque.
+void sd_kalman_restart(sd_kalman_t *self);
+
+/// Takes a tooth. Returns true when it completed a firing, and fills *firing then. A tooth out of range changes nothing.
+bool sd_kalman_step(sd_kalman_t *self, const sd_kalman_tables_t *tables, const sd_kalman_tooth_t *tooth,
+                    sd_firing_t *firing);
+
+/// innovation in rad; health invalid while not running, degraded until settled.
+sd_status_t sd_kalman_status(const sd_kalman_t *self, const sd_kalman_tables_t *tables);
+
+#endif

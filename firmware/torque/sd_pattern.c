@@ -1,0 +1,197 @@
+/* SPDX-License-Identifier: MIT */
+#include "sd_pattern.h"
+
+#include <string.h>
+
+#define W_REF_RADPS 200.0f
+#define SLOPE_MAX   1e-3f  /* rad per rad: the guess is good enough for the trend to be linear in it */
+#define SPREAD_MIN  0.05f  /* of u, relative: below it one speed only was seen */
+#define MOTORED_SD  0.03f  /* of the motored torque, relative, while the speeds do not tell */
+
+_Static_assert(sizeof(sd_pattern_t) == 2912, "without pointers, the same size on every target");
+
+static bool has_tooth(const sd_kalman_tables_t *t, uint32_t k) {
+    const uint32_t from = 3u * (t->coefficients - 1u), row = sd_kalman_pool_used(t) / (2u * t->positions);
+    return t->pool[k * row + from] != 0.0f; /* gains are zero where no tooth is */
+}
+
+static uint32_t teeth_of_cycle(const sd_kalman_tables_t *t) {
+    uint32_t present = 0;
+    for (uint32_t k = 0; k < t->positions; ++k) { present += has_tooth(t, k) ? 2u : 0u; }
+    return present;
+}
+
+static float mean_product(const sd_kalman_tables_t *t, const float *a, const float *b) {
+    float sum = 0.0f, count = 0.0f;
+    for (uint32_t k = 0; k < t->positions; ++k) {
+        if (has_tooth(t, k)) { sum += a[k] * b[k]; count += 1.0f; }
+    }
+    return sum / count;
+}
+
+static void remove_mean(const sd_kalman_tables_t *t, float *values) {
+    float sum = 0.0f, count = 0.0f;
+    for (uint32_t k = 0; k < t->positions; ++k) {
+        if (has_tooth(t, k)) { sum += values[k]; count += 1.0f; }
+    }
+    for (uint32_t k = 0; k < t->positions; ++k) { values[k] = has_tooth(t, k) ? values[k] - sum / count : 0.0f; }
+}
+
+/* The trend a_1 k + a_2 k^2 from the differences between the two revolutions. */
+static void find_trend(const sd_pattern_t *self, const sd_kalman_tables_t *t, float *a1, float *a2) {
+    const float n = (float)t->positions;
+    float count = 0.0f, k_sum = 0.0f, d_sum = 0.0f, kk = 0.0f, kd = 0.0f;
+    for (uint32_t k = 0; k < t->positions; ++k) {
+        if (!has_tooth(t, k)) { continue; }
+        const float at = (float)k - 0.5f * n, d = self->cycle_rad[k + t->positions] - self->cycle_rad[k];
+        count += 1.0f; k_sum += at; d_sum += d; kk += at * at; kd += at * d;
+    }
+    const float slope = (count * kd - k_sum * d_sum) / (count * kk - k_sum * k_sum);
+    const float offset = (d_sum - slope * k_sum) / count; /* at k = N / 2 */
+    *a2 = slope / (2.0f * n);
+    *a1 = offset / n - 2.0f * n * *a2;
+}
+
+/* Each tooth's constant, and where the speeds tell, its slope over u; standard deviation from what the fit leaves. */
+static void solve(sd_pattern_t *self, const sd_kalman_tables_t *t, float scale_nm) {
+    const sd_pattern_sums_t *s = &self->sums;
+    const float spread = 1.0f - s->u * s->u / (s->cycles * s->uu);
+    self->pooled = (spread > SPREAD_MIN) ? 1u : 0u;
+    float slope[SD_KALMAN_POSITIONS_MAX] = { 0 };
+    for (uint32_t k = 0; k < t->positions; ++k) {
+        self->late_rad[k] = s->late[k] / s->cycles;
+        if (self->pooled == 0u) { continue; }
+        self->late_rad[k] = (self->late_rad[k] - s->u / (s->cycles * s->uu) * s->late_u[k]) / spread;
+        slope[k] = (s->late_u[k] - s->u * self->late_rad[k]) / s->uu;
+    }
+    float left = s->square - mean_product(t, self->late_rad, s->late) - mean_product(t, slope, s->late_u);
+    left = ((left > 0.0f) ? left / (s->cycles - 2.0f) : 0.0f) + 1e-12f; /* 6e-5 deg: no wheel is known better */
+    const float twist = (self->pooled != 0u) ? 0.0f : MOTORED_SD * self->ripple_nm / (4.0f * scale_nm);
+    const float effective = (self->pooled != 0u) ? s->cycles * spread : s->cycles;
+    const float variance = left / effective + twist * twist;
+    self->sd_rad = variance * sd_rsqrt_f32(variance);
+}
+
+static void add_cycle(sd_pattern_t *self, const sd_kalman_tables_t *t, float a1, float a2, float square_speed) {
+    float late[SD_KALMAN_POSITIONS_MAX];
+    const float n = (float)t->positions, u = W_REF_RADPS * W_REF_RADPS / square_speed;
+    for (uint32_t k = 0; k < t->positions; ++k) {
+        const float at = (float)k, next = at + n;
+        late[k] = 0.5f * (self->cycle_rad[k] + self->cycle_rad[k + t->positions] - a1 * (at + next) -
+                          a2 * (at * at + next * next));
+    }
+    remove_mean(t, late);
+    for (uint32_t k = 0; k < t->positions; ++k) {
+        self->sums.late[k] += late[k];
+        self->sums.late_u[k] += u * late[k];
+    }
+    self->sums.cycles += 1.0f;
+    self->sums.u += u;
+    self->sums.uu += u * u;
+    self->sums.square += mean_product(t, late, late);
+}
+
+/* All teeth of a cycle are in: learn from it when the guess was good, and better the guess. */
+static bool end_cycle(sd_pattern_t *self, const sd_kalman_tables_t *t) {
+    const float pitch = 6.2831853f / (float)t->positions;
+    float a1 = 0.0f, a2 = 0.0f;
+    find_trend(self, t, &a1, &a2);
+    const float slope = a1 / pitch, bend = a2 / (pitch * pitch); /* a rad */
+    const float square_speed = 2.0f * self->energy_j / t->inertia_mean_kgm2;
+    const bool good = (self->guessed >= 2u) && (slope < SLOPE_MAX) && (slope > -SLOPE_MAX);
+    if (good) { add_cycle(self, t, a1, a2, square_speed); }
+    /* L' = -de / (2 e), and de grows by the constant torque's error. */
+    const float constant = -4.0f * bend * self->energy_j;
+    const float cycle_rad = 12.566371f;
+    self->energy_j = self->free.energy_j - 2.0f * slope * self->energy_j + constant * cycle_rad;
+    self->constant_nm += constant;
+    if (self->guessed < 255u) { self->guessed++; }
+    if (!good || (self->sums.cycles < (float)SD_PATTERN_CYCLES_MIN)) { return false; }
+    solve(self, t, t->inertia_mean_kgm2 * square_speed);
+    return true;
+}
+
+static float ripple(const sd_kalman_tables_t *t, float intake_bar) {
+    float square = 0.0f;
+    for (uint32_t k = 0; k < 2u * t->positions; ++k) {
+        const float torque = t->known[0][k] + intake_bar * t->known_per_bar[0][k];
+        square += torque * torque;
+    }
+    square = square / (float)(2u * t->positions) + 1e-6f;
+    return square * sd_rsqrt_f32(square);
+}
+
+/* From tooth 0: the free prediction starts with no lateness. */
+static void begin_cycle(sd_pattern_t *self, const sd_kalman_tables_t *t, const sd_kalman_tooth_t *tooth) {
+    if (self->guessed == 0u) {
+        const float speed = 6.2831853f / (float)t->positions * t->tick_hz * (float)tooth->advance / (float)tooth->period_ticks;
+        self->energy_j = 0.5f * t->inertia_tooth_kgm2[0] * speed * speed;
+        self->constant_nm = 0.0f;
+        self->guessed = 1;
+    }
+    sd_kalman_restart(&self->free);
+    self->free.running = 1;
+    self->free.energy_j = self->energy_j;
+    self->free.coefficient_nm[0] = self->constant_nm;
+    self->free.intake_bar = tooth->intake_bar;
+    self->ripple_nm = ripple(t, tooth->intake_bar);
+    self->cycle_rad[0] = 0.0f;
+    self->teeth = 1;
+    self->following = 1;
+}
+
+static void follow(sd_pattern_t *self, const sd_kalman_tables_t *t, const sd_kalman_tooth_t *tooth) {
+    sd_kalman_tooth_t predicted = *tooth;
+    sd_firing_t unused;
+    predicted.trusted = 0;
+    sd_kalman_step(&self->free, t, &predicted, &unused);
+    if (self->free.running == 0u) { sd_pattern_pause(self); return; }
+    const uint32_t k = tooth->cycle_position;
+    const float square = 2.0f * self->free.energy_j / t->inertia_tooth_kgm2[k % t->positions];
+    self->cycle_rad[k] = -self->free.lateness_s * square * sd_rsqrt_f32(square);
+    self->teeth++;
+}
+
+bool sd_pattern_step(sd_pattern_t *self, const sd_kalman_tables_t *t, const sd_kalman_tooth_t *tooth) {
+    if ((tooth->trusted == 0u) || (tooth->cycle_position >= 2u * t->positions) || (tooth->period_ticks == 0u) ||
+        !((tooth->intake_bar >= 0.0f) && (tooth->intake_bar <= 10.0f))) {
+        sd_pattern_pause(self);
+        return false;
+    }
+    bool changed = false;
+    if (self->following != 0u) {
+        follow(self, t, tooth);
+        /* Tooth 0 again: its lateness closes the cycle, but belongs to the next one. */
+        if ((self->following != 0u) && (tooth->cycle_position == 0u) && (self->teeth == teeth_of_cycle(t) + 1u)) {
+            self->cycle_rad[0] = 0.0f;
+            changed = end_cycle(self, t);
+        }
+    }
+    if (tooth->cycle_position == 0u) { begin_cycle(self, t, tooth); }
+    return changed;
+}
+
+void sd_pattern_pause(sd_pattern_t *self) {
+    self->following = 0;
+    self->guessed = 0;
+}
+
+void sd_pattern_init(sd_pattern_t *self, const sd_kalman_tables_t *tables) {
+    memset(self, 0, sizeof *self);
+    sd_kalman_init(&self->free, tables);
+}
+
+sd_result_t sd_pattern_resume(sd_pattern_t *self, const sd_kalman_tables_t *tables, const sd_pattern_sums_t *sums) {
+    const float *value = (const float *)sums;
+    for (uint32_t i = 0; i < sizeof *sums / sizeof *value; ++i) {
+        if (!((value[i] > -1e9f) && (value[i] < 1e9f))) { return SD_ERR_CONFIG; }
+    }
+    if (!(sums->cycles >= 0.0f) || !(sums->uu >= 0.0f) || !(sums->square >= 0.0f)) { return SD_ERR_CONFIG; }
+    for (uint32_t k = 0; k < tables->positions; ++k) {
+        if (!has_tooth(tables, k) && (sums->late[k] != 0.0f)) { return SD_ERR_CONFIG; }
+    }
+    self->sums = *sums;
+    if (sums->cycles < (float)SD_PATTERN_CYCLES_MIN) { return SD_OK; }
+    solve(self, tables, tables->inertia_mean_kgm2 * W_REF_RADPS * W_REF_RADPS * sums->cycles / sums->u);
+    return SD_OK;
+}

@@ -1,0 +1,52 @@
+/* SPDX-License-Identifier: MIT */
+/// sd_pattern.h - learns where each tooth of the wheel really is, while the engine is motored (fuel cut).
+///
+/// Without combustion the torque is known but for a constant, so over one cycle the filter's prediction runs free from
+/// a guessed energy and constant torque, and each tooth's lateness L_k (rad) against it is
+///     L_k = pattern of the tooth + c + a_1 k + a_2 k^2 + error of the motored torque / (J w^2) + jitter.
+/// The same tooth one revolution later has the same pattern, so the differences L_(k+N) - L_k give a_1 and a_2 without
+/// it; both then improve the guess for the next cycle. What is left, averaged over cycles, is the pattern. A wrong
+/// motored torque looks like a pattern of the engine's orders, but shrinks with 1 / w^2: each tooth is fitted as
+///     pattern + u slope,  u = (w_ref / w)^2,
+/// once the cycles seen span enough speed; until then as a constant, and the confidence says so.
+///
+/// Real-time contract: as sd_kalman.h; a cycle's end costs six passes over the teeth. Call sd_pattern_step for each
+/// placed tooth while fuel is cut, sd_pattern_pause once for any other.
+#ifndef SD_PATTERN_H
+#define SD_PATTERN_H
+#include "sd_kalman.h"
+
+#define SD_PATTERN_CYCLES_MIN 4 ///< Cycles before a pattern is given at all.
+
+/// What is kept when the engine is off: with it, learning goes on where it ended.
+typedef struct sd_pattern_sums {
+    float cycles, u, uu;                    ///< Sum of 1, u, u^2 over cycles.
+    float late[SD_KALMAN_POSITIONS_MAX];    ///< Sum of L, trend taken out, over cycles.
+    float late_u[SD_KALMAN_POSITIONS_MAX];  ///< Sum of u L.
+    float square;                           ///< Sum over cycles of the mean over teeth of L^2.
+} sd_pattern_sums_t;
+
+typedef struct sd_pattern {
+    sd_pattern_sums_t sums;
+    float late_rad[SD_KALMAN_POSITIONS_MAX]; ///< The pattern, mean 0; 0 where there is no tooth.
+    float sd_rad;         ///< Its standard deviation, a tooth; 0: nothing learned.
+    uint8_t pooled;       ///< 1: the speeds seen tell pattern from motored torque.
+    sd_kalman_t free;     ///< Prediction of the cycle under way.
+    float energy_j, constant_nm; ///< Guess for the cycle under way: at its start, and throughout.
+    float cycle_rad[2 * SD_KALMAN_POSITIONS_MAX]; ///< L of the cycle under way.
+    float ripple_nm;      ///< Rms of the motored torque of the last cycle.
+    uint16_t teeth;       ///< Taken in the cycle under way.
+    uint8_t following;    ///< The cycle under way was seen from its start.
+    uint8_t guessed;      ///< Cycles since the guess began anew, saturating.
+} sd_pattern_t;
+
+/// Forgets everything. *tables has passed sd_kalman_init.
+void sd_pattern_init(sd_pattern_t *self, const sd_kalman_tables_t *tables);
+/// Goes on from kept sums. SD_ERR_CONFIG, and nothing changed, when they are not finite or not of such a wheel.
+sd_result_t sd_pattern_resume(sd_pattern_t *self, const sd_kalman_tables_t *tables, const sd_pattern_sums_t *sums);
+/// A tooth without fuel in any cylinder; late_rad and pattern_rad are not used. Returns true when the pattern changed.
+bool sd_pattern_step(sd_pattern_t *self, const sd_kalman_tables_t *tables, const sd_kalman_tooth_t *tooth);
+/// Fuel is back, or the angle is lost: the cycle under way is dropped.
+void sd_pattern_pause(sd_pattern_t *self);
+
+#endif

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: MIT
+#include "calibration/kalman_design.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+namespace sixdeg {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+bool present(const ToothModel &model, int k) { return model.present[std::size_t(k % model.positions)]; }
+
+/// P <- A P A' + Q, P symmetric.
+void predict_variance(const ToothModel &model, const ToothNoise &noise, int k, MatrixXd &p) {
+    predict_error(model, k, p);
+    p.transposeInPlace();
+    predict_error(model, k, p);
+    p(2, 2) += noise.constant_walk * noise.constant_walk;
+    const int first = 3 + int(model.inject_at.size());
+    for (int j = first; j < p.rows(); ++j) p(j, j) += noise.basis_walk * noise.basis_walk;
+}
+
+void inject(const ToothModel &model, const ToothNoise &noise, int k, MatrixXd &p) {
+    for (std::size_t i = 0; i < model.inject_at.size(); ++i) {
+        if (model.inject_at[i] == k) p(3 + int(i), 3 + int(i)) += noise.firing_change * noise.firing_change;
+    }
+}
+
+/// How the error of every firing answers one timing error of 1 rad at cycle position `from`: [cycle][firing].
+MatrixXd response(const ToothModel &model, const MatrixXd &gain, int from, int cycles) {
+    const int firings = int(model.read_at.size());
+    MatrixXd read = MatrixXd::Zero(cycles, firings);
+    MatrixXd error = -gain.row(from).transpose();
+    for (int step = 1; step <= (cycles - 1) * model.cycle(); ++step) {
+        const int k = (from + step) % model.cycle(), cycle = (from + step) / model.cycle();
+        predict_error(model, k, error);
+        for (int i = 0; i < firings; ++i) {
+            if (model.read_at[std::size_t(i)] == k) read(cycle, i) = error(3 + i);
+        }
+        if (present(model, k)) error -= gain.row(k).transpose() * error(0, 0);
+        if (k == 0 && error.squaredNorm() < 1e-20 * gain.squaredNorm()) break; // it has died out
+    }
+    return read.colwise() - read.rowwise().mean();
+}
+
+double mean_square(const MatrixXd &values) { return values.squaredNorm() / double(values.cols()); }
+
+void find_deviations(const ToothModel &model, int mean_cycles, PeriodicGains &gains) {
+    constexpr int kCycles = 40; // Errors have died out by then, or the radius would be near 1.
+    const int cycle = model.cycle();
+    double single = 0, mean = 0, pattern = 0;
+    for (int tooth = 0; tooth < model.positions; ++tooth) {
+        if (!present(model, tooth)) continue;
+        MatrixXd both = MatrixXd::Zero(1, int(model.read_at.size()));
+        for (int from = tooth; from < cycle; from += model.positions) {
+            const MatrixXd read = response(model, gains.gain, from, kCycles);
+            single += mean_square(read);
+            both += read.colwise().sum();
+            MatrixXd window = MatrixXd::Zero(1, read.cols());
+            for (int n = 0; n < kCycles + mean_cycles; ++n) {
+                if (n < kCycles) window += read.row(n);
+                if (n >= mean_cycles) window -= read.row(n - mean_cycles);
+                mean += mean_square(window) / (mean_cycles * mean_cycles);
+            }
+        }
+        pattern += mean_square(both);
+    }
+    gains.single_sd = std::sqrt(single), gains.mean_sd = std::sqrt(mean), gains.pattern_sd = std::sqrt(pattern);
+}
+
+} // namespace
+
+double ToothModel::pitch() const { return 2 * M_PI / positions; }
+
+void predict_error(const ToothModel &model, int k, Eigen::Ref<MatrixXd> error) {
+    const double d = model.pitch(), j = model.inertia_ratio[std::size_t(k % model.positions)];
+    const auto x = error.bottomRows(error.rows() - 2);
+    error.row(0) -= d / j * (error.row(1) + d * model.moment.row(k) * x);
+    error.row(1) += d * model.mean.row(k) * x;
+}
+
+double cycle_radius(const ToothModel &model, const MatrixXd &gain) {
+    MatrixXd map = MatrixXd::Identity(model.states(), model.states());
+    for (int k = 0; k < model.cycle(); ++k) {
+        predict_error(model, k, map);
+        if (present(model, k)) map -= (gain.row(k).transpose() * map.row(0)).eval();
+    }
+    return map.eigenvalues().cwiseAbs().maxCoeff();
+}
+
+PeriodicGains design_gains(const ToothModel &model, const ToothNoise &noise, int mean_cycles) {
+    constexpr int kMostCycles = 2000;
+    const double r = noise.edge_rad * noise.edge_rad;
+    PeriodicGains gains;
+    gains.gain = MatrixXd::Zero(model.cycle(), model.states());
+    MatrixXd p = MatrixXd::Identity(model.states(), model.states());
+    for (int cycle = 0; cycle < kMostCycles; ++cycle) {
+        double change = 0, teeth = 0, innovation = 0;
+        for (int k = 0; k < model.cycle(); ++k) {
+            predict_variance(model, noise, k, p);
+            if (present(model, k)) {
+                const VectorXd column = p.col(0);
+                const double s = column(0) + r;
+                change = std::max(change, (column / s - gains.gain.row(k).transpose()).cwiseAbs().maxCoeff());
+                gains.gain.row(k) = column.transpose() / s;
+                p -= column * column.transpose() / s;
+                innovation += s / r, ++teeth;
+            }
+            p = (0.5 * (p + p.transpose())).eval();
+            inject(model, noise, k, p);
+        }
+        gains.innovation = std::sqrt(innovation / teeth);
+        if (change < 1e-9 * gains.gain.cwiseAbs().maxCoeff()) break;
+    }
+    gains.radius = cycle_radius(model, gains.gain);
+    if (!model.read_at.empty()) find_deviations(model, mean_cycles, gains);
+    return gains;
+}
+
+} // namespace sixdeg

@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: MIT
+#include "calibration/kalman_tables.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+
+#include "calibration/calibration.hpp"
+#include "common/error.hpp"
+
+namespace sixdeg {
+namespace {
+
+constexpr double kRadPerDeg = M_PI / 180, kRadpsPerRpm = M_PI / 30;
+/// A firing's coefficient is free from here on, and read where its pulse is long over.
+constexpr double kInjectDeg = -12, kReadDeg = 300;
+
+struct Interval {
+    double mean = 0, moment = 0, point = 0;
+};
+
+double tooth_angle(const EngineFile &engine, double k) {
+    return engine.position_0_deg * kRadPerDeg + 2 * M_PI * k / engine.wheel.positions;
+}
+
+/// Simpson's rule over the interval that ends at tooth k, fine enough for the kink where combustion begins.
+Interval over_interval(const EngineFile &engine, const TorqueOverAngle &torque, int k) {
+    constexpr int kSteps = 24;
+    Interval out;
+    for (int i = 0; i <= kSteps; ++i) {
+        const double s = double(i) / kSteps, value = torque(tooth_angle(engine, k - 1 + s));
+        const double weight = (i == 0 || i == kSteps ? 1.0 : i % 2 ? 4.0 : 2.0) / (3 * kSteps);
+        out.mean += weight * value;
+        out.moment += weight * (1 - s) * value;
+        out.point = value;
+    }
+    return out;
+}
+
+/// First cycle position at or after `deg` past the TDC of a firing.
+int position_after(const EngineFile &engine, std::size_t firing, double deg) {
+    const int cycle = 2 * engine.wheel.positions;
+    const double off = (engine.firing_tdc_deg[firing] + deg - engine.position_0_deg) / 360 * engine.wheel.positions;
+    const int k = int(std::ceil(off - 1e-9)) % cycle;
+    return k < 0 ? k + cycle : k;
+}
+
+/// The constant inertia that takes as long over the interval before tooth k. Its difference from J in the middle is a
+/// few parts in 1e5, which at 3000 rpm is as much energy as 0.4 Nm give in a firing interval.
+double interval_inertia(const EngineFile &engine, int k) {
+    const auto root = [&](double s) { return std::sqrt(crank_inertia_kgm2(engine, tooth_angle(engine, k - 1 + s))); };
+    return std::pow((root(0) + 4 * root(0.5) + root(1)) / 6, 2);
+}
+
+void fill_angles(const EngineFile &engine, const KnownTorque &torque, sd_kalman_tables_t &t) {
+    for (int k = 0; k < t.positions; ++k) {
+        t.inertia_tooth_kgm2[k] = float(crank_inertia_kgm2(engine, tooth_angle(engine, k)));
+        t.inertia_interval_kgm2[k] = float(interval_inertia(engine, k));
+    }
+    const auto fill = [&](const TorqueOverAngle &known, float (*table)[2 * SD_KALMAN_POSITIONS_MAX]) {
+        for (int k = 0; k < 2 * t.positions; ++k) {
+            const Interval at = over_interval(engine, known, k);
+            table[0][k] = float(at.mean), table[1][k] = float(at.moment), table[2][k] = float(at.point);
+        }
+    };
+    fill(torque.motored_per_bar, t.known_per_bar);
+    fill(torque.motored, t.known);
+    for (std::size_t i = 0; i < t.firings; ++i) t.read_position[i] = std::uint16_t(position_after(engine, i, kReadDeg));
+}
+
+void fill_pool(const EngineFile &engine, const KnownTorque &torque, const std::vector<PeriodicGains> &gains,
+               sd_kalman_tables_t &t) {
+    float *to = t.pool;
+    for (int k = 0; k < 2 * t.positions; ++k) {
+        std::vector<Interval> at;
+        for (const TorqueOverAngle &f : torque.basis) at.push_back(over_interval(engine, f, k));
+        for (const Interval &f : at) *to++ = float(f.mean);
+        for (const Interval &f : at) *to++ = float(f.moment);
+        for (const Interval &f : at) *to++ = float(f.point);
+        for (const PeriodicGains &speed : gains) {
+            for (int j = 0; j < speed.gain.cols(); ++j) *to++ = float(speed.gain(k, j));
+        }
+    }
+}
+
+sd_kalman_tables_t sizes(const EngineFile &engine, const KnownTorque &torque, const KalmanTune &tune) {
+    sd_kalman_tables_t t{};
+    t.positions = std::uint8_t(engine.wheel.positions);
+    t.coefficients = std::uint8_t(1 + torque.basis.size());
+    t.speeds = std::uint8_t(tune.speeds_rpm.size());
+    t.firings = std::uint8_t(torque.firings ? engine.cylinders() : 0);
+    t.tick_hz = float(engine.tick_hz);
+    t.torque_base_nm = float(tune.torque_base_nm);
+    t.reject_rad = float(tune.reject_deg * kRadPerDeg);
+    t.settle_teeth = std::uint16_t(std::lround(tune.settle_cycles * 2 * engine.wheel.teeth()));
+    t.inertia_mean_kgm2 = float(mean_inertia_kgm2(engine));
+    if (sd_kalman_pool_used(&t) > SD_KALMAN_POOL) {
+        throw InputError(engine.name, "wheel", fmt::format("{} positions with {} coefficients at {} speeds need {} table entries, allowed {}",
+                                                           int(t.positions), int(t.coefficients), int(t.speeds), sd_kalman_pool_used(&t), SD_KALMAN_POOL));
+    }
+    return t;
+}
+
+} // namespace
+
+double mean_inertia_kgm2(const EngineFile &engine) {
+    double sum = 0;
+    for (int k = 0; k < engine.wheel.positions; ++k) sum += interval_inertia(engine, k);
+    return sum / engine.wheel.positions;
+}
+
+std::vector<TorqueOverAngle> fourier_basis(int harmonics) {
+    std::vector<TorqueOverAngle> basis;
+    for (int h = 1; h <= harmonics; ++h) {
+        basis.push_back([h](double a) { return std::cos(h * a / 2); });
+        basis.push_back([h](double a) { return std::sin(h * a / 2); });
+    }
+    return basis;
+}
+
+ToothModel tooth_model(const EngineFile &engine, const KnownTorque &torque) {
+    ToothModel model;
+    const int n = engine.wheel.positions, m = 1 + int(torque.basis.size());
+    model.positions = n;
+    model.present.assign(std::size_t(n), true);
+    for (int k : engine.wheel.missing) model.present[std::size_t(k)] = false;
+    const double mean = mean_inertia_kgm2(engine);
+    for (int k = 0; k < n; ++k) model.inertia_ratio.push_back(interval_inertia(engine, k) / mean);
+    model.mean = Eigen::MatrixXd::Constant(2 * n, m, 1);
+    model.moment = Eigen::MatrixXd::Constant(2 * n, m, 0.5);
+    for (int k = 0; k < 2 * n; ++k) {
+        for (int j = 1; j < m; ++j) {
+            const Interval at = over_interval(engine, torque.basis[std::size_t(j - 1)], k);
+            model.mean(k, j) = at.mean, model.moment(k, j) = at.moment;
+        }
+    }
+    for (std::size_t i = 0; torque.firings && i < std::size_t(engine.cylinders()); ++i) {
+        model.inject_at.push_back(position_after(engine, i, kInjectDeg));
+        model.read_at.push_back(position_after(engine, i, kReadDeg));
+    }
+    return model;
+}
+
+ToothNoise tooth_noise(const EngineFile &engine, const KalmanTune &tune, double speed_radps) {
+    const double scale = mean_inertia_kgm2(engine) * speed_radps * speed_radps;
+    const double edge = tune.edge_deg * kRadPerDeg, timer = speed_radps / engine.tick_hz / std::sqrt(12);
+    return {std::hypot(edge, timer), tune.load_walk_nm / scale, tune.firing_change_nm / scale, tune.basis_walk_nm / scale};
+}
+
+KalmanTables kalman_tables(const EngineFile &engine, const KnownTorque &torque, const KalmanTune &tune) {
+    KalmanTables out{sizes(engine, torque, tune), {}, 0};
+    sd_kalman_tables_t &t = out.tables;
+    fill_angles(engine, torque, t);
+    const ToothModel model = tooth_model(engine, torque);
+    for (std::size_t i = 0; i < tune.speeds_rpm.size(); ++i) {
+        const double speed = tune.speeds_rpm[i] * kRadpsPerRpm;
+        const ToothNoise noise = tooth_noise(engine, tune, speed);
+        out.gains.push_back(design_gains(model, noise, SD_KALMAN_MEAN));
+        const PeriodicGains &gains = out.gains.back();
+        t.speed_radps[i] = float(speed);
+        t.noise_rad[i] = float(noise.edge_rad);
+        t.innovation[i] = float(gains.innovation);
+        t.single_sd[i] = float(gains.single_sd), t.mean_sd[i] = float(gains.mean_sd), t.pattern_sd[i] = float(gains.pattern_sd);
+        if (i > 0) out.radius_between = std::max(out.radius_between, cycle_radius(model, (out.gains[i - 1].gain + gains.gain) / 2));
+    }
+    fill_pool(engine, torque, out.gains, t);
+    return out;
+}
+
+} // namespace sixdeg

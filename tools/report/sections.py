@@ -1,0 +1,157 @@
+# SPDX-License-Identifier: MIT
+"""The sections of the page, as HTML, and what they say in words."""
+import base64
+import html
+
+from run_folder import Run
+
+MISSING_WAVES = "No torque to compare: no whole cycle with a valid estimate, or the speed is prescribed."
+
+
+def table(rows, header=()):
+    head = "".join(f"<th>{html.escape(cell)}</th>" for cell in header)
+    body = "".join("<tr>" + "".join(f"<td>{html.escape(cell)}</td>" for cell in row) + "</tr>" for row in rows)
+    return f"<table>{f'<tr>{head}</tr>' if header else ''}{body}</table>"
+
+
+def text(words, kind="note"):
+    return f'<p class="{kind}">{html.escape(words)}</p>'
+
+
+def picture(png, name, missing=""):
+    if png is None:
+        return text(missing, "none")
+    return f'<img alt="{html.escape(name)}" src="data:image/png;base64,{base64.b64encode(png).decode()}">'
+
+
+def assumed(items):
+    if not items:
+        return ""
+    lines = "".join(f"<li>{html.escape(a)}</li>" for a in items)
+    return f'<h3>What the torque rests on</h3><ul class="assumed">{lines}</ul>'
+
+
+def replay_section(replay):
+    # Imported late: a bad folder is reported at once, not after the plotting library has loaded.
+    import replay_pictures as pictures
+
+    return [table(replay.figures()),
+            picture(pictures.speed(replay.teeth), "speed over time", "No speed: the decoder never synced."),
+            picture(pictures.mark(replay.teeth), "teeth around a mark", "No mark with decoded teeth on both sides."),
+            picture(pictures.torque(replay.teeth), "torque over crank angle", "No torque over a whole cycle."),
+            *_differences(replay),
+            assumed(replay.assumptions())]
+
+
+def _differences(replay):
+    import replay_pictures as pictures
+
+    png = pictures.contributions(replay)
+    parts = [picture(png, "cylinder contributions",
+                     "No cylinder contributions: they take two cylinders and a known phase of the cycle.")]
+    if png:
+        parts.append(text("No intake pressure was recorded, and it moves all cylinders alike: only the differences "
+                          "between cylinders count. There is no truth to compare with."))
+    return parts
+
+
+def _waves(run):
+    """The run's waveforms; None where it has none."""
+    from waveform import Waveforms
+
+    return Waveforms(run) if run.cycles() else None
+
+
+def _what_was_run(run):
+    s = run.summary
+    words = [f"Simulated, so the truth is known: {s['engine']['name']}", f"firmware in {s['number']}, n_h = {run.harmonics()}",
+             f"seed {s['seed']}", *run.assumptions()]
+    return text("; ".join(words) + ".", "lead")
+
+
+def _contributions(run):
+    nominal, perturbed = run.summary["cylinders"], (run.summary["perturbed"] or {}).get("cylinders")
+    if not nominal:
+        return [text("No torque of single cylinders to compare.", "none")]
+    import run_pictures as pictures
+
+    return [picture(pictures.contributions(nominal, perturbed), "cylinder contributions"),
+            text("The short lines on the bars are the standard deviation that the firmware itself states; it covers the "
+                 "noise of tooth times, not an error of the calibration.")]
+
+
+def _accuracy(run):
+    parts = [table(run.figures(), run.HEADER)]
+    if run.summary["torque"]:
+        parts.append(text(f"Over the last {run.summary['torque']['cycles_measured']} cycles. Torques of cylinders in percent "
+                          "of their true mean, waveforms of the true peak to peak."))
+    drawn = (run.summary["perturbed"] or {}).get("calibration")
+    if drawn:
+        ranges = drawn["ranges"]
+        parts.append(text(f"Perturbed: a second run whose calibration is wrong by amounts drawn from the seed: inertia "
+                          f"{drawn['inertia_percent']:+.1f} % (of +-{ranges['inertia_percent']:g}), reciprocating mass "
+                          f"{drawn['reciprocating_percent']:+.1f} % (+-{ranges['reciprocating_percent']:g}), wheel "
+                          f"{drawn['wheel_offset_deg']:+.2f} deg (+-{ranges['wheel_offset_deg']:g}), and of each cylinder "
+                          f"compression (+-{ranges['compression_percent']:g} %) and trapped mass "
+                          f"(+-{ranges['trapped_mass_percent']:g} %)."))
+    return parts
+
+
+def _waveform(run, waves):
+    if not waves:
+        return [text(MISSING_WAVES, "none")]
+    import run_pictures as pictures
+
+    return [picture(pictures.waveform(waves, run.firings()), "torque over one cycle")]
+
+
+def _decomposition(waves):
+    if not waves:
+        return [text(MISSING_WAVES, "none")]
+    import run_pictures as pictures
+
+    return [picture(pictures.decomposition(waves), "torque and its harmonics")]
+
+
+def run_section(run):
+    waves = _waves(run)
+    return [_what_was_run(run), *_contributions(run), *_accuracy(run), *_waveform(run, waves), *_decomposition(waves)]
+
+
+def figure_6_section(run):
+    """Document 004, section 3.3.3 and figure 6, with what it claims there."""
+    waves = _waves(run)
+    parts = [_what_was_run(run), *_contributions(run), *_accuracy(run),
+             "<h3>Figure 6 of document 004, redrawn</h3>", *_waveform(run, waves)]
+    if waves:
+        claims = [("phase shift of the adaptive Fourier observer", "none", f"{waves.shift_deg:+.2f} deg"),
+                  ("phase shift of pole placement", "18 deg", f"{waves.pole_lag_deg:+.1f} deg"),
+                  (f"largest torque, of that of the best {waves.n_h} harmonics", "almost reached",
+                   f"{waves.peak_percent:.1f} %")]
+        parts += [table(claims, ("claim", "document 004", "here")),
+                  text("Torque less load and friction, which move all of a curve alike. Shifts are where a curve correlates "
+                       f"best with the truth, or with its first {waves.n_h} harmonics: more an estimate of {waves.n_h} "
+                       "cannot show, and where these peak later than the truth, so does the estimate. The document "
+                       "does not print the poles of pole placement; here both are at -6/rad, to settle within a firing "
+                       "interval. Both observers get the same tooth times.")]
+    return parts
+
+
+def figure_5_section(run):
+    """Document 004, figure 5, with what section 3.3.1 claims."""
+    waves = _waves(run)
+    parts = [_what_was_run(run), "<h3>Figure 5 of document 004, redrawn</h3>", *_decomposition(waves)]
+    if waves:
+        left_out = waves.left_out_percent()
+        here = ", ".join(f"{percent:.1f} %" for percent in left_out.values())
+        parts += [table([("harmonics that represent the torque well", "at least 5",
+                          f"{', '.join(map(str, left_out))} leave out {here}")], ("claim", "document 004", "here")),
+                  text("What is left out is an rms, in percent of peak to peak. Harmonics count from one period a "
+                       "cycle, 720 deg: a four-cylinder that fires evenly has none below the fourth.")]
+    return parts
+
+
+def section(folder, build=None):
+    """One folder's part of the page."""
+    build = build or (run_section if isinstance(folder, Run) else replay_section)
+    return "\n".join([f"<h2>{html.escape(folder.title())}</h2>", *build(folder)])

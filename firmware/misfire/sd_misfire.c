@@ -6,12 +6,11 @@
 #define PI 3.14159265f
 #define FACTOR_MIN 0.6f    /* the expectation may learn no further than this, or a misfire could become normal */
 #define FACTOR_MAX 1.5f
-#define SCATTER_START 0.25f
+#define SCATTER_START 1.0f
 #define SCATTER_MIN 0.01f
 #define SCATTER_MAX 1e6f
-#define LEARN_FIRINGS  64u /* the factor is a mean of so many, fewer after init */
+#define LEARN_FIRINGS  64u /* factor and scatter are means of so many, fewer after init */
 #define LEARNED_ENOUGH 16u /* firings of a cylinder before its scatter says anything */
-#define LEARN_SCATTER (1.0f / 32.0f)
 
 static float root(float x) { return (x > 1e-30f) ? x * sd_rsqrt_f32(x) : 0.0f; }
 static float clamp(float x, float low, float high) { return (x < low) ? low : (x > high) ? high : x; }
@@ -90,6 +89,8 @@ static uint8_t verdict_of(const sd_misfire_t *self, float index, float limit, sd
     return weak ? SD_PARTIAL_BURN : SD_HEALTHY;
 }
 
+static float weight_of(uint32_t seen) { return 1.0f / (4.0f + (float)seen); }
+
 /* Only a healthy firing near the expectation moves it (and any but a misfire while nothing is known of that cylinder).
  * Scatter is seen above it, where no misfire comes. */
 static void learn(sd_misfire_t *self, const sd_misfire_verdict_t *v, float relative_sd, sd_spread_t spread) {
@@ -99,14 +100,14 @@ static void learn(sd_misfire_t *self, const sd_misfire_verdict_t *v, float relat
     if ((off > 0.0f) && (self->learned[firing] >= LEARNED_ENOUGH)) {
         const float size = clamp(off, 0.0f, 10.0f * spread.healthy), cyclic = self->config.cyclic;
         const float seen = (size * size - relative_sd * relative_sd) / (cyclic * cyclic);
-        self->scatter = clamp(self->scatter + LEARN_SCATTER * (seen - self->scatter), SCATTER_MIN, SCATTER_MAX);
+        self->scatter = clamp(self->scatter + weight_of(self->scatter_seen) * (seen - self->scatter), SCATTER_MIN, SCATTER_MAX);
+        if (self->scatter_seen < LEARN_FIRINGS) { self->scatter_seen++; }
     }
     const bool unknown = self->learned[firing] < LEARNED_ENOUGH;
     const float near = larger(0.25f, 2.0f * spread.healthy); /* an overlooked misfire is not */
     const bool teaches = (off > -near) && (off < near) && (v->verdict == (uint8_t)SD_HEALTHY);
     if (teaches || (unknown && (v->verdict != (uint8_t)SD_MISFIRE))) {
-        const float weight = 1.0f / (4.0f + (float)self->learned[firing]);
-        const float factor = self->factor[firing] * (1.0f + weight * clamp(off, -0.5f, 0.5f));
+        const float factor = self->factor[firing] * (1.0f + weight_of(self->learned[firing]) * clamp(off, -0.5f, 0.5f));
         if (self->learned[firing] < LEARN_FIRINGS) { self->learned[firing]++; }
         self->factor[firing] = clamp(factor, FACTOR_MIN, FACTOR_MAX);
     }

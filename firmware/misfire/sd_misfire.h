@@ -109,7 +109,8 @@ typedef struct sd_misfire {
     float    factor[SD_MISFIRE_CYLINDERS_MAX];     ///< By firing.
     uint8_t  learned[SD_MISFIRE_CYLINDERS_MAX];    ///< Firings that the factor has learned from, up to 64.
     uint16_t in_row[SD_MISFIRE_CYLINDERS_MAX];     ///< Misfires, by firing.
-    float    scatter;                              ///< r.
+    uint8_t  scatter_seen;                         ///< Firings that the scatter has learned from, up to 64.
+    float    scatter;                              ///< r; 1 at init.
     float    last_speed_radps, test_ratio, innovation;
     uint16_t hold, since_start;                    ///< Firings left; firings since start, saturating.
     uint16_t rejected, emission_exceeded, catalyst_exceeded;

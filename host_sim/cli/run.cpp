@@ -126,8 +126,9 @@ Json summarise(const Options &options, const Inputs &inputs, const RunResult &re
     summary["misfires_true"] = result.misfires;
     summary["stalled"] = result.stalled;
     add_figures(summary, result, perturbed);
-    summary["misfire"] = misfire_json(result.misfire);
-    summary["firing"] = firing_json(result, firing_bounds(inputs.scenario, inputs.tune, result));
+    const auto bounds = firing_bounds(inputs.scenario, inputs.tune, result);
+    summary["misfire"] = misfire_json(result.misfire, separation_bound(inputs.scenario, bounds));
+    summary["firing"] = firing_json(result, bounds);
     summary["number"] = inputs.calibration.parameters.torque_fixed_point > 0.5f ? "q31" : "f32";
     summary["seed"] = inputs.scenario.seed;
     summary["set"] = options.set;
@@ -153,8 +154,9 @@ void print_figures(const Inputs &inputs, const RunResult &result, const std::opt
     row("cylinder cycles", fmt::format("{} ({} misfires)", result.true_cycles, result.misfires));
     if (result.stalled) row("the engine", "stalled");
     print_accuracy(result, perturbed);
-    print_misfire(result.misfire);
-    print_firing(result, firing_bounds(inputs.scenario, inputs.tune, result));
+    const auto bounds = firing_bounds(inputs.scenario, inputs.tune, result);
+    print_misfire(result.misfire, separation_bound(inputs.scenario, bounds));
+    print_firing(result, bounds);
 }
 
 /// The same run with a calibration that is wrong, drawn from the scenario's seed.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "run/misfire_report.hpp"
 
+#include <cmath>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -26,7 +27,13 @@ void print_rate(const char *name, std::uint64_t hits, std::uint64_t trials) {
 
 } // namespace
 
-Json misfire_json(const MisfireFigures &f) {
+double separation_bound(const Scenario &scenario, const std::optional<FiringBounds> &bounds) {
+    if (!bounds) return 0;
+    const double noise = bounds->single_percent / 100;
+    return 2 / (noise + std::hypot(noise, scenario.cyclic_cov.at(scenario.bmep_pa.at(0))));
+}
+
+Json misfire_json(const MisfireFigures &f, double separation_bound) {
     return {{"detected", rate_json(f.detected, f.missed)},
             {"false_alarms", rate_json(f.false_alarms, f.healthy)},
             {"wrong_cylinder", f.wrong_cylinder},
@@ -34,12 +41,13 @@ Json misfire_json(const MisfireFigures &f) {
             {"partial_as_misfire", f.partial_as_misfire},
             {"healthy_as_partial", rate_json(f.healthy_as_partial, f.healthy)},
             {"separation", f.separation()},
+            {"separation_bound", separation_bound > 0 ? Json(separation_bound) : Json()},
             {"index_healthy", f.healthy ? Json(f.index_sum / double(f.healthy)) : Json()},
             {"not_judged", f.not_judged},
             {"not_judged_misfires", f.not_judged_misfires}};
 }
 
-void print_misfire(const MisfireFigures &f) {
+void print_misfire(const MisfireFigures &f, double separation_bound) {
     if (f.healthy + f.missed == 0) {
         fmt::print("misfire monitor                   judged no firing\n");
         return;
@@ -49,7 +57,10 @@ void print_misfire(const MisfireFigures &f) {
     print_rate("false alarms", f.false_alarms, f.healthy);
     print_rate("partial burns found", f.partial_found, f.partial);
     print_rate("healthy called partial", f.healthy_as_partial, f.healthy);
-    if (f.missed) fmt::print("  {:<32}{:.2f} deviations\n", "separation", f.separation());
+    if (f.missed == 0) return;
+    fmt::print("  {:<32}{:.2f} deviations", "separation", f.separation());
+    if (separation_bound > 0) fmt::print(", bound {:.2f}, ratio {:.2f}", separation_bound, f.separation() / separation_bound);
+    fmt::print("\n");
 }
 
 } // namespace sixdeg

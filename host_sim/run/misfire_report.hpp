@@ -2,12 +2,19 @@
 // The misfire monitor's figures for people and for summary.json.
 #pragma once
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 
+#include "run/firing_report.hpp"
 #include "run/misfire_score.hpp"
+#include "scenario/scenario.hpp"
 
 namespace sixdeg {
 
-nlohmann::ordered_json misfire_json(const MisfireFigures &figures);
-void print_misfire(const MisfireFigures &figures);
+/// The separation of the Neyman-Pearson detector: work of a firing over the mean of the two deviations, sd_1 the bound of
+/// one firing's torque, sd_0 that and the scenario's cyclic variation at its first load. 0 where there is no bound.
+double separation_bound(const Scenario &scenario, const std::optional<FiringBounds> &bounds);
+
+nlohmann::ordered_json misfire_json(const MisfireFigures &figures, double separation_bound);
+void print_misfire(const MisfireFigures &figures, double separation_bound);
 
 } // namespace sixdeg

@@ -57,7 +57,7 @@ def row(cell):
         return f"{r['percent']:8.3f} [{r['bounds_95_percent'][0]:7.3f},{r['bounds_95_percent'][1]:7.3f}]"
     stalled = " stalled" if cell["stalled"] else ""
     return (f"{cell['name']:<14}{cell['rpm']:>5}{cell['bar']:>4} {cell['detected']['of']:>6} {rate(cell['detected'])}"
-            f" {cell['false_alarms']['of']:>7} {rate(cell['false_alarms'])} {cell['wrong_cylinder']:>5} {cell['separation']:>7.2f}{stalled}")
+            f" {cell['false_alarms']['of']:>7} {rate(cell['false_alarms'])} {cell['wrong_cylinder']:>5} {cell['separation']:>7.2f} {cell['separation_bound'] or 0:>7.2f}{stalled}")
 
 
 def jobs(cells, cycles):
@@ -82,7 +82,7 @@ def main():
     parser.add_argument("--cycles", type=int, default=26000 if FULL else 300)
     options = parser.parse_args()
     cells = [tuple(int(x) for x in c.split(":")) for c in options.cells] if options.cells else (EDGE_CELLS if FULL else [(1500, 5), (6000, 1)])
-    print(f"{'':<14}{'rpm':>5}{'bar':>4} {'missed':>6} {'detected, % [95 %]':>26} {'healthy':>7} {'false alarms, % [95 %]':>26} {'wrong':>5} {'sep.':>7}")
+    print(f"{'':<14}{'rpm':>5}{'bar':>4} {'missed':>6} {'detected, % [95 %]':>26} {'healthy':>7} {'false alarms, % [95 %]':>26} {'wrong':>5} {'sep.':>7} {'bound':>7}")
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count() if FULL else 1) as pool:
         futures = [pool.submit(run, name, rpm, bar, n, **how) for name, rpm, bar, n, how in jobs(cells, options.cycles)]
         results = []

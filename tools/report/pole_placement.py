@@ -11,13 +11,14 @@ POLE_PER_RAD = 6.0  # settles within a firing interval
 
 
 def inertia_kgm2(engine, angle_deg):
-    """J(alpha) of the engine file: the crank and the reciprocating masses, each with (dx/dalpha)^2."""
+    """J(alpha) of the engine file: the crank and the reciprocating masses, each with its (dx/dalpha)^2."""
     cylinders, crank = engine["cylinders"], engine["crank"]
     r, rod = cylinders["stroke_m"] / 2, cylinders["rod_m"]
     total = np.full(len(angle_deg), float(crank["inertia_kgm2"]))
     for tdc_deg in cylinders["firing_tdc_deg"]:
         sin, cos = np.sin(np.radians(angle_deg - tdc_deg)), np.cos(np.radians(angle_deg - tdc_deg))
-        total += crank.get("reciprocating_mass_kg", 0) * (r * sin + r**2 * sin * cos / np.sqrt(rod**2 - (r * sin)**2))**2
+        lever_m = r * sin + r**2 * sin * cos / np.sqrt(rod**2 - (r * sin)**2)
+        total += crank.get("reciprocating_mass_kg", 0) * lever_m**2
     return total
 
 

@@ -31,10 +31,10 @@ def open_folder(path):
 
 def page(parts):
     text = "\n".join(sections.section(folder, build) for folder, build in parts)
-    return (f'<!doctype html>\n<html lang="en"><head><meta charset="utf-8"><title>sixdeg: torque from crank teeth</title>'
+    lead = "Simulated and recorded edges, through the firmware that runs on the engine controller."
+    return ('<!doctype html>\n<html lang="en"><head><meta charset="utf-8"><title>sixdeg: torque from crank teeth</title>'
             f"<style>{STYLE}</style></head>\n<body><h1>Torque from crank teeth</h1>"
-            f'<p class="lead">Simulated and recorded edges, through the firmware that runs on the engine controller.</p>\n'
-            f"{text}\n</body></html>\n")
+            f'<p class="lead">{lead}</p>\n{text}\n</body></html>\n')
 
 
 def print_table(folder):

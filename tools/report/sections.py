@@ -64,8 +64,8 @@ def _waves(run):
 
 def _what_was_run(run):
     s = run.summary
-    words = [f"Simulated, so the truth is known: {s['engine']['name']}", f"firmware in {s['number']}, n_h = {run.harmonics()}",
-             f"seed {s['seed']}", *run.assumptions()]
+    words = [f"Simulated, so the truth is known: {s['engine']['name']}",
+             f"firmware in {s['number']}, n_h = {run.harmonics()}", f"seed {s['seed']}", *run.assumptions()]
     return text("; ".join(words) + ".", "lead")
 
 
@@ -76,19 +76,19 @@ def _contributions(run):
     import run_pictures as pictures
 
     return [picture(pictures.contributions(nominal, perturbed), "cylinder contributions"),
-            text("The short lines on the bars are the standard deviation that the firmware itself states; it covers the "
-                 "noise of tooth times, not an error of the calibration.")]
+            text("The short lines on the bars are the standard deviation that the firmware itself states; it covers "
+                 "the noise of tooth times, not an error of the calibration.")]
 
 
 def _accuracy(run):
     parts = [table(run.figures(), run.HEADER)]
     if run.summary["torque"]:
-        parts.append(text(f"Over the last {run.summary['torque']['cycles_measured']} cycles. Torques of cylinders in percent "
-                          "of their true mean, waveforms of the true peak to peak."))
+        parts.append(text(f"Over the last {run.summary['torque']['cycles_measured']} cycles. Torques of cylinders in "
+                          "percent of their true mean, waveforms of the true peak to peak."))
     drawn = (run.summary["perturbed"] or {}).get("calibration")
     if drawn:
         ranges = drawn["ranges"]
-        parts.append(text(f"Perturbed: a second run whose calibration is wrong by amounts drawn from the seed: inertia "
+        parts.append(text("Perturbed: a second run whose calibration is wrong by amounts drawn from the seed: inertia "
                           f"{drawn['inertia_percent']:+.1f} % (of +-{ranges['inertia_percent']:g}), reciprocating mass "
                           f"{drawn['reciprocating_percent']:+.1f} % (+-{ranges['reciprocating_percent']:g}), wheel "
                           f"{drawn['wheel_offset_deg']:+.2f} deg (+-{ranges['wheel_offset_deg']:g}), and of each cylinder "

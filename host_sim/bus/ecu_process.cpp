@@ -61,14 +61,15 @@ class PlantWatch {
 
 } // namespace
 
-void run_ecu(Bus &bus, const std::string &transport, const sd_calibration_t &calibration) {
+void run_ecu(Bus &bus, const std::string &transport, const sd_calibration_t &calibration, const EventListener &listener) {
     const auto ecu = std::make_unique<sd_ecu_t>();
     if (sd_ecu_init(ecu.get(), &calibration) != SD_OK) throw std::logic_error("a checked calibration was refused");
     claim_the_bus(bus, transport);
     say("running on " + transport);
     PlantWatch plant;
-    PortTap tap(bus.port(), [&plant](bool out, const sd_event_t &event) {
+    PortTap tap(bus.port(), [&](bool out, const sd_event_t &event) {
         if (!out && event.kind == SD_EVENT_TIME) plant.heard();
+        if (listener) listener(out, event);
     });
     const sd_port_t port = tap.port();
     while (stop_signal() == 0) {

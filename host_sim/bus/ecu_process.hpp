@@ -4,14 +4,15 @@
 #include <string>
 
 #include "bus/bus.hpp"
+#include "log/port_tap.hpp"
 extern "C" {
 #include "sd_ecu.h"
 }
 
 namespace sixdeg {
 
-/// Events in, firmware, events out, until a signal wants the program to stop. Throws InputError when another ecu
-/// is on the bus.
-void run_ecu(Bus &bus, const std::string &transport, const sd_calibration_t &calibration);
+/// Events in, firmware, events out, until a signal wants the program to stop. `listener` (may be empty) hears of every
+/// event. Throws InputError when another ecu is on the bus.
+void run_ecu(Bus &bus, const std::string &transport, const sd_calibration_t &calibration, const EventListener &listener);
 
 } // namespace sixdeg

@@ -3,6 +3,7 @@
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
+#include <optional>
 
 #include "bus/ecu_process.hpp"
 #include "calibration/calibration.hpp"
@@ -11,18 +12,20 @@
 #include "common/error.hpp"
 #include "common/files.hpp"
 #include "common/stop.hpp"
+#include "log/event_log.hpp"
 
 namespace sixdeg {
 namespace {
 
 struct Options {
-    std::string file, transport, tune, number;
+    std::string file, transport, tune, number, record;
     std::vector<std::string> set;
 };
 
-/// A page as it is, or the page of an engine file and a tune.
-sd_calibration_t read_calibration(const Options &options) {
+/// A page as it is, or the page of an engine file and a tune. Adds to `about` what an event log says of it.
+sd_calibration_t read_calibration(const Options &options, nlohmann::ordered_json &about) {
     const std::string content = read_file(options.file);
+    about["files"][options.file] = sha256(content);
     if (content.rfind("SDC1", 0) == 0) {
         sd_calibration_t page;
         const auto *bytes = reinterpret_cast<const std::uint8_t *>(content.data());
@@ -32,15 +35,24 @@ sd_calibration_t read_calibration(const Options &options) {
     TomlFile engine_toml{std::filesystem::path(options.file)};
     const EngineFile engine = read_engine(engine_toml);
     engine_toml.finish();
+    about["engine"] = {{"name", engine.name}, {"guessed", engine.guessed}};
+    about["engine_file"] = content;
     TomlFile tune = open_tune(options.tune, options.set, options.number);
     const sd_parameters_t parameters = read_tune(tune);
     return calibrate(engine, parameters, tune.name());
 }
 
 void run(const Options &options) {
-    const sd_calibration_t calibration = read_calibration(options);
+    nlohmann::ordered_json about = {{"sixdeg", SD_VERSION}, {"command", "ecu"}, {"set", options.set}};
+    const sd_calibration_t calibration = read_calibration(options, about);
+    const auto bus = open_bus(options.transport, SD_ROLE_ECU);
+    std::optional<LogWriter> log;
+    if (!options.record.empty()) log.emplace(options.record, about.dump(), calibration);
+    EventListener listener;
+    if (log) listener = [&](bool out, const sd_event_t &event) { log->add(out, event); };
     stop_on_signals();
-    run_ecu(*open_bus(options.transport, SD_ROLE_ECU), options.transport, calibration);
+    run_ecu(*bus, options.transport, calibration, listener);
+    if (log) log->finish();
 }
 
 } // namespace
@@ -53,6 +65,7 @@ void add_ecu(CLI::App &app) {
     command->add_option("--tune", options->tune, "tune file");
     command->add_option("--set", options->set, "key=value, over the tune file")->allow_extra_args(false);
     command->add_option("--number", options->number, "f32 or q31")->check(CLI::IsMember({"f32", "q31"}));
+    command->add_option("--record", options->record, "event log of all that goes in and out (docs/log.md)");
     command->callback([options] { run(*options); });
 }
 

@@ -30,7 +30,7 @@ class LogFolder(Folder):
 
     def record(self, name="a", *options, **scenario):
         log = self.folder / f"{name}.sdlog"
-        self.sixdeg("run", self.scenario(**scenario), "--record", log, "--out", self.folder / f"{name}_run", *options)
+        self.sixdeg("run", self.scenario(**scenario), "--nominal", "--record", log, "--out", self.folder / f"{name}_run", *options)
         return log
 
     def replay(self, log, *options):
@@ -95,7 +95,7 @@ class Stop(LogFolder):
         for number in (signal.SIGTERM, signal.SIGINT):
             with self.subTest(signal=number.name):
                 log, out = self.folder / f"{number.name}.sdlog", self.folder / number.name
-                run = subprocess.Popen([SIXDEG, "run", self.scenario(cycles=200000), "--record", log, "--out", out],
+                run = subprocess.Popen([SIXDEG, "run", self.scenario(cycles=200000), "--nominal", "--record", log, "--out", out],
                                        stdout=subprocess.DEVNULL)
                 partial = pathlib.Path(f"{log}.partial")
                 deadline = time.monotonic() + 60

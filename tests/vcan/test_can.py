@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: MIT
 """Plant and ecu as two processes over vcan0, and clients that no one here wrote: candump, cangen, cantools, python-can."""
 import pathlib
+import os
 import re
 import signal
 import subprocess
@@ -14,17 +15,20 @@ import cantools
 from bus_test import BusCases, BusFolder, ENGINE, ROOT
 from sixdeg_test import table
 
+LONG = unittest.skipUnless(os.environ.get("SD_FULL"), "part of the long set: SD_FULL=1")
 DBC = cantools.database.load_file(ROOT / "hal" / "generated" / "sixdeg.dbc")
 
 
 class Can(BusCases, BusFolder):
     transport = "can:vcan0"
+    kills = 10  # the guest is slow
 
     def bus(self):
         bus = can.Bus("vcan0", interface="socketcan", fd=True)
         self.addCleanup(bus.shutdown)
         return bus
 
+    @LONG
     def test_candump_and_cantools_decode_live_estimates(self):
         dump = subprocess.Popen(["candump", "-r", "4000000", "-T", "3000", "-L", "vcan0,0B0:7F0"], stdout=subprocess.PIPE, text=True)
         self.processes.append(dump)
@@ -75,6 +79,7 @@ class Can(BusCases, BusFolder):
         got = self.sixdeg("parameter", "get", "torque.harmonics", "--transport", self.transport)
         self.assertEqual(got.stdout, "torque.harmonics = 7\n")
 
+    @LONG
     def test_the_interface_goes_down_and_up(self):
         ecu = self.ecu()
         plant = self.start("plant", self.scenario("duration_s = 600", rpm=3000), "--transport", self.transport,
@@ -88,6 +93,7 @@ class Can(BusCases, BusFolder):
         self.assertIsNone(ecu.poll())
         self.came_back()
 
+    @LONG
     def test_a_full_socket_buffer(self):
         """An ecu that is stopped for a while reads nothing; what finds no room is lost, known to be lost, and made up for."""
         ecu = self.ecu()

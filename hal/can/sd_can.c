@@ -24,8 +24,8 @@ static int configure(int fd, const char *interface, sd_role_t role) {
     /* What an ecu must not know does not reach its socket. */
     const struct can_filter no_truth = { .can_id = SD_CAN_TRUTH_FIRST | CAN_INV_FILTER, .can_mask = CAN_SFF_MASK & ~3u };
     if ((role == SD_ROLE_ECU) && (setsockopt(fd, SOL_CAN_RAW, CAN_RAW_FILTER, &no_truth, sizeof no_truth) != 0)) { return errno; }
-    /* Room for a reader that is some hundred milliseconds late. Beyond the system's limit only root gets it. */
-    const int room = 1 << 19;
+    /* Room for a reader that is some seconds late. Beyond the system's limit only root gets it. */
+    const int room = 1 << 23;
     if (setsockopt(fd, SOL_SOCKET, SO_RCVBUFFORCE, &room, sizeof room) != 0) {
         (void)setsockopt(fd, SOL_SOCKET, SO_RCVBUF, &room, sizeof room);
     }

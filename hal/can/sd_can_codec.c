@@ -112,7 +112,7 @@ int sd_can_encode_truth(sd_can_codec_t *self, const sd_truth_t *truth) {
                                                e->tick, e->tooth, e->flags };
         PACK(self, truth_edge, TRUTH_EDGE, 1, m);
     } else if (truth->kind == SD_TRUTH_CYCLE) {
-        const struct sd_bus_truth_cycle_t m = { c->torque_nm, c->imep_pa, c->cycle, c->cylinder, c->misfire };
+        const struct sd_bus_truth_cycle_t m = { c->torque_nm, c->imep_pa, c->tdc_time_s, c->exhaust_lambda, c->cycle, c->cylinder, c->misfire };
         PACK(self, truth_cycle, TRUTH_CYCLE, 1, m);
     } else {
         const struct sd_bus_truth_end_t m = { truth->end.edges, truth->end.cycles };
@@ -228,7 +228,7 @@ static int take_truth(sd_can_codec_t *self, const sd_frame_t *frame) {
     } else if ((frame->id == SD_BUS_TRUTH_CYCLE_FRAME_ID) && (frame->length == SD_BUS_TRUTH_CYCLE_LENGTH)) {
         (void)sd_bus_truth_cycle_unpack(&c, frame->bytes, frame->length);
         self->truth.kind = SD_TRUTH_CYCLE;
-        self->truth.cycle = (sd_truth_cycle_t){ c.torque_nm, c.imep_pa, c.cycle, c.cylinder, c.misfire };
+        self->truth.cycle = (sd_truth_cycle_t){ c.torque_nm, c.imep_pa, c.tdc_time_s, c.exhaust_lambda, c.cycle, c.cylinder, c.misfire };
     } else if ((frame->id == SD_BUS_TRUTH_END_FRAME_ID) && (frame->length == SD_BUS_TRUTH_END_LENGTH)) {
         (void)sd_bus_truth_end_unpack(&n, frame->bytes, frame->length);
         self->truth.kind = SD_TRUTH_END;

@@ -124,7 +124,7 @@ static int take_truth(sd_lcm_codec_t *self, const void *bytes, int size) {
         for (int32_t i = 0; i < m.cycles; ++i) {
             const sixdeg_truth_cycle_t *c = &m.cycle[i];
             keep_truth(self, (sd_truth_t){ .kind = SD_TRUTH_CYCLE,
-                                           .cycle = { c->torque_nm, c->imep_pa, c->cycle, (uint8_t)c->cylinder, (uint8_t)c->misfire } });
+                                           .cycle = { c->torque_nm, c->imep_pa, c->tdc_time_s, c->exhaust_lambda, c->cycle, (uint8_t)c->cylinder, (uint8_t)c->misfire } });
         }
         if (m.end != 0) {
             keep_truth(self, (sd_truth_t){ .kind = SD_TRUTH_END, .end = { (uint32_t)m.sent_edges, (uint32_t)m.sent_cycles } });

@@ -84,7 +84,7 @@ typedef struct sd_truth_edge {
 } sd_truth_edge_t;
 
 typedef struct sd_truth_cycle {
-    double  torque_nm, imep_pa;
+    double  torque_nm, imep_pa, tdc_time_s, exhaust_lambda;
     int32_t cycle;
     uint8_t cylinder, misfire;
 } sd_truth_cycle_t;

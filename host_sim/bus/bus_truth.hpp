@@ -21,7 +21,7 @@ class BusTruth : public TruthSink {
     void cycle(const CycleTruth &cycle) override {
         sd_truth_t truth{};
         truth.kind = sd_truth_t::SD_TRUTH_CYCLE;
-        truth.cycle = {cycle.combustion_torque_nm, cycle.imep_pa, std::int32_t(cycle.cycle), std::uint8_t(cycle.cylinder), cycle.misfire};
+        truth.cycle = {cycle.combustion_torque_nm, cycle.imep_pa, cycle.tdc_time_s, cycle.exhaust_lambda, std::int32_t(cycle.cycle), std::uint8_t(cycle.cylinder), cycle.misfire};
         bus_.send_truth(truth);
         ++sent_.cycles;
     }

@@ -102,7 +102,6 @@ class BusCases:
         self.assertTrue(json.loads((self.folder / "r.json").read_text())["outputs"]["identical"])
         print("\n" + done.stdout, file=sys.stderr)
 
-    @unittest.expectedFailure  # Collector does not pass on firing_judged(): misfire columns stay empty
     def test_a_third_party_hears_truth_and_estimates(self):
         scenario = self.scenario()
         watch = self.start("watch", "--transport", self.transport, "--engine", ENGINE, "--out", self.folder / "heard")

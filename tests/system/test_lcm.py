@@ -16,7 +16,6 @@ URL = "udpm://239.255.76.67:7667?ttl=0"
 class Lcm(BusCases, BusFolder):
     transport = "lcm:" + URL
 
-    @unittest.expectedFailure  # as the third party: misfire columns stay empty
     def test_a_log_of_lcms_own_logger_played_to_a_fresh_ecu(self):
         log = self.folder / "lcm.log"
         logger = subprocess.Popen(["lcm-logger", "--quiet", f"--lcm-url={URL}", log])

@@ -57,7 +57,7 @@ class Geometry:
 def burn_rate(engine, heat_j, a):
     """J/rad of all Wiebe pulses at angle a from firing TDC."""
     total = 0.0
-    for pulse in engine["plant"]["combustion"]["pulse"]:
+    for pulse in engine["combustion"]["pulse"]:
         y = (a - math.radians(pulse["start_deg"])) / math.radians(pulse["duration_deg"])
         if y > 0:
             m, k = pulse["shape"], math.log(1000)
@@ -110,7 +110,7 @@ class Cantera(unittest.TestCase):
         engine = load_engine()
         step = 0.25
         data = trace(rpm, fuel_mg, 0 if fuel_mg == 0 else 60, step)
-        valves = engine["plant"]["valves"]
+        valves = engine["valves"]
         first = round(valves["intake_close_deg"] / step)
         last = round((720 + valves["exhaust_open_deg"]) / step)
         part = slice(first, last)

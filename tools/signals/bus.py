@@ -91,7 +91,8 @@ def truth_messages():
             Field("tooth", "u8", "", (0, 255), "Wheel position that passed; 255: none."),
             Field("flags", "u8", "", (0, 3), "1: stands for no tooth; 2: the crank turned backward.")]
     cycle = [Field("torque_nm", "f64", "Nm", text="Mean combustion torque over the 180 deg after TDC."),
-             Field("imep_pa", "f64", "Pa"), Field("cycle", "i32"), Field("cylinder", "u8", "", (1, 8)),
+             Field("imep_pa", "f64", "Pa"), Field("tdc_time_s", "f64", "s"), Field("exhaust_lambda", "f64"),
+             Field("cycle", "i32"), Field("cylinder", "u8", "", (1, 8)),
              Field("misfire", "u8", "", (0, 1))]
     end = [Field("edges", "u32", text="Messages truth_edge sent."), Field("cycles", "u32", text="Messages truth_cycle sent.")]
     return [Message("truth_edge", 0xF0, "plant", "Truth of a crank edge, which no ecu reads.", edge),

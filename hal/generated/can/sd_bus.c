@@ -6068,14 +6068,16 @@ int sd_bus_truth_cycle_pack(
     size_t size)
 {
     uint32_t cycle;
+    uint64_t exhaust_lambda;
     uint64_t imep_pa;
+    uint64_t tdc_time_s;
     uint64_t torque_nm;
 
-    if (size < 24u) {
+    if (size < 48u) {
         return (-EINVAL);
     }
 
-    memset(&dst_p[0], 0, 24);
+    memset(&dst_p[0], 0, 48);
 
     memcpy(&torque_nm, &src_p->torque_nm, sizeof(torque_nm));
     dst_p[0] |= pack_left_shift_u64(torque_nm, 0u, 0xffu);
@@ -6095,15 +6097,33 @@ int sd_bus_truth_cycle_pack(
     dst_p[13] |= pack_right_shift_u64(imep_pa, 40u, 0xffu);
     dst_p[14] |= pack_right_shift_u64(imep_pa, 48u, 0xffu);
     dst_p[15] |= pack_right_shift_u64(imep_pa, 56u, 0xffu);
+    memcpy(&tdc_time_s, &src_p->tdc_time_s, sizeof(tdc_time_s));
+    dst_p[16] |= pack_left_shift_u64(tdc_time_s, 0u, 0xffu);
+    dst_p[17] |= pack_right_shift_u64(tdc_time_s, 8u, 0xffu);
+    dst_p[18] |= pack_right_shift_u64(tdc_time_s, 16u, 0xffu);
+    dst_p[19] |= pack_right_shift_u64(tdc_time_s, 24u, 0xffu);
+    dst_p[20] |= pack_right_shift_u64(tdc_time_s, 32u, 0xffu);
+    dst_p[21] |= pack_right_shift_u64(tdc_time_s, 40u, 0xffu);
+    dst_p[22] |= pack_right_shift_u64(tdc_time_s, 48u, 0xffu);
+    dst_p[23] |= pack_right_shift_u64(tdc_time_s, 56u, 0xffu);
+    memcpy(&exhaust_lambda, &src_p->exhaust_lambda, sizeof(exhaust_lambda));
+    dst_p[24] |= pack_left_shift_u64(exhaust_lambda, 0u, 0xffu);
+    dst_p[25] |= pack_right_shift_u64(exhaust_lambda, 8u, 0xffu);
+    dst_p[26] |= pack_right_shift_u64(exhaust_lambda, 16u, 0xffu);
+    dst_p[27] |= pack_right_shift_u64(exhaust_lambda, 24u, 0xffu);
+    dst_p[28] |= pack_right_shift_u64(exhaust_lambda, 32u, 0xffu);
+    dst_p[29] |= pack_right_shift_u64(exhaust_lambda, 40u, 0xffu);
+    dst_p[30] |= pack_right_shift_u64(exhaust_lambda, 48u, 0xffu);
+    dst_p[31] |= pack_right_shift_u64(exhaust_lambda, 56u, 0xffu);
     cycle = (uint32_t)src_p->cycle;
-    dst_p[16] |= pack_left_shift_u32(cycle, 0u, 0xffu);
-    dst_p[17] |= pack_right_shift_u32(cycle, 8u, 0xffu);
-    dst_p[18] |= pack_right_shift_u32(cycle, 16u, 0xffu);
-    dst_p[19] |= pack_right_shift_u32(cycle, 24u, 0xffu);
-    dst_p[20] |= pack_left_shift_u8(src_p->cylinder, 0u, 0xffu);
-    dst_p[21] |= pack_left_shift_u8(src_p->misfire, 0u, 0xffu);
+    dst_p[32] |= pack_left_shift_u32(cycle, 0u, 0xffu);
+    dst_p[33] |= pack_right_shift_u32(cycle, 8u, 0xffu);
+    dst_p[34] |= pack_right_shift_u32(cycle, 16u, 0xffu);
+    dst_p[35] |= pack_right_shift_u32(cycle, 24u, 0xffu);
+    dst_p[36] |= pack_left_shift_u8(src_p->cylinder, 0u, 0xffu);
+    dst_p[37] |= pack_left_shift_u8(src_p->misfire, 0u, 0xffu);
 
-    return (24);
+    return (48);
 }
 
 int sd_bus_truth_cycle_unpack(
@@ -6112,10 +6132,12 @@ int sd_bus_truth_cycle_unpack(
     size_t size)
 {
     uint32_t cycle;
+    uint64_t exhaust_lambda;
     uint64_t imep_pa;
+    uint64_t tdc_time_s;
     uint64_t torque_nm;
 
-    if (size < 24u) {
+    if (size < 48u) {
         return (-EINVAL);
     }
 
@@ -6137,13 +6159,31 @@ int sd_bus_truth_cycle_unpack(
     imep_pa |= unpack_left_shift_u64(src_p[14], 48u, 0xffu);
     imep_pa |= unpack_left_shift_u64(src_p[15], 56u, 0xffu);
     memcpy(&dst_p->imep_pa, &imep_pa, sizeof(dst_p->imep_pa));
-    cycle = unpack_right_shift_u32(src_p[16], 0u, 0xffu);
-    cycle |= unpack_left_shift_u32(src_p[17], 8u, 0xffu);
-    cycle |= unpack_left_shift_u32(src_p[18], 16u, 0xffu);
-    cycle |= unpack_left_shift_u32(src_p[19], 24u, 0xffu);
+    tdc_time_s = unpack_right_shift_u64(src_p[16], 0u, 0xffu);
+    tdc_time_s |= unpack_left_shift_u64(src_p[17], 8u, 0xffu);
+    tdc_time_s |= unpack_left_shift_u64(src_p[18], 16u, 0xffu);
+    tdc_time_s |= unpack_left_shift_u64(src_p[19], 24u, 0xffu);
+    tdc_time_s |= unpack_left_shift_u64(src_p[20], 32u, 0xffu);
+    tdc_time_s |= unpack_left_shift_u64(src_p[21], 40u, 0xffu);
+    tdc_time_s |= unpack_left_shift_u64(src_p[22], 48u, 0xffu);
+    tdc_time_s |= unpack_left_shift_u64(src_p[23], 56u, 0xffu);
+    memcpy(&dst_p->tdc_time_s, &tdc_time_s, sizeof(dst_p->tdc_time_s));
+    exhaust_lambda = unpack_right_shift_u64(src_p[24], 0u, 0xffu);
+    exhaust_lambda |= unpack_left_shift_u64(src_p[25], 8u, 0xffu);
+    exhaust_lambda |= unpack_left_shift_u64(src_p[26], 16u, 0xffu);
+    exhaust_lambda |= unpack_left_shift_u64(src_p[27], 24u, 0xffu);
+    exhaust_lambda |= unpack_left_shift_u64(src_p[28], 32u, 0xffu);
+    exhaust_lambda |= unpack_left_shift_u64(src_p[29], 40u, 0xffu);
+    exhaust_lambda |= unpack_left_shift_u64(src_p[30], 48u, 0xffu);
+    exhaust_lambda |= unpack_left_shift_u64(src_p[31], 56u, 0xffu);
+    memcpy(&dst_p->exhaust_lambda, &exhaust_lambda, sizeof(dst_p->exhaust_lambda));
+    cycle = unpack_right_shift_u32(src_p[32], 0u, 0xffu);
+    cycle |= unpack_left_shift_u32(src_p[33], 8u, 0xffu);
+    cycle |= unpack_left_shift_u32(src_p[34], 16u, 0xffu);
+    cycle |= unpack_left_shift_u32(src_p[35], 24u, 0xffu);
     dst_p->cycle = (int32_t)cycle;
-    dst_p->cylinder = unpack_right_shift_u8(src_p[20], 0u, 0xffu);
-    dst_p->misfire = unpack_right_shift_u8(src_p[21], 0u, 0xffu);
+    dst_p->cylinder = unpack_right_shift_u8(src_p[36], 0u, 0xffu);
+    dst_p->misfire = unpack_right_shift_u8(src_p[37], 0u, 0xffu);
 
     return (0);
 }
@@ -6199,6 +6239,54 @@ bool sd_bus_truth_cycle_imep_pa_is_in_range(double value)
 }
 
 bool sd_bus_truth_cycle_imep_pa_is_in_phys_range(double value)
+{
+    (void)value;
+
+    return (true);
+}
+
+double sd_bus_truth_cycle_tdc_time_s_encode(double value)
+{
+    return (double)(value);
+}
+
+double sd_bus_truth_cycle_tdc_time_s_decode(double value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_truth_cycle_tdc_time_s_is_in_range(double value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool sd_bus_truth_cycle_tdc_time_s_is_in_phys_range(double value)
+{
+    (void)value;
+
+    return (true);
+}
+
+double sd_bus_truth_cycle_exhaust_lambda_encode(double value)
+{
+    return (double)(value);
+}
+
+double sd_bus_truth_cycle_exhaust_lambda_decode(double value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_truth_cycle_exhaust_lambda_is_in_range(double value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool sd_bus_truth_cycle_exhaust_lambda_is_in_phys_range(double value)
 {
     (void)value;
 

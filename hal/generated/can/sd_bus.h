@@ -89,7 +89,7 @@ extern "C" {
 #define SD_BUS_PARAMETER_LENGTH (8u)
 #define SD_BUS_CLAIM_LENGTH (8u)
 #define SD_BUS_TRUTH_EDGE_LENGTH (48u)
-#define SD_BUS_TRUTH_CYCLE_LENGTH (24u)
+#define SD_BUS_TRUTH_CYCLE_LENGTH (48u)
 #define SD_BUS_TRUTH_END_LENGTH (8u)
 
 /* Extended or standard frame types. */
@@ -496,6 +496,8 @@ extern "C" {
 #define SD_BUS_TRUTH_EDGE_FLAGS_NAME "flags"
 #define SD_BUS_TRUTH_CYCLE_TORQUE_NM_NAME "torque_nm"
 #define SD_BUS_TRUTH_CYCLE_IMEP_PA_NAME "imep_pa"
+#define SD_BUS_TRUTH_CYCLE_TDC_TIME_S_NAME "tdc_time_s"
+#define SD_BUS_TRUTH_CYCLE_EXHAUST_LAMBDA_NAME "exhaust_lambda"
 #define SD_BUS_TRUTH_CYCLE_CYCLE_NAME "cycle"
 #define SD_BUS_TRUTH_CYCLE_CYLINDER_NAME "cylinder"
 #define SD_BUS_TRUTH_CYCLE_MISFIRE_NAME "misfire"
@@ -2210,6 +2212,20 @@ struct sd_bus_truth_cycle_t {
      * Offset: 0
      */
     double imep_pa;
+
+    /**
+     * Range: -
+     * Scale: 1
+     * Offset: 0
+     */
+    double tdc_time_s;
+
+    /**
+     * Range: -
+     * Scale: 1
+     * Offset: 0
+     */
+    double exhaust_lambda;
 
     /**
      * Range: -2147483648..2147483647 (-2147483648..2147483647 -)
@@ -10039,6 +10055,86 @@ bool sd_bus_truth_cycle_imep_pa_is_in_range(double value);
  * @return true if in range, false otherwise.
  */
 bool sd_bus_truth_cycle_imep_pa_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+double sd_bus_truth_cycle_tdc_time_s_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_truth_cycle_tdc_time_s_decode(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_truth_cycle_tdc_time_s_is_in_range(double value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_truth_cycle_tdc_time_s_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+double sd_bus_truth_cycle_exhaust_lambda_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_truth_cycle_exhaust_lambda_decode(double value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_truth_cycle_exhaust_lambda_is_in_range(double value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_truth_cycle_exhaust_lambda_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.

@@ -23,7 +23,9 @@ uint64_t __sixdeg_truth_cycle_t_hash_recursive(const __lcm_hash_ptr *p)
     cp.v = (void*)__sixdeg_truth_cycle_t_get_hash;
     (void) cp;
 
-    uint64_t hash = (uint64_t)0xf83392bc7ed90edeLL
+    uint64_t hash = (uint64_t)0x8c1d72e7a80965d0LL
+         + __double_hash_recursive(&cp)
+         + __double_hash_recursive(&cp)
          + __double_hash_recursive(&cp)
          + __double_hash_recursive(&cp)
          + __int32_t_hash_recursive(&cp)
@@ -55,6 +57,12 @@ int __sixdeg_truth_cycle_t_encode_array(void *buf, int offset, int maxlen, const
         if (thislen < 0) return thislen; else pos += thislen;
 
         thislen = __double_encode_array(buf, offset + pos, maxlen - pos, &(p[element].imep_pa), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __double_encode_array(buf, offset + pos, maxlen - pos, &(p[element].tdc_time_s), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __double_encode_array(buf, offset + pos, maxlen - pos, &(p[element].exhaust_lambda), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
         thislen = __int32_t_encode_array(buf, offset + pos, maxlen - pos, &(p[element].cycle), 1);
@@ -93,6 +101,10 @@ int __sixdeg_truth_cycle_t_encoded_array_size(const sixdeg_truth_cycle_t *p, int
 
         size += __double_encoded_array_size(&(p[element].imep_pa), 1);
 
+        size += __double_encoded_array_size(&(p[element].tdc_time_s), 1);
+
+        size += __double_encoded_array_size(&(p[element].exhaust_lambda), 1);
+
         size += __int32_t_encoded_array_size(&(p[element].cycle), 1);
 
         size += __int8_t_encoded_array_size(&(p[element].cylinder), 1);
@@ -120,6 +132,12 @@ int __sixdeg_truth_cycle_t_decode_array(const void *buf, int offset, int maxlen,
         thislen = __double_decode_array(buf, offset + pos, maxlen - pos, &(p[element].imep_pa), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
+        thislen = __double_decode_array(buf, offset + pos, maxlen - pos, &(p[element].tdc_time_s), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __double_decode_array(buf, offset + pos, maxlen - pos, &(p[element].exhaust_lambda), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
         thislen = __int32_t_decode_array(buf, offset + pos, maxlen - pos, &(p[element].cycle), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
@@ -141,6 +159,10 @@ int __sixdeg_truth_cycle_t_decode_array_cleanup(sixdeg_truth_cycle_t *p, int ele
         __double_decode_array_cleanup(&(p[element].torque_nm), 1);
 
         __double_decode_array_cleanup(&(p[element].imep_pa), 1);
+
+        __double_decode_array_cleanup(&(p[element].tdc_time_s), 1);
+
+        __double_decode_array_cleanup(&(p[element].exhaust_lambda), 1);
 
         __int32_t_decode_array_cleanup(&(p[element].cycle), 1);
 
@@ -181,6 +203,10 @@ int __sixdeg_truth_cycle_t_clone_array(const sixdeg_truth_cycle_t *p, sixdeg_tru
         __double_clone_array(&(p[element].torque_nm), &(q[element].torque_nm), 1);
 
         __double_clone_array(&(p[element].imep_pa), &(q[element].imep_pa), 1);
+
+        __double_clone_array(&(p[element].tdc_time_s), &(q[element].tdc_time_s), 1);
+
+        __double_clone_array(&(p[element].exhaust_lambda), &(q[element].exhaust_lambda), 1);
 
         __int32_t_clone_array(&(p[element].cycle), &(q[element].cycle), 1);
 

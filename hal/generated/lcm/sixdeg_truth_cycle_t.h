@@ -22,6 +22,8 @@ struct _sixdeg_truth_cycle_t
 {
     double     torque_nm;
     double     imep_pa;
+    double     tdc_time_s;
+    double     exhaust_lambda;
     int32_t    cycle;
     int8_t     cylinder;
     int8_t     misfire;

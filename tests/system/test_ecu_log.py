@@ -26,17 +26,17 @@ class EcuLog(BusFolder):
         return [(out / name).read_bytes() for name in ("cycles.csv", "teeth.csv")]
 
     def test_one_process_lcm_and_lcms_own_log_in_a_fresh_ecu(self):
-        scenario, logs = self.scenario(), [self.folder / name for name in ("one", "ecu", "played")]
+        scenario, logs = self.scenario(), [self.folder / name for name in ("one", "plant", "ecu", "played")]
         self.sixdeg("run", scenario, "--nominal", "--record", logs[0])
         recorder = subprocess.Popen(["lcm-logger", f"--lcm-url={URL}", self.folder / "lcm.log"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         self.processes.append(recorder)
         time.sleep(0.5)
-        ecu = self.ecu("--record", logs[1])
-        self.sixdeg("plant", scenario, "--transport", self.transport, "--real-time")
+        ecu = self.ecu("--record", logs[2])
+        self.sixdeg("plant", scenario, "--transport", self.transport, "--real-time", "--record", logs[1])
         self.end(ecu)
         time.sleep(0.5)
         self.end(recorder)
-        fresh = self.ecu("--record", logs[2])
+        fresh = self.ecu("--record", logs[3])
         subprocess.run(["lcm-logplayer", f"--lcm-url={URL}", "--regexp=SIXDEG_INPUTS", self.folder / "lcm.log"], check=True, capture_output=True, timeout=60)
         time.sleep(0.5)
         self.end(fresh)

@@ -36,10 +36,7 @@ struct Q31 {
     static constexpr auto torque_at = sd_fourier_torque_at_q31;
 };
 
-struct Gains {
-    int harmonics;
-    float energy, mean, reference;
-};
+struct Gains { int harmonics; float energy, mean, reference; };
 constexpr Gains kSmooth{5, 1.0f, 0.3f, 0.05f}, kFast{5, 2.0f, 0.3f, 0.1f}, kFine{8, 2.0f, 0.1f, 0.1f};
 
 /// Owns the tables a configuration points to.
@@ -367,13 +364,12 @@ TYPED_TEST(Fourier, ShiftByARevolutionMovesTheWaveformByARevolution) {
     for (int k = 1; k <= kCycle * 6; ++k) {
         TypeParam::step(&s, unsigned(k % kCycle), 1, unsigned(std::llround((times[std::size_t(k)] - times[std::size_t(k - 1)]) * kTickHz)), 1);
     }
-    float before[kCycle];
+    float before[kCycle], largest_change = 0;
     for (unsigned k = 0; k < kCycle; ++k) before[k] = TypeParam::torque_at(&s, k);
     TypeParam::shift(&s);
-    double largest_change = 0;
     for (unsigned k = 0; k < kCycle; ++k) {
         EXPECT_NEAR(before[k], TypeParam::torque_at(&s, (k + kN) % kCycle), 1e-3);
-        largest_change = std::fmax(largest_change, std::fabs(double(before[k] - TypeParam::torque_at(&s, k))));
+        largest_change = std::fmax(largest_change, std::fabs(before[k] - TypeParam::torque_at(&s, k)));
     }
     EXPECT_GT(largest_change, 10) << "cylinders 1 and 4 differ by 30 %, so a shift must show";
 }

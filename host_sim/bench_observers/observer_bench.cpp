@@ -56,7 +56,8 @@ struct Q31 {
 
 template <class V> class Switched : public Observer {
   public:
-    Switched(const std::vector<sd_plant_step_t> &steps, double output_gain, double sliding, const Strengths &believed)
+    Switched(const std::vector<sd_plant_step_t> &steps, double output_gain, double sliding,
+             const Strengths &believed)
         : believed_(believed) {
         sd_switched_config_t config{};
         config.steps = steps.data();
@@ -73,9 +74,12 @@ template <class V> class Switched : public Observer {
     }
     double step(const Sample &sample) override {
         double input = 0;
-        for (int n = 0; n < kCylinders; ++n) input += believed_[std::size_t(n)] * sample.input_mps3[std::size_t(n)];
+        for (int n = 0; n < kCylinders; ++n)
+            input += believed_[std::size_t(n)] * sample.input_mps3[std::size_t(n)];
         const auto ticks = std::uint32_t(std::lround(sample.period_s * kTickHz));
-        return double(V::out(V::step(&state_, ticks, in(sample.speed_mps / kSpeedBase), in(input / kJerkBase)))) * kAccelBase;
+        return double(V::out(
+                   V::step(&state_, ticks, in(sample.speed_mps / kSpeedBase), in(input / kJerkBase)))) *
+               kAccelBase;
     }
 
   private:
@@ -86,7 +90,8 @@ template <class V> class Switched : public Observer {
 
 class PerCylinder : public Observer {
   public:
-    PerCylinder(const HybridEngine &engine, const Strengths &believed) : believed_(believed.begin(), believed.end()) {
+    PerCylinder(const HybridEngine &engine, const Strengths &believed)
+        : believed_(believed.begin(), believed.end()) {
         const sd_plant_step_t step = plant_step({engine.k1_per_s2, engine.k2_per_s}, kSampleS, kTickHz);
         sd_input_config_t config{};
         config.step = &step;
@@ -97,14 +102,16 @@ class PerCylinder : public Observer {
         config.start_strength = 0.5f;
         config.walk_strength = 1e-5f;
         config.alarm_sd = 4;
-        if (sd_input_init(&state_, &config) != SD_OK) throw std::logic_error("the input observer was refused");
+        if (sd_input_init(&state_, &config) != SD_OK)
+            throw std::logic_error("the input observer was refused");
     }
     void start(double, double speed, double accel) override {
         sd_input_start(&state_, float(speed), float(accel), believed_.data());
     }
     double step(const Sample &sample) override {
         const std::vector<float> input(sample.input_mps3.begin(), sample.input_mps3.end());
-        return double(sd_input_step(&state_, float(sample.speed_mps), input.data(), std::uint8_t(sample.active)));
+        return double(
+            sd_input_step(&state_, float(sample.speed_mps), input.data(), std::uint8_t(sample.active)));
     }
 
   private:
@@ -117,8 +124,10 @@ std::vector<double> mean_inputs(const HybridEngine &engine, double from_s, doubl
     std::vector<double> mean(kCylinders, 0.0);
     const double interval = engine.interval_s();
     for (long k = long(std::floor(from_s / interval)); k * interval < to_s; ++k) {
-        const double overlap = std::min(to_s, k * interval + engine.pulse_s()) - std::max(from_s, k * interval);
-        if (overlap > 0) mean[std::size_t(k % kCylinders)] += engine.pulse_input_mps3() * overlap / (to_s - from_s);
+        const double overlap =
+            std::min(to_s, k * interval + engine.pulse_s()) - std::max(from_s, k * interval);
+        if (overlap > 0)
+            mean[std::size_t(k % kCylinders)] += engine.pulse_input_mps3() * overlap / (to_s - from_s);
     }
     return mean;
 }
@@ -141,17 +150,19 @@ std::vector<double> sample_times(const HybridEngine &engine, bool angle_domain) 
     return times;
 }
 
-Trace make_trace(const HybridEngine &engine, const FiringStrength &strength, bool angle_domain, unsigned seed) {
+Trace make_trace(const HybridEngine &engine, const FiringStrength &strength, bool angle_domain,
+                 unsigned seed) {
     Trace trace;
     RandomStream noise(seed, 0);
     HybridState now = trace.start = hybrid_periodic_start(engine);
     const auto times = sample_times(engine, angle_domain);
     for (std::size_t k = 1; k < times.size(); ++k) {
         now = hybrid_advance(engine, strength, now, times[k - 1], times[k]);
-        const double noisy = now.speed_mps + noise.normal() * kNoise * engine.crank_radius_m * engine.speed_radps;
+        const double noisy =
+            now.speed_mps + noise.normal() * kNoise * engine.crank_radius_m * engine.speed_radps;
         const long firing = long(std::floor(times[k] / engine.interval_s() - 1e-9));
-        trace.samples.push_back({times[k], times[k] - times[k - 1], noisy, mean_inputs(engine, times[k - 1], times[k]),
-                                 int(firing % kCylinders)});
+        trace.samples.push_back({times[k], times[k] - times[k - 1], noisy,
+                                 mean_inputs(engine, times[k - 1], times[k]), int(firing % kCylinders)});
         trace.accel_mps2.push_back(now.accel_mps2);
         trace.peak_mps2 = std::max(trace.peak_mps2, std::abs(now.accel_mps2));
     }
@@ -170,9 +181,11 @@ std::vector<double> errors_percent(Observer &observer, const Trace &trace) {
 void add_run(BenchRow &row, const Trace &trace, const std::vector<double> &errors) {
     for (std::size_t k = 0; k < errors.size(); ++k) {
         const double t = trace.samples[k].time_s, e = errors[k];
-        if (t >= 0.6) row.low_percent = std::min(row.low_percent, e), row.high_percent = std::max(row.high_percent, e);
+        if (t >= 0.6)
+            row.low_percent = std::min(row.low_percent, e), row.high_percent = std::max(row.high_percent, e);
         if (t >= 0.1)
-            row.early_low_percent = std::min(row.early_low_percent, e), row.early_high_percent = std::max(row.early_high_percent, e);
+            row.early_low_percent = std::min(row.early_low_percent, e),
+            row.early_high_percent = std::max(row.early_high_percent, e);
         if (std::abs(e) > 2) row.to_two_percent_s = std::max(row.to_two_percent_s, t);
         if (std::abs(e) > 1) row.to_one_percent_s = std::max(row.to_one_percent_s, t);
     }
@@ -209,17 +222,26 @@ std::vector<Contender> contenders(const HybridEngine &engine, const BenchGains &
     std::vector<Contender> all;
     const auto add = [&](const std::string &name, double roo, double luenberger, double sliding) {
         const auto make_step = [=](double period_s) {
-            return roo > 0 ? roo_step(model, roo, period_s, kTickHz) : folsmo_step(model, luenberger, period_s, kTickHz);
+            return roo > 0 ? roo_step(model, roo, period_s, kTickHz)
+                           : folsmo_step(model, luenberger, period_s, kTickHz);
         };
-        const std::vector<sd_plant_step_t> time{make_step(kSampleS)}, angle{make_step(tooth_s), make_step(3 * tooth_s)};
-        all.push_back({name, "time", false, [=](const auto &b) { return std::make_unique<Switched<F32>>(time, roo, sliding, b); }});
-        all.push_back({name, "time, q31", false, [=](const auto &b) { return std::make_unique<Switched<Q31>>(time, roo, sliding, b); }});
-        all.push_back({name, "angle", true, [=](const auto &b) { return std::make_unique<Switched<F32>>(angle, roo, sliding, b); }});
+        const std::vector<sd_plant_step_t> time{make_step(kSampleS)},
+            angle{make_step(tooth_s), make_step(3 * tooth_s)};
+        all.push_back({name, "time", false, [=](const auto &b) {
+                           return std::make_unique<Switched<F32>>(time, roo, sliding, b);
+                       }});
+        all.push_back({name, "time, q31", false, [=](const auto &b) {
+                           return std::make_unique<Switched<Q31>>(time, roo, sliding, b);
+                       }});
+        all.push_back({name, "angle", true, [=](const auto &b) {
+                           return std::make_unique<Switched<F32>>(angle, roo, sliding, b);
+                       }});
     };
     add("ROO", gains.roo_per_s, 0, 0);
     add("FOSMO", 0, 0, gains.sliding_mps3);
     add("FOLSMO", 0, gains.luenberger_per_s2, gains.sliding_mps3);
-    all.push_back({"ours", "time", false, [=](const auto &b) { return std::make_unique<PerCylinder>(engine, b); }});
+    all.push_back(
+        {"ours", "time", false, [=](const auto &b) { return std::make_unique<PerCylinder>(engine, b); }});
     return all;
 }
 
@@ -247,7 +269,8 @@ std::vector<BenchRow> run_observer_bench(const HybridEngine &engine, const Bench
 
 IsolatedMisfire run_isolated_misfire(const HybridEngine &engine, unsigned seed) {
     constexpr long kMissing = 21;
-    const Trace trace = make_trace(engine, [](long k) { return k == kMissing ? 0.0 : 1.0; }, false, seed);
+    const Trace trace = make_trace(
+        engine, [](long k) { return k == kMissing ? 0.0 : 1.0; }, false, seed);
     PerCylinder observer(engine, Strengths(kCylinders, 1.0));
     const auto errors = errors_percent(observer, trace);
     IsolatedMisfire result{0, 0};
@@ -255,7 +278,8 @@ IsolatedMisfire run_isolated_misfire(const HybridEngine &engine, unsigned seed) 
         const double since = trace.samples[k].time_s - kMissing * engine.interval_s();
         if (since < 0) continue;
         result.peak_percent = std::max(result.peak_percent, std::abs(errors[k]));
-        if (std::abs(errors[k]) > 1) result.longest_s = std::max(result.longest_s, std::fmod(since, engine.interval_s()));
+        if (std::abs(errors[k]) > 1)
+            result.longest_s = std::max(result.longest_s, std::fmod(since, engine.interval_s()));
     }
     return result;
 }

@@ -21,7 +21,8 @@ int left_ms(std::chrono::steady_clock::time_point until) {
 } // namespace
 
 BusFeed::BusFeed(Bus &bus, double tick_hz, Pace pace, EventListener listener)
-    : EcuFeed(tick_hz), bus_(bus), port_(bus.port()), tick_hz_(tick_hz), pace_(pace), listener_(std::move(listener)) {
+    : EcuFeed(tick_hz), bus_(bus), port_(bus.port()), tick_hz_(tick_hz), pace_(pace),
+      listener_(std::move(listener)) {
     find_ecu();
 }
 
@@ -33,15 +34,20 @@ void BusFeed::find_ecu() {
         while (Clock::now() < ask_again) {
             sd_event_t event;
             bus_.wait(left_ms(ask_again));
-            while (port_.receive(port_.context, &event, 1) == 1) {}
+            while (port_.receive(port_.context, &event, 1) == 1) {
+            }
             const auto claim = bus_.heard_claim();
             if (!claim || claim->id != SD_CLAIM_RUNNING) continue;
             if (claim->signature == SD_SIGNALS_SIGNATURE) return;
-            throw InputError("ecu", "", fmt::format("it has another table of signals ({:08x}, here {:08x}); build both from one source",
-                                                    claim->signature, SD_SIGNALS_SIGNATURE));
+            throw InputError(
+                "ecu", "",
+                fmt::format(
+                    "it has another table of signals ({:08x}, here {:08x}); build both from one source",
+                    claim->signature, SD_SIGNALS_SIGNATURE));
         }
     }
-    if (stop_signal() == 0) throw InputError("ecu", "", "none answers; start `sixdeg ecu ENGINE.toml --transport ...`");
+    if (stop_signal() == 0)
+        throw InputError("ecu", "", "none answers; start `sixdeg ecu ENGINE.toml --transport ...`");
 }
 
 void BusFeed::put(const sd_event_t &event) {
@@ -86,7 +92,8 @@ bool BusFeed::take_answers(std::uint32_t tick) {
 
 bool BusFeed::await_answer(const sd_event_t &time) {
     const auto asked = Clock::now();
-    const auto until = pace_ == Pace::real_time ? std::max(due_ + kBeat, asked) : asked + (silent_ ? kBeat : kSilence);
+    const auto until =
+        pace_ == Pace::real_time ? std::max(due_ + kBeat, asked) : asked + (silent_ ? kBeat : kSilence);
     auto ask_again = asked + kAskAgain;
     while (!take_answers(time.tick)) {
         const auto now = Clock::now();

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// From the torque observer's coefficients to the combustion torque of each cylinder, through the known pulse shape.
+// From the torque observer's coefficients to the combustion torque of each cylinder, through the known pulse
+// shape.
 #pragma once
 #include <Eigen/Core>
 #include <optional>
@@ -11,12 +12,14 @@ extern "C" {
 
 namespace sixdeg {
 
-/// torque = map (coefficients) + offset + per_bar (intake pressure), by entry of firing_order; docs/torque.md, "Torque of each cylinder".
+/// torque = map (coefficients) + offset + per_bar (intake pressure), by entry of firing_order;
+/// docs/torque.md, "Torque of each cylinder".
 struct CylinderMap {
-    Eigen::MatrixXd map;      ///< [cylinder][a_0, a_1, b_1, a_2 ...].
-    Eigen::VectorXd offset;   ///< N m.
-    Eigen::VectorXd per_bar;  ///< N m for each bar of intake pressure.
-    Eigen::VectorXd sd_ratio; ///< Standard deviation, per unit of J omega^2 (N m) and of the tooth times' error (rad).
+    Eigen::MatrixXd map;     ///< [cylinder][a_0, a_1, b_1, a_2 ...].
+    Eigen::VectorXd offset;  ///< N m.
+    Eigen::VectorXd per_bar; ///< N m for each bar of intake pressure.
+    Eigen::VectorXd
+        sd_ratio; ///< Standard deviation, per unit of J omega^2 (N m) and of the tooth times' error (rad).
 };
 
 /// Nothing when the harmonics are fewer than the cylinders: their mean cannot be told then.

@@ -8,14 +8,16 @@ namespace sixdeg {
 namespace {
 
 constexpr double kR = 287, kGamma = 1.34, kAmbientPa = 101300;
-constexpr double kChargeK = 335, kStoichiometric = 14.6, kHeatJpkg = 42.7e6, kHeatKept = 0.75; // typical of a diesel
-constexpr double kCoolingWpk = 4, kWallK = 500;                                        // of the manifold
+constexpr double kChargeK = 335, kStoichiometric = 14.6, kHeatJpkg = 42.7e6,
+                 kHeatKept = 0.75;              // typical of a diesel
+constexpr double kCoolingWpk = 4, kWallK = 500; // of the manifold
 constexpr double kStepDeg = 0.25, kRadPerDeg = M_PI / 180;
 constexpr int kCycles = 4; // until the manifold repeats itself
 
 double psi(double z) { // over z = upstream/downstream pressure
     const double choke = std::pow((kGamma + 1) / 2, kGamma / (kGamma - 1)), r = 1 / std::clamp(z, 1.0, choke);
-    return std::sqrt(2 * kGamma / (kGamma - 1) * (std::pow(r, 2 / kGamma) - std::pow(r, (kGamma + 1) / kGamma)));
+    return std::sqrt(2 * kGamma / (kGamma - 1) *
+                     (std::pow(r, 2 / kGamma) - std::pow(r, (kGamma + 1) / kGamma)));
 }
 
 struct Piston {
@@ -32,9 +34,11 @@ struct Piston {
 /// Pressure when the exhaust valve opens: polytropic compression, heat at once, polytropic expansion.
 double opening_pressure(const Piston &piston, const EngineFile &engine, double fuel_kg, double intake_pa) {
     constexpr double kCompress = 1.35, kExpand = 1.30, kBurnRad = 0.3;
-    const double v0 = piston.volume(kRadPerDeg * engine.intake_close_deg), v1 = piston.volume(kBurnRad), v2 = piston.volume(kRadPerDeg * engine.exhaust_open_deg);
+    const double v0 = piston.volume(kRadPerDeg * engine.intake_close_deg), v1 = piston.volume(kBurnRad),
+                 v2 = piston.volume(kRadPerDeg * engine.exhaust_open_deg);
     const double cv = kR / (kExpand - 1);
-    const double burned = intake_pa * std::pow(v0 / v1, kCompress) + kHeatKept * fuel_kg * kHeatJpkg / cv * kR / v1;
+    const double burned =
+        intake_pa * std::pow(v0 / v1, kCompress) + kHeatKept * fuel_kg * kHeatJpkg / cv * kR / v1;
     return burned * std::pow(v1 / v2, kExpand);
 }
 
@@ -50,10 +54,14 @@ struct Gas { // of an open cylinder; entropy stays, so pressure follows mass and
 class Blowdown {
   public:
     Blowdown(const EngineFile &engine, double speed, double intake_pa, double lambda)
-        : engine_(engine), exhaust_(*engine.exhaust), open_rad_(kRadPerDeg * engine.exhaust_open_deg), piston_(engine), speed_(speed),
-          trapped_(exhaust_.flow_factor * intake_pa * piston_.volume(kRadPerDeg * engine.intake_close_deg) / (kR * kChargeK)), fuel_(trapped_ * lambda / (1 + kStoichiometric - lambda)),
-          opening_pa_(opening_pressure(piston_, engine, fuel_, intake_pa)),
-          manifold_k_(700), share_(std::size_t(2 * engine.wheel.positions), 0.0), gas_(engine.firing_tdc_deg.size(), Gas{trapped_, kAmbientPa, piston_.volume(M_PI)}) {}
+        : engine_(engine), exhaust_(*engine.exhaust), open_rad_(kRadPerDeg * engine.exhaust_open_deg),
+          piston_(engine), speed_(speed),
+          trapped_(exhaust_.flow_factor * intake_pa * piston_.volume(kRadPerDeg * engine.intake_close_deg) /
+                   (kR * kChargeK)),
+          fuel_(trapped_ * lambda / (1 + kStoichiometric - lambda)),
+          opening_pa_(opening_pressure(piston_, engine, fuel_, intake_pa)), manifold_k_(700),
+          share_(std::size_t(2 * engine.wheel.positions), 0.0),
+          gas_(engine.firing_tdc_deg.size(), Gas{trapped_, kAmbientPa, piston_.volume(M_PI)}) {}
 
     ExhaustPoint run() {
         const int steps = int(std::lround(720 / kStepDeg));
@@ -68,15 +76,22 @@ class Blowdown {
         const double charge = trapped_ + fuel_, flow = charge * double(gas_.size()) * speed_ / (4 * M_PI);
         const double transport = (exhaust_.pipe_m3 + exhaust_.mixing_m3) * kAmbientPa / (kR * manifold_k_);
         const double area = exhaust_.turbine_area_m2.at(speed_);
-        return {share_, charge, area * std::sqrt(kR * manifold_k_) / exhaust_.manifold_m3,
-                kAmbientPa * exhaust_.manifold_m3 / (kR * manifold_k_), sum_kg_ / steps, transport,
-                transport / flow + exhaust_.dead_time_s, trapped_};
+        return {share_,
+                charge,
+                area * std::sqrt(kR * manifold_k_) / exhaust_.manifold_m3,
+                kAmbientPa * exhaust_.manifold_m3 / (kR * manifold_k_),
+                sum_kg_ / steps,
+                transport,
+                transport / flow + exhaust_.dead_time_s,
+                trapped_};
     }
 
   private:
-    /// Positions are counted from the first at or after TDC, and hold what passes in the pitch that ends there.
+    /// Positions are counted from the first at or after TDC, and hold what passes in the pitch that ends
+    /// there.
     std::size_t share_index(double theta) const {
-        const double after_tdc = (engine_.firing_tdc_deg[0] - engine_.position_0_deg) / 360 * engine_.wheel.positions;
+        const double after_tdc =
+            (engine_.firing_tdc_deg[0] - engine_.position_0_deg) / 360 * engine_.wheel.positions;
         const double late = std::ceil(after_tdc - 1e-9) - after_tdc;
         const long k = std::lround(std::ceil(theta / (2 * M_PI) * engine_.wheel.positions - late - 1e-9));
         return std::size_t(std::max(k, 0L));
@@ -90,7 +105,8 @@ class Blowdown {
     void step(int index, bool measured) {
         const double h = kStepDeg * kRadPerDeg, dt = h / speed_, inflow = pass_valves(index, h, dt, measured);
         const double z = pressure() / kAmbientPa;
-        const double out = exhaust_.turbine_area_m2.at(speed_) * pressure() / std::sqrt(kR * manifold_k_) * psi(z) * dt;
+        const double out =
+            exhaust_.turbine_area_m2.at(speed_) * pressure() / std::sqrt(kR * manifold_k_) * psi(z) * dt;
         kg_ += inflow - out;
         if (measured) sum_kg_ += kg_;
     }
@@ -147,8 +163,7 @@ class Blowdown {
 
 } // namespace
 
-ExhaustPoint exhaust_point(const EngineFile &engine, double speed_radps, double intake_pa,
-                           double lambda) {
+ExhaustPoint exhaust_point(const EngineFile &engine, double speed_radps, double intake_pa, double lambda) {
     return Blowdown(engine, speed_radps, intake_pa, lambda).run();
 }
 
@@ -162,7 +177,8 @@ sd_afr_node_t page_node(const ExhaustPoint &point, int open_position) {
     sd_afr_node_t node{};
     const auto cycle = point.share.size();
     for (std::size_t k = 0; k < std::min<std::size_t>(SD_AFR_OPEN, cycle); ++k)
-        node.share[k] = std::uint16_t(std::lround(65535 * point.share[(std::size_t(open_position) + k) % cycle]));
+        node.share[k] =
+            std::uint16_t(std::lround(65535 * point.share[(std::size_t(open_position) + k) % cycle]));
     node.rate_hz = float(point.rate_hz);
     node.z0_kg = float(point.z0_kg);
     node.transport_kg = float(point.transport_kg);

@@ -6,8 +6,8 @@
 
 namespace sixdeg {
 
-// State: mean, then (p, q) of each harmonic turning by its own angle a position, s2, s1. The block's c_k E_k is
-// p + j q, so a gain (g, h) on (p, q) is G = g + j h.
+// State: mean, then (p, q) of each harmonic turning by its own angle a position, s2, s1. The block's c_k E_k
+// is p + j q, so a gain (g, h) on (p, q) is G = g + j h.
 sd_uego_gains_t uego_gains(const UegoDesign &d) {
     const int n = 2 * d.harmonics + 1, s2 = n, s1 = n + 1, size = n + 2;
     const double m2 = 1 - std::exp(-d.step_s / d.tau2_s), m1 = 1 - std::exp(-d.step_s / d.tau1_s);

@@ -8,13 +8,15 @@ namespace sixdeg::exhaust {
 constexpr double kR = 287, kGamma = 1.34;
 constexpr double kCp = kGamma * kR / (kGamma - 1), kCv = kCp - kR; ///< J/(kg K)
 
-/// Mass flow per area times sqrt(R T_up)/p_up, for a pressure ratio down/up in [0, 1]: isentropic to the throat,
-/// choked below the critical ratio. Above 0.98 it is a straight line to 0, where the square root has no slope.
+/// Mass flow per area times sqrt(R T_up)/p_up, for a pressure ratio down/up in [0, 1]: isentropic to the
+/// throat, choked below the critical ratio. Above 0.98 it is a straight line to 0, where the square root has
+/// no slope.
 inline double orifice_psi(double ratio) {
     constexpr double kLinear = 0.98;
     static const double critical = std::pow(2 / (kGamma + 1), kGamma / (kGamma - 1));
     const auto isentropic = [](double r) {
-        return std::sqrt(2 * kGamma / (kGamma - 1) * (std::pow(r, 2 / kGamma) - std::pow(r, (kGamma + 1) / kGamma)));
+        return std::sqrt(2 * kGamma / (kGamma - 1) *
+                         (std::pow(r, 2 / kGamma) - std::pow(r, (kGamma + 1) / kGamma)));
     };
     static const double choked = isentropic(critical), at_linear = isentropic(kLinear);
     if (ratio <= critical) return choked;

@@ -3,12 +3,11 @@
 
 #include <algorithm>
 
-
 namespace sixdeg::exhaust {
 namespace {
 
-constexpr double kLongestPartS = 35e-6;  // the valve's straight part near equal pressures is this stiff
-constexpr double kFlowMeanS = 2e-3;      // the gas column behind the turbine does not follow faster
+constexpr double kLongestPartS = 35e-6; // the valve's straight part near equal pressures is this stiff
+constexpr double kFlowMeanS = 2e-3;     // the gas column behind the turbine does not follow faster
 constexpr double kStartK = 700, kRunnerPa = 1.3e5, kRunnerK = 800;
 
 /// Gas that moves at `kgps` out of a zone, and what it carries.
@@ -22,12 +21,14 @@ void move(Zone &to, double kgps, double temperature_k, double air_fraction) {
 
 ExhaustModel::ExhaustModel(const PlantEngine &engine)
     : setup_(*engine.shared.exhaust), plant_(engine.exhaust), stoichiometric_(engine.stoichiometric_ratio),
-      open_rad_(engine.exhaust_open_rad), charge_k_(engine.charge_temperature_k), n_(engine.shared.cylinders()) {
+      open_rad_(engine.exhaust_open_rad), charge_k_(engine.charge_temperature_k),
+      n_(engine.shared.cylinders()) {
     for (int lane = 0; lane < n_; ++lane) {
         const auto l = std::size_t(lane);
         tdc_rad_.push_back(engine.shared.firing_tdc_deg[l] * kRadPerDeg);
         const auto cylinder = std::size_t(engine.shared.firing_order[l] - 1);
-        runner_kg_[l] = plant_.runner_m3.empty() ? 0 : kRunnerPa * plant_.runner_m3[cylinder] / (kR * kRunnerK);
+        runner_kg_[l] =
+            plant_.runner_m3.empty() ? 0 : kRunnerPa * plant_.runner_m3[cylinder] / (kR * kRunnerK);
     }
 }
 
@@ -103,7 +104,8 @@ void ExhaustModel::step(const EngineModel &model, double dt_s, double mean_speed
     for (int i = 0; i < parts; ++i) substep((i + 0.5) / parts, dt_s / parts, dt_s);
     // An opened cylinder joins at the end of the step: its valve is still shut there.
     for (const Event *e = model.events_begin(); e != model.events_end(); ++e) {
-        if (e->kind == EventKind::exhaust_open) open(e->lane, model.pressure_pa(e->lane), passage_[std::size_t(e->lane)].volume[1]);
+        if (e->kind == EventKind::exhaust_open)
+            open(e->lane, model.pressure_pa(e->lane), passage_[std::size_t(e->lane)].volume[1]);
     }
     const double cycle_s = 4 * kPi / mean_speed_radps;
     double trapped = 0;
@@ -111,11 +113,12 @@ void ExhaustModel::step(const EngineModel &model, double dt_s, double mean_speed
     aspirated_kgps_ = trapped / cycle_s;
     const double intake_kg = intake_pa * plant_.intake_m3 / (kR * charge_k_), drawn = aspirated_kgps_ * dt_s;
     const double recirculated = flows_.egr * dt_s;
-    intake_air_ += (recirculated * (state_.manifold.air_fraction() - 1) + drawn * (1 - intake_air_)) / (intake_kg + drawn);
+    intake_air_ += (recirculated * (state_.manifold.air_fraction() - 1) + drawn * (1 - intake_air_)) /
+                   (intake_kg + drawn);
     time_s_ += dt_s;
     const double down_pa = downstream_pa(), gas_kg_per_m3 = down_pa / (kR * state_.manifold.temperature_k());
-    transport_.step(time_s_, dt_s, flows_.turbine, state_.manifold.air_fraction(), gas_kg_per_m3 * setup_.pipe_m3,
-                    gas_kg_per_m3 * setup_.mixing_m3, setup_.dead_time_s);
+    transport_.step(time_s_, dt_s, flows_.turbine, state_.manifold.air_fraction(),
+                    gas_kg_per_m3 * setup_.pipe_m3, gas_kg_per_m3 * setup_.mixing_m3, setup_.dead_time_s);
     flow_mean_ += (flows_.turbine - flow_mean_) * std::min(1.0, dt_s / kFlowMeanS);
 }
 
@@ -133,7 +136,9 @@ void ExhaustModel::substep(double x, double dt, double step_s) {
 }
 
 void ExhaustModel::add(State &to, double h, const State &rate) {
-    const auto zone = [h](Zone &z, const Zone &r) { z.kg += h * r.kg, z.joule += h * r.joule, z.air_kg += h * r.air_kg; };
+    const auto zone = [h](Zone &z, const Zone &r) {
+        z.kg += h * r.kg, z.joule += h * r.joule, z.air_kg += h * r.air_kg;
+    };
     for (std::size_t l = 0; l < std::size_t(kMaxCylinders); ++l) {
         zone(to.cylinder[l], rate.cylinder[l]);
         to.runner_air_kg[l] += h * rate.runner_air_kg[l];
@@ -143,24 +148,31 @@ void ExhaustModel::add(State &to, double h, const State &rate) {
 }
 
 // A runner holds a fixed mass: what enters at one end pushes out of the other, whichever way it goes.
-void ExhaustModel::valve_flow(int lane, double x, double step_s, const State &at, State &rate, Flows &flows) const {
+void ExhaustModel::valve_flow(int lane, double x, double step_s, const State &at, State &rate,
+                              Flows &flows) const {
     const auto l = std::size_t(lane);
     const Passage &p = passage_[l];
     const Zone &gas = at.cylinder[l], &manifold = at.manifold;
-    const double volume = p.volume[0] + x * (p.volume[1] - p.volume[0]), area = p.area[0] + x * (p.area[1] - p.area[0]);
-    const double pressure = (kGamma - 1) * gas.joule / volume, behind = (kGamma - 1) * manifold.joule / setup_.manifold_m3;
+    const double volume = p.volume[0] + x * (p.volume[1] - p.volume[0]),
+                 area = p.area[0] + x * (p.area[1] - p.area[0]);
+    const double pressure = (kGamma - 1) * gas.joule / volume,
+                 behind = (kGamma - 1) * manifold.joule / setup_.manifold_m3;
     rate.cylinder[l].joule -= pressure * (p.volume[1] - p.volume[0]) / step_s;
     const bool forward = pressure >= behind;
     const Zone &from = forward ? gas : manifold;
-    const double flow = orifice_kgps(area, std::max(pressure, behind), from.temperature_k(), std::min(pressure, behind)) * (forward ? 1 : -1);
-    const double air_in = from.air_fraction(), air_out = runner_kg_[l] > 0 ? at.runner_air_kg[l] / runner_kg_[l] : air_in;
+    const double flow =
+        orifice_kgps(area, std::max(pressure, behind), from.temperature_k(), std::min(pressure, behind)) *
+        (forward ? 1 : -1);
+    const double air_in = from.air_fraction(),
+                 air_out = runner_kg_[l] > 0 ? at.runner_air_kg[l] / runner_kg_[l] : air_in;
     move(rate.cylinder[l], -flow, from.temperature_k(), forward ? air_in : air_out);
     move(rate.manifold, flow, from.temperature_k(), forward ? air_out : air_in);
     rate.runner_air_kg[l] = std::abs(flow) * (air_in - air_out);
     flows.valve[l] = flow;
 }
 
-ExhaustModel::State ExhaustModel::rates(double x, double step_s, const State &at, Flows &flows, Ledger &ledger) const {
+ExhaustModel::State ExhaustModel::rates(double x, double step_s, const State &at, Flows &flows,
+                                        Ledger &ledger) const {
     State rate;
     flows = Flows{};
     for (int lane = 0; lane < n_; ++lane) {
@@ -168,11 +180,14 @@ ExhaustModel::State ExhaustModel::rates(double x, double step_s, const State &at
         valve_flow(lane, x, step_s, at, rate, flows);
         const Passage &p = passage_[std::size_t(lane)];
         const double volume = p.volume[0] + x * (p.volume[1] - p.volume[0]);
-        ledger.piston_joule += (kGamma - 1) * at.cylinder[std::size_t(lane)].joule / volume * (p.volume[1] - p.volume[0]) / step_s;
+        ledger.piston_joule += (kGamma - 1) * at.cylinder[std::size_t(lane)].joule / volume *
+                               (p.volume[1] - p.volume[0]) / step_s;
     }
     const Zone &m = at.manifold;
-    const double pressure = (kGamma - 1) * m.joule / setup_.manifold_m3, t = m.temperature_k(), down = downstream_pa();
-    const double swallow = 1 - plant_.turbine_swallow_drop * std::pow(at.turbine_radps / plant_.turbine_rated_radps, 2);
+    const double pressure = (kGamma - 1) * m.joule / setup_.manifold_m3, t = m.temperature_k(),
+                 down = downstream_pa();
+    const double swallow =
+        1 - plant_.turbine_swallow_drop * std::pow(at.turbine_radps / plant_.turbine_rated_radps, 2);
     if (pressure > down) flows.turbine = orifice_kgps(turbine_area_m2_ * swallow, pressure, t, down);
     if (pressure > intake_pa_) flows.egr = orifice_kgps(plant_.egr_area_m2, pressure, t, intake_pa_);
     move(rate.manifold, -flows.turbine - flows.egr, t, m.air_fraction());

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-// The exhaust side of the simulated engine: cylinders that blow down through their valves into runners and one
-// manifold, a turbine, exhaust gas recirculation. It runs beside EngineModel, step by step, and takes cylinder state
-// when an exhaust valve opens; nothing goes back but the composition of the next charge.
+// The exhaust side of the simulated engine: cylinders that blow down through their valves into runners and
+// one manifold, a turbine, exhaust gas recirculation. It runs beside EngineModel, step by step, and takes
+// cylinder state when an exhaust valve opens; nothing goes back but the composition of the next charge.
 //
-// Composition is the air fraction x = (air - s fuel)/(air + fuel) of a gas, lambda of document 004 is 1 - x; missing
-// air counts as negative. It is conserved whatever burns, as a wideband sensor sees it.
+// Composition is the air fraction x = (air - s fuel)/(air + fuel) of a gas, lambda of document 004 is 1 - x;
+// missing air counts as negative. It is conserved whatever burns, as a wideband sensor sees it.
 #pragma once
 #include <array>
 #include <cmath>
@@ -29,9 +29,10 @@ struct Flows { ///< kg/s, at the angle just reached.
 
 /// What has entered, left and been lost since start(); for the balances.
 struct Ledger {
-    double in_kg = 0, in_joule = 0, in_air_kg = 0;    ///< Cylinders at exhaust opening, and backflow they keep.
-    double out_kg = 0, out_joule = 0, out_air_kg = 0; ///< Turbine, recirculation, and cylinders at exhaust closing.
-    double wall_joule = 0, piston_joule = 0;          ///< Heat lost, work done on pistons.
+    double in_kg = 0, in_joule = 0, in_air_kg = 0; ///< Cylinders at exhaust opening, and backflow they keep.
+    double out_kg = 0, out_joule = 0,
+           out_air_kg = 0;                   ///< Turbine, recirculation, and cylinders at exhaust closing.
+    double wall_joule = 0, piston_joule = 0; ///< Heat lost, work done on pistons.
 };
 
 class ExhaustModel {
@@ -50,7 +51,9 @@ class ExhaustModel {
     double lambda_of(int lane) const { return lambda_[std::size_t(lane)]; }
     double pressure_pa() const { return (kGamma - 1) * state_.manifold.joule / setup_.manifold_m3; }
     /// Behind the turbine, where the sensor sits.
-    double downstream_pa() const { return kAmbientPa + plant_.back_pressure_pa * std::pow(flow_mean_ / plant_.rated_kgps, 2); }
+    double downstream_pa() const {
+        return kAmbientPa + plant_.back_pressure_pa * std::pow(flow_mean_ / plant_.rated_kgps, 2);
+    }
     /// Air fraction at the sensor's tip.
     double at_sensor() const { return transport_.at_sensor(); }
     const Zone &manifold() const { return state_.manifold; }
@@ -94,7 +97,8 @@ class ExhaustModel {
     Flows flows_;
     Ledger ledger_;
     Transport transport_;
-    double time_s_ = 0, turbine_area_m2_ = 0, intake_pa_ = 1e5, intake_air_ = 1, flow_mean_ = 0, aspirated_kgps_ = 0;
+    double time_s_ = 0, turbine_area_m2_ = 0, intake_pa_ = 1e5, intake_air_ = 1, flow_mean_ = 0,
+           aspirated_kgps_ = 0;
 };
 
 } // namespace sixdeg::exhaust

@@ -7,7 +7,8 @@
 
 namespace sixdeg::exhaust {
 
-/// Carries one quantity (air fraction) along. What enters when `m` kg have passed leaves when m + pipe_kg have.
+/// Carries one quantity (air fraction) along. What enters when `m` kg have passed leaves when m + pipe_kg
+/// have.
 class Transport {
   public:
     void start(double value) {
@@ -17,7 +18,8 @@ class Transport {
         mixed_ = plug_out_ = value;
     }
 
-    /// `flow_kgps` (taken as at least 0) of gas worth `value` enters for dt_s, up to time_s; masses as they are now.
+    /// `flow_kgps` (taken as at least 0) of gas worth `value` enters for dt_s, up to time_s; masses as they
+    /// are now.
     void step(double time_s, double dt_s, double flow_kgps, double value, double pipe_kg, double mixing_kg,
               double dead_s) {
         const double moved = std::max(flow_kgps, 0.0) * dt_s;

@@ -11,11 +11,11 @@ namespace sixdeg {
 /// Faults and electronics of one sensor (SCENARIO.toml, [uego]); its two lags are the engine file's.
 struct UegoSetup {
     double sample_s = 0.5e-3;
-    double noise_per_rthz = 0;        ///< One-sided density of the noise at low frequency, of lambda.
-    double correlation_s = 0;         ///< Of the noise; 0 is white up to half the sampling rate.
-    double pressure_per_bar = 0;      ///< Measured air fraction grows by this share per bar over 1.013 bar.
-    double step = 0;                  ///< Quantisation, of lambda; 0 none.
-    double ageing = 1;                ///< Factor on both lags.
+    double noise_per_rthz = 0;   ///< One-sided density of the noise at low frequency, of lambda.
+    double correlation_s = 0;    ///< Of the noise; 0 is white up to half the sampling rate.
+    double pressure_per_bar = 0; ///< Measured air fraction grows by this share per bar over 1.013 bar.
+    double step = 0;             ///< Quantisation, of lambda; 0 none.
+    double ageing = 1;           ///< Factor on both lags.
 };
 
 struct UegoSample {
@@ -36,7 +36,8 @@ class Uego {
     }
 
     /// The gas at the tip over the step that ends at time_s; samples due within it go to `out`.
-    void step(double time_s, double dt_s, double air_fraction, double pressure_pa, std::deque<UegoSample> &out) {
+    void step(double time_s, double dt_s, double air_fraction, double pressure_pa,
+              std::deque<UegoSample> &out) {
         const double seen = 1 - air_fraction * (1 + setup_.pressure_per_bar * (pressure_pa / 1e5 - 1.013));
         const double before = lag2_;
         advance(dt_s, (seen - in_) / dt_s);
@@ -53,7 +54,8 @@ class Uego {
     // Exact for an input that runs straight over the step, through two lags of different time constants.
     void advance(double dt, double slope) {
         const double e1 = std::exp(-dt / tau1_), e2 = std::exp(-dt / tau2_);
-        // lag1 = in + slope (t - tau1) + c1 exp(-t/tau1); lag2 follows by the same rule, driven by its three terms.
+        // lag1 = in + slope (t - tau1) + c1 exp(-t/tau1); lag2 follows by the same rule, driven by its three
+        // terms.
         const double c1 = lag1_ - in_ + slope * tau1_;
         const double share = tau1_ / (tau1_ - tau2_);
         const double c2 = lag2_ - in_ + slope * (tau1_ + tau2_) - share * c1;
@@ -70,7 +72,9 @@ class Uego {
         drift_ = keep * drift_ + sd * std::sqrt(1 - keep * keep) * draw;
         return drift_;
     }
-    double quantised(double x) const { return setup_.step > 0 ? setup_.step * std::round(x / setup_.step) : x; }
+    double quantised(double x) const {
+        return setup_.step > 0 ? setup_.step * std::round(x / setup_.step) : x;
+    }
 
     UegoSetup setup_;
     double tau1_, tau2_;

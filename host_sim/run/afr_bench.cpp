@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Prints how the AFR blocks do on the simulated engine: the figures of docs/afr.md, by its definitions. Nothing is
-// asserted. afr_bench [SEEDS], 100 by default.
+// Prints how the AFR blocks do on the simulated engine: the figures of docs/afr.md, by its definitions.
+// Nothing is asserted. afr_bench [SEEDS], 100 by default.
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -25,10 +25,15 @@ struct Case {
 /// A run of the plant with a fuel step on cylinder 1 (0: none) and what the calibration makes of it.
 struct Run {
     Run(const Case &c, double percent, const std::vector<std::string> &changes = {}) {
-        TomlFile file("bench", fmt::format("engine = \"diesel_22.toml\"\n[run]\ncycles = {}\n[speed]\nmode = \"prescribed\"\nrpm = {}\n"
-                                           "[uego]\n[load]\nbmep_bar = {}\n", kCycles, c.rpm, c.bmep_bar));
+        TomlFile file(
+            "bench",
+            fmt::format(
+                "engine = \"diesel_22.toml\"\n[run]\ncycles = {}\n[speed]\nmode = \"prescribed\"\nrpm = {}\n"
+                "[uego]\n[load]\nbmep_bar = {}\n",
+                kCycles, c.rpm, c.bmep_bar));
         if (percent != 0)
-            file.set(fmt::format("cylinders.fuel_step=[{{at_s={}, cylinder=1, percent={}}}]", (kStepCycle + 0.25) * 120 / c.rpm, percent));
+            file.set(fmt::format("cylinders.fuel_step=[{{at_s={}, cylinder=1, percent={}}}]",
+                                 (kStepCycle + 0.25) * 120 / c.rpm, percent));
         for (const auto &change : changes) file.set(change);
         Scenario s = read_scenario(file, SD_ENGINES);
         s.engine.shared.exhaust->uego_tau_s[0] = 1e-3 * c.tau1_ms;
@@ -39,7 +44,9 @@ struct Run {
         point = exhaust_point(engine, c.rpm * M_PI / 30, trace.intake_pa, trace.sensor.back());
         for (double l : trace.lambda.back()) mean += l / kLanes;
         at = std::size_t(kStepCycle) * 120;
-        while (percent != 0 && at + 1 < trace.lambda.size() && std::abs(trace.lambda[at][0] - trace.lambda[0][0]) < 0.01 * mean) ++at;
+        while (percent != 0 && at + 1 < trace.lambda.size() &&
+               std::abs(trace.lambda[at][0] - trace.lambda[0][0]) < 0.01 * mean)
+            ++at;
     }
     AfrEstimates run(const AfrSetup &setup, const std::vector<double> &noise = {}) const {
         return afr_estimate(engine, point, trace, setup, noise);
@@ -55,7 +62,8 @@ struct Run {
             double end = 0;
             for (std::size_t c = e.lambda.size() - 5; c < e.lambda.size(); ++c) end += error(e, c, i) / 5;
             for (std::size_t c = at / 120; c < e.lambda.size(); ++c)
-                if (std::abs(error(e, c, i) - end) > band) settled = std::max(settled, double((c + 2) * 120 - at) / 120);
+                if (std::abs(error(e, c, i) - end) > band)
+                    settled = std::max(settled, double((c + 2) * 120 - at) / 120);
         }
         return settled;
     }
@@ -70,7 +78,8 @@ struct Run {
 AfrSetup tuned(const Run &run, const Case &c) {
     AfrSetup setup;
     setup.noise = c.noise;
-    for (double drift : {0.002, 0.004, 0.006, 0.009, 0.012, 0.016, 0.02, 0.03, 0.045, 0.07, 0.1, 0.15, 0.25}) {
+    for (double drift :
+         {0.002, 0.004, 0.006, 0.009, 0.012, 0.016, 0.02, 0.03, 0.045, 0.07, 0.1, 0.15, 0.25}) {
         setup.drift = drift * run.mean;
         if (run.settle(run.run(setup)) <= c.cycles) break;
     }
@@ -91,11 +100,13 @@ double percentile(std::vector<double> x, double p) {
 }
 
 /// rms over cylinders and cycles once settled, one value a seed.
-std::vector<double> rms_of_seeds(const Run &run, AfrSetup setup, const Case &c, double correlation_s, bool perturbed, int seeds) {
+std::vector<double> rms_of_seeds(const Run &run, AfrSetup setup, const Case &c, double correlation_s,
+                                 bool perturbed, int seeds) {
     std::vector<double> all;
     for (int seed = 0; seed < seeds; ++seed) {
         if (perturbed) setup.error = drawn_error(std::uint64_t(seed));
-        const AfrEstimates e = run.run(setup, sensor_noise(run.trace, c.noise, correlation_s, std::uint64_t(seed)));
+        const AfrEstimates e =
+            run.run(setup, sensor_noise(run.trace, c.noise, correlation_s, std::uint64_t(seed)));
         double square = 0, count = 0;
         for (std::size_t k = run.at / 120 + std::size_t(c.cycles) + 1; k < e.lambda.size(); ++k)
             for (std::size_t i = 0; i < kLanes; ++i) square += std::pow(run.error(e, k, i), 2), ++count;
@@ -119,14 +130,19 @@ void accuracy(const Case &c, int seeds) {
     const Run run(c, 20), small(c, 10);
     const AfrSetup setup = tuned(run, c);
     const AfrEstimates clean = run.run(setup);
-    const double settle = run.settle(clean), bound = 100 * afr_bound(run.engine, run.point, run.trace, c.noise, std::max(c.cycles, 1)) / run.mean;
+    const double settle = run.settle(clean),
+                 bound = 100 * afr_bound(run.engine, run.point, run.trace, c.noise, std::max(c.cycles, 1)) /
+                         run.mean;
     double bias = 0;
-    for (std::size_t i = 0; i < kLanes; ++i) bias = std::max(bias, std::abs(run.error(clean, clean.lambda.size() - 1, i)));
-    const auto white = rms_of_seeds(run, setup, c, 0, false, seeds), perturbed = rms_of_seeds(run, setup, c, 0, true, seeds),
+    for (std::size_t i = 0; i < kLanes; ++i)
+        bias = std::max(bias, std::abs(run.error(clean, clean.lambda.size() - 1, i)));
+    const auto white = rms_of_seeds(run, setup, c, 0, false, seeds),
+               perturbed = rms_of_seeds(run, setup, c, 0, true, seeds),
                slow_noise = rms_of_seeds(run, setup, c, 1e-3, false, seeds);
     const double median = percentile(white, 0.5);
-    fmt::print("{:<28}{:6.3f}{:8.1f}{:8.2f}{:8.2f}{:8.2f}{:8.2f}{:9.2f}{:8.2f}{:8.2f}{:8.2f}{:8.1f}\n", c.name, setup.drift / run.mean, settle, bias,
-               median, percentile(white, 0.95), percentile(perturbed, 0.5), percentile(slow_noise, 0.5), bound, median / bound,
+    fmt::print("{:<28}{:6.3f}{:8.1f}{:8.2f}{:8.2f}{:8.2f}{:8.2f}{:9.2f}{:8.2f}{:8.2f}{:8.2f}{:8.1f}\n",
+               c.name, setup.drift / run.mean, settle, bias, median, percentile(white, 0.95),
+               percentile(perturbed, 0.5), percentile(slow_noise, 0.5), bound, median / bound,
                100 * clean.sd.back() / run.mean / median, wrong_cylinder(small, setup, c, 4 * seeds));
 }
 
@@ -158,16 +174,19 @@ void ghosts() {
 void chain() {
     const Case c{"", 1500, 9, 30, 15, 0.005, 4};
     const Run run(c, 20);
-    fmt::print("\nthe document's chain, 1500 rpm 9 bar, no noise: cycles until every error is in 20 % of the step, and after 30 cycles\n");
+    fmt::print("\nthe document's chain, 1500 rpm 9 bar, no noise: cycles until every error is in 20 % of the "
+               "step, and after 30 cycles\n");
     const auto row = [&](const char *name, AfrMethod method) {
         AfrSetup setup;
         setup.method = method;
         const AfrEstimates e = run.run(setup);
-        const double band = 0.2 * 100 * std::abs(run.trace.lambda.back()[0] - run.trace.lambda[0][0]) / run.mean;
+        const double band =
+            0.2 * 100 * std::abs(run.trace.lambda.back()[0] - run.trace.lambda[0][0]) / run.mean;
         double settled = 0, last = 0;
         for (std::size_t i = 0; i < kLanes; ++i) {
             for (std::size_t k = run.at / 120; k < e.lambda.size(); ++k)
-                if (std::abs(run.error(e, k, i)) > band) settled = std::max(settled, double((k + 2) * 120 - run.at) / 120);
+                if (std::abs(run.error(e, k, i)) > band)
+                    settled = std::max(settled, double((k + 2) * 120 - run.at) / 120);
             last = std::max(last, std::abs(run.error(e, e.lambda.size() - 1, i)));
         }
         fmt::print("{:<44}{:8.1f}{:8.2f} points\n", name, settled, last);
@@ -182,11 +201,15 @@ void chain() {
 int main(int argc, char **argv) {
     const int seeds = argc > 1 ? std::max(1, std::atoi(argv[1])) : 100;
     fmt::print("joint filter, +20 % on cylinder 1, {} seeds; points are 0.01 of the mean lambda\n"
-               "{:<28}{:>6}{:>8}{:>8}{:>8}{:>8}{:>8}{:>9}{:>8}{:>8}{:>8}{:>8}\n", seeds, "case", "q", "settle", "bias", "rms", "95 %",
-               "pert.", "1 ms", "bound", "ratio", "stated", "wrong %");
-    for (const Case &c : {Case{"1000/3 nominal 0.5 %", 1000, 3, 30, 15, 0.005, 4}, Case{"1500/9 nominal 0.5 %", 1500, 9, 30, 15, 0.005, 4},
-                          Case{"1500/9 nominal 0.2 %", 1500, 9, 30, 15, 0.002, 2}, Case{"1500/9 fast 0.5 %", 1500, 9, 15, 5, 0.005, 2},
-                          Case{"2500/9 nominal 0.5 %", 2500, 9, 30, 15, 0.005, 8}, Case{"2500/9 fast 0.5 %", 2500, 9, 15, 5, 0.005, 4}})
+               "{:<28}{:>6}{:>8}{:>8}{:>8}{:>8}{:>8}{:>9}{:>8}{:>8}{:>8}{:>8}\n",
+               seeds, "case", "q", "settle", "bias", "rms", "95 %", "pert.", "1 ms", "bound", "ratio",
+               "stated", "wrong %");
+    for (const Case &c : {Case{"1000/3 nominal 0.5 %", 1000, 3, 30, 15, 0.005, 4},
+                          Case{"1500/9 nominal 0.5 %", 1500, 9, 30, 15, 0.005, 4},
+                          Case{"1500/9 nominal 0.2 %", 1500, 9, 30, 15, 0.002, 2},
+                          Case{"1500/9 fast 0.5 %", 1500, 9, 15, 5, 0.005, 2},
+                          Case{"2500/9 nominal 0.5 %", 2500, 9, 30, 15, 0.005, 8},
+                          Case{"2500/9 fast 0.5 %", 2500, 9, 15, 5, 0.005, 4}})
         accuracy(c, seeds);
     ghosts();
     chain();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The AFR blocks wired as Figure 13 of document 004 (B and C feed A, D inverts the sensor for it), or B and C with the
-// joint filter. V names the number type.
+// The AFR blocks wired as Figure 13 of document 004 (B and C feed A, D inverts the sensor for it), or B and C
+// with the joint filter. V names the number type.
 #pragma once
 #include <cmath>
 #include <stdexcept>
@@ -16,24 +16,24 @@ extern "C" {
 
 namespace sixdeg {
 
-#define SD_AFR_VARIANT(NAME, N, TYPE)                                                                                  \
-    struct NAME {                                                                                                      \
-        using Type = TYPE;                                                                                             \
-        using Exhaust = sd_exhaust_##N##_t;                                                                            \
-        using Now = sd_exhaust_now_##N##_t;                                                                            \
-        using Observer = sd_afr_observer_##N##_t;                                                                      \
-        using Uego = sd_uego_##N##_t;                                                                                  \
-        static constexpr auto exhaust_init = sd_exhaust_init_##N;                                                      \
-        static constexpr auto exhaust_set = sd_exhaust_set_##N;                                                        \
-        static constexpr auto exhaust_step = sd_exhaust_step_##N;                                                      \
-        static constexpr auto observer_init = sd_afr_observer_init_##N;                                                \
-        static constexpr auto observer_set = sd_afr_observer_set_##N;                                                  \
-        static constexpr auto observer_step = sd_afr_observer_step_##N;                                                \
-        static constexpr auto observer_lambda = sd_afr_observer_lambda_##N;                                            \
-        static constexpr auto uego_init = sd_uego_init_##N;                                                            \
-        static constexpr auto uego_set = sd_uego_set_##N;                                                              \
-        static constexpr auto uego_step = sd_uego_step_##N;                                                            \
-        static Type of(double x) { return sd_from_float_##N(float(x)); }                                               \
+#define SD_AFR_VARIANT(NAME, N, TYPE)                                                                        \
+    struct NAME {                                                                                            \
+        using Type = TYPE;                                                                                   \
+        using Exhaust = sd_exhaust_##N##_t;                                                                  \
+        using Now = sd_exhaust_now_##N##_t;                                                                  \
+        using Observer = sd_afr_observer_##N##_t;                                                            \
+        using Uego = sd_uego_##N##_t;                                                                        \
+        static constexpr auto exhaust_init = sd_exhaust_init_##N;                                            \
+        static constexpr auto exhaust_set = sd_exhaust_set_##N;                                              \
+        static constexpr auto exhaust_step = sd_exhaust_step_##N;                                            \
+        static constexpr auto observer_init = sd_afr_observer_init_##N;                                      \
+        static constexpr auto observer_set = sd_afr_observer_set_##N;                                        \
+        static constexpr auto observer_step = sd_afr_observer_step_##N;                                      \
+        static constexpr auto observer_lambda = sd_afr_observer_lambda_##N;                                  \
+        static constexpr auto uego_init = sd_uego_init_##N;                                                  \
+        static constexpr auto uego_set = sd_uego_set_##N;                                                    \
+        static constexpr auto uego_step = sd_uego_step_##N;                                                  \
+        static Type of(double x) { return sd_from_float_##N(float(x)); }                                     \
     };
 SD_AFR_VARIANT(F32, f32, float)
 SD_AFR_VARIANT(Q31, q31, sd_q31_t)
@@ -45,7 +45,8 @@ inline void must(sd_result_t result) {
 
 template <class V> class AfrBlocks {
   public:
-    AfrBlocks(const EngineFile &engine, const ExhaustPoint &point, const AfrTrace &trace, const AfrSetup &setup)
+    AfrBlocks(const EngineFile &engine, const ExhaustPoint &point, const AfrTrace &trace,
+              const AfrSetup &setup)
         : engine_(engine), trace_(trace), setup_(setup), n_(engine.cylinders()) {
         const AfrError &error = setup.error;
         const double charge = point.charge_kg * (1 + error.flow);
@@ -55,18 +56,24 @@ template <class V> class AfrBlocks {
         e.cylinders = std::uint8_t(n_);
         e.mass_base_kg = float(kBaseCharges * charge);
         for (int i = 0; i < n_; ++i) {
-            const double after = (engine.firing_tdc_deg[std::size_t(i)] - engine.position_0_deg + 720) / 360 * engine.wheel.positions;
+            const double after = (engine.firing_tdc_deg[std::size_t(i)] - engine.position_0_deg + 720) / 360 *
+                                 engine.wheel.positions;
             e.firing_position[i] = std::uint16_t(int(std::ceil(after - 1e-9)) % trace.cycle_positions);
         }
         const auto psi = exhaust_psi();
         std::copy(psi.begin(), psi.end(), e.psi);
         must(V::exhaust_init(&exhaust_, &e));
-        // Lags stepped from their own ends lead by half a position each, the mean over a position lags by half.
-        const double lead = setup.method == AfrMethod::joint ? 1.5
-                            : setup.method == AfrMethod::true_gas ? 0 : 0.5;
-        const double delay = setup.method == AfrMethod::true_gas ? 0 : point.delay_s / trace.step_s + error.delay_deg / 360 * engine.wheel.positions;
-        const sd_exhaust_point_t p{share_.data(), float(charge), float(point.rate_hz * (1 + error.turbine)), float(point.z0_kg),
-                                   float(std::fmax(delay + lead, 0))};
+        // Lags stepped from their own ends lead by half a position each, the mean over a position lags by
+        // half.
+        const double lead = setup.method == AfrMethod::joint      ? 1.5
+                            : setup.method == AfrMethod::true_gas ? 0
+                                                                  : 0.5;
+        const double delay =
+            setup.method == AfrMethod::true_gas
+                ? 0
+                : point.delay_s / trace.step_s + error.delay_deg / 360 * engine.wheel.positions;
+        const sd_exhaust_point_t p{share_.data(), float(charge), float(point.rate_hz * (1 + error.turbine)),
+                                   float(point.z0_kg), float(std::fmax(delay + lead, 0))};
         must(V::exhaust_set(&exhaust_, &p, float(trace.step_s)));
         init_chain();
         init_joint();
@@ -75,10 +82,13 @@ template <class V> class AfrBlocks {
     AfrEstimates run(const std::vector<double> &noise) {
         AfrEstimates result;
         for (std::size_t k = 0; k < trace_.sensor.size(); ++k) {
-            const auto position = std::uint32_t((trace_.first_cycle_position + k) % std::size_t(trace_.cycle_positions));
+            const auto position =
+                std::uint32_t((trace_.first_cycle_position + k) % std::size_t(trace_.cycle_positions));
             typename V::Now now;
             V::exhaust_step(&exhaust_, position, &now);
-            const double measured = setup_.method == AfrMethod::true_gas ? trace_.gas[k] : trace_.sensor[k] + (noise.empty() ? 0 : noise[k]);
+            const double measured = setup_.method == AfrMethod::true_gas
+                                        ? trace_.gas[k]
+                                        : trace_.sensor[k] + (noise.empty() ? 0 : noise[k]);
             step(position, now, 1 - measured);
             if (int(k % std::size_t(trace_.cycle_positions)) == trace_.cycle_positions - 1) read(result);
         }
@@ -89,17 +99,27 @@ template <class V> class AfrBlocks {
     static constexpr double kBaseCharges = 6;
 
     void init_chain() {
-        const sd_afr_observer_config_t a{std::uint8_t(n_), 0, float(setup_.gain_air), float(setup_.gain_cylinder)};
+        const sd_afr_observer_config_t a{std::uint8_t(n_), 0, float(setup_.gain_air),
+                                         float(setup_.gain_cylinder)};
         must(V::observer_init(&observer_, &a));
         V::observer_set(&observer_, float(1 / kBaseCharges));
         for (int k = 0; k < trace_.cycle_positions; ++k)
-            sine_.push_back(std::int32_t(std::lround(2147483647.0 * std::sin(2 * M_PI * k / trace_.cycle_positions))));
-        const double tau1 = engine_.exhaust->uego_tau_s[0] * (1 + setup_.error.tau), tau2 = engine_.exhaust->uego_tau_s[1] * (1 + setup_.error.tau);
-        const sd_uego_config_t d{std::uint16_t(trace_.cycle_positions), SD_UEGO_HARMONICS_MAX, float(tau1), float(tau2),
-                                 float(setup_.fourier_gain), float(setup_.fourier_floor), sine_.data()};
+            sine_.push_back(
+                std::int32_t(std::lround(2147483647.0 * std::sin(2 * M_PI * k / trace_.cycle_positions))));
+        const double tau1 = engine_.exhaust->uego_tau_s[0] * (1 + setup_.error.tau),
+                     tau2 = engine_.exhaust->uego_tau_s[1] * (1 + setup_.error.tau);
+        const sd_uego_config_t d{std::uint16_t(trace_.cycle_positions),
+                                 SD_UEGO_HARMONICS_MAX,
+                                 float(tau1),
+                                 float(tau2),
+                                 float(setup_.fourier_gain),
+                                 float(setup_.fourier_floor),
+                                 sine_.data()};
         must(V::uego_init(&uego_, &d));
         if (setup_.method == AfrMethod::oscillator) {
-            const UegoDesign design{tau1, tau2, trace_.step_s, trace_.cycle_positions, SD_UEGO_HARMONICS_MAX, setup_.noise, setup_.drift};
+            const UegoDesign design{
+                tau1,         tau2,        trace_.step_s, trace_.cycle_positions, SD_UEGO_HARMONICS_MAX,
+                setup_.noise, setup_.drift};
             gains_ = uego_gains(design);
         }
         V::uego_set(&uego_, float(trace_.step_s), setup_.method == AfrMethod::oscillator ? &gains_ : nullptr);
@@ -107,9 +127,13 @@ template <class V> class AfrBlocks {
 
     void init_joint() {
         const double density = setup_.noise * std::sqrt(2 * trace_.step_s);
-        const sd_afr_joint_config_t c{std::uint8_t(n_), float(engine_.exhaust->uego_tau_s[0] * (1 + setup_.error.tau)),
-                                      float(engine_.exhaust->uego_tau_s[1] * (1 + setup_.error.tau)), float(density),
-                                      float(setup_.drift), 0.1f, 1000};
+        const sd_afr_joint_config_t c{std::uint8_t(n_),
+                                      float(engine_.exhaust->uego_tau_s[0] * (1 + setup_.error.tau)),
+                                      float(engine_.exhaust->uego_tau_s[1] * (1 + setup_.error.tau)),
+                                      float(density),
+                                      float(setup_.drift),
+                                      0.1f,
+                                      1000};
         must(sd_afr_joint_init(&joint_, &c));
         sd_afr_joint_set(&joint_, float(trace_.step_s), float(setup_.drift));
     }

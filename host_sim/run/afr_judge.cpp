@@ -16,7 +16,8 @@ AfrEstimates afr_estimate(const EngineFile &engine, const ExhaustPoint &point, c
     return AfrBlocks<F32>(engine, point, trace, setup).run(noise);
 }
 
-std::vector<double> sensor_noise(const AfrTrace &trace, double rms, double correlation_s, std::uint64_t seed) {
+std::vector<double> sensor_noise(const AfrTrace &trace, double rms, double correlation_s,
+                                 std::uint64_t seed) {
     RandomStream random(seed, 1);
     std::vector<double> noise(trace.sensor.size());
     const double keep = correlation_s > 0 ? std::exp(-trace.step_s / correlation_s) : 0;
@@ -27,17 +28,23 @@ std::vector<double> sensor_noise(const AfrTrace &trace, double rms, double corre
     return noise;
 }
 
-double afr_bound(const EngineFile &engine, const ExhaustPoint &point, const AfrTrace &trace, double noise_rms, int cycles) {
+double afr_bound(const EngineFile &engine, const ExhaustPoint &point, const AfrTrace &trace, double noise_rms,
+                 int cycles) {
     const int n = engine.cylinders(), states = n + 3;
-    const double e1 = std::exp(-trace.step_s / engine.exhaust->uego_tau_s[0]), e2 = std::exp(-trace.step_s / engine.exhaust->uego_tau_s[1]);
-    Eigen::MatrixXd sensitivity = Eigen::MatrixXd::Identity(states, states); // rows: x, s2, s1, then cylinders
+    const double e1 = std::exp(-trace.step_s / engine.exhaust->uego_tau_s[0]),
+                 e2 = std::exp(-trace.step_s / engine.exhaust->uego_tau_s[1]);
+    Eigen::MatrixXd sensitivity =
+        Eigen::MatrixXd::Identity(states, states); // rows: x, s2, s1, then cylinders
     Eigen::MatrixXd rows(cycles * trace.cycle_positions, states);
     for (int k = 0; k < rows.rows(); ++k) {
         Eigen::RowVectorXd inflow = Eigen::RowVectorXd::Zero(states);
         double passed = 0;
         for (int i = 0; i < n; ++i) {
-            const int from = int(std::lround(engine.firing_tdc_deg[std::size_t(i)] / 360 * engine.wheel.positions));
-            const double d = point.charge_kg * point.share[std::size_t((k - from + 2 * trace.cycle_positions) % trace.cycle_positions)];
+            const int from =
+                int(std::lround(engine.firing_tdc_deg[std::size_t(i)] / 360 * engine.wheel.positions));
+            const double d =
+                point.charge_kg *
+                point.share[std::size_t((k - from + 2 * trace.cycle_positions) % trace.cycle_positions)];
             inflow += d * sensitivity.row(3 + i);
             passed += d;
         }
@@ -46,7 +53,8 @@ double afr_bound(const EngineFile &engine, const ExhaustPoint &point, const AfrT
         sensitivity.row(2) = e1 * sensitivity.row(2) + (1 - e1) * sensitivity.row(1);
         rows.row(k) = sensitivity.row(2) / noise_rms;
     }
-    const Eigen::MatrixXd r = Eigen::HouseholderQR<Eigen::MatrixXd>(rows).matrixQR().topRows(states).triangularView<Eigen::Upper>();
+    const Eigen::MatrixXd r =
+        Eigen::HouseholderQR<Eigen::MatrixXd>(rows).matrixQR().topRows(states).triangularView<Eigen::Upper>();
     Eigen::VectorXd contrast = Eigen::VectorXd::Zero(states);
     for (int i = 0; i < n; ++i) contrast(3 + i) = (i == 0 ? 1.0 : 0.0) - 1.0 / n;
     return r.transpose().triangularView<Eigen::Lower>().solve(contrast).norm();

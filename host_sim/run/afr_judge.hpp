@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The AFR blocks on a trace of the plant, away from the rest of the firmware: many seeds in little time. Definitions:
-// docs/afr.md.
+// The AFR blocks on a trace of the plant, away from the rest of the firmware: many seeds in little time.
+// Definitions: docs/afr.md.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -23,9 +23,9 @@ enum class AfrMethod { joint, fourier, oscillator, true_gas };
 
 struct AfrSetup {
     AfrMethod method = AfrMethod::joint;
-    double drift = 0.02;            ///< q of the joint filter, of the mean lambda, a cycle.
-    double noise = 0.005;           ///< rms of lambda a position, what the filter is told.
-    double gain_air = 0.1, gain_cylinder = 3;      ///< A
+    double drift = 0.02;                              ///< q of the joint filter, of the mean lambda, a cycle.
+    double noise = 0.005;                             ///< rms of lambda a position, what the filter is told.
+    double gain_air = 0.1, gain_cylinder = 3;         ///< A
     double fourier_gain = 0.005, fourier_floor = 0.1; ///< D
     AfrError error;
     bool fixed_point = false; ///< The chain in q31.
@@ -37,14 +37,15 @@ struct AfrEstimates {
 };
 
 /// Runs one method over the trace; `noise` is added to its samples (same length, or empty for none).
-AfrEstimates afr_estimate(const EngineFile &engine, const ExhaustPoint &point, const AfrTrace &trace, const AfrSetup &setup,
-                          const std::vector<double> &noise);
+AfrEstimates afr_estimate(const EngineFile &engine, const ExhaustPoint &point, const AfrTrace &trace,
+                          const AfrSetup &setup, const std::vector<double> &noise);
 
 /// White (correlation_s 0) or first-order noise with the density of white noise of `rms` a position.
 std::vector<double> sensor_noise(const AfrTrace &trace, double rms, double correlation_s, std::uint64_t seed);
 
-/// Least standard deviation (Cramer-Rao), of lambda, of a cylinder's deviation from the mean after `cycles`, white noise;
-/// unknown: all cylinders and the filter's other states at the start.
-double afr_bound(const EngineFile &engine, const ExhaustPoint &point, const AfrTrace &trace, double noise_rms, int cycles);
+/// Least standard deviation (Cramer-Rao), of lambda, of a cylinder's deviation from the mean after `cycles`,
+/// white noise; unknown: all cylinders and the filter's other states at the start.
+double afr_bound(const EngineFile &engine, const ExhaustPoint &point, const AfrTrace &trace, double noise_rms,
+                 int cycles);
 
 } // namespace sixdeg

@@ -8,10 +8,12 @@
 namespace sixdeg {
 namespace {
 
-constexpr std::size_t kMeanOf = 4;    // cycles
+constexpr std::size_t kMeanOf = 4; // cycles
 constexpr double kBalancedPercent = 3;
 
-double mean_of(const std::vector<double> &x) { return std::accumulate(x.begin(), x.end(), 0.0) / double(x.size()); }
+double mean_of(const std::vector<double> &x) {
+    return std::accumulate(x.begin(), x.end(), 0.0) / double(x.size());
+}
 
 double spread_percent(const std::vector<double> &x) {
     const auto [low, high] = std::minmax_element(x.begin(), x.end());
@@ -36,8 +38,8 @@ std::size_t farthest(const std::vector<double> &x) {
 
 } // namespace
 
-void AfrScore::cycle(const std::vector<double> &truth, const std::vector<double> &estimate, double stated_sd, bool valid,
-                     bool balancing) {
+void AfrScore::cycle(const std::vector<double> &truth, const std::vector<double> &estimate, double stated_sd,
+                     bool valid, bool balancing) {
     if (balancing && !balancing_) since_ = spread_.size(), ever_ = true;
     balancing_ = balancing;
     spread_.push_back(spread_percent(truth));
@@ -77,7 +79,8 @@ std::optional<BalanceFigures> AfrScore::balance() const {
     };
     BalanceFigures b{mean_from(spread_, since_ - kMeanOf, kMeanOf), -1, 0};
     for (std::size_t at = since_; at + kMeanOf <= spread_.size() && b.cycles_to_3_percent < 0; ++at) {
-        if (mean_from(spread_, at, kMeanOf) < kBalancedPercent) b.cycles_to_3_percent = double(at + kMeanOf - since_);
+        if (mean_from(spread_, at, kMeanOf) < kBalancedPercent)
+            b.cycles_to_3_percent = double(at + kMeanOf - since_);
     }
     const std::size_t last = std::min(keep_, spread_.size() - since_);
     b.residual_percent = mean_from(distance_, distance_.size() - last, last);

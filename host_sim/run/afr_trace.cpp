@@ -19,7 +19,8 @@ AfrTrace afr_trace(Scenario scenario) {
     const double start_s = plant.truth().time_s;
     double sum = 0, count = 0, last_s = start_s;
     long at = long(std::floor((plant.truth().angle_rad - from) / pitch + 1e-9)) + 1;
-    trace.first_cycle_position = std::size_t((at % trace.cycle_positions + trace.cycle_positions) % trace.cycle_positions);
+    trace.first_cycle_position =
+        std::size_t((at % trace.cycle_positions + trace.cycle_positions) % trace.cycle_positions);
     plant.watch_steps([&] {
         sum += plant.uego_lambda(), ++count;
         if (plant.truth().angle_rad < from + double(at) * pitch - 1e-9) return;
@@ -27,13 +28,15 @@ AfrTrace afr_trace(Scenario scenario) {
         trace.gas.push_back(1 - plant.exhaust()->manifold().air_fraction());
         trace.mass_kg.push_back(plant.exhaust()->manifold().kg);
         trace.lambda.emplace_back();
-        for (int lane = 0; lane < engine.cylinders(); ++lane) trace.lambda.back().push_back(plant.exhaust()->lambda_of(lane));
+        for (int lane = 0; lane < engine.cylinders(); ++lane)
+            trace.lambda.back().push_back(plant.exhaust()->lambda_of(lane));
         last_s = plant.truth().time_s;
         sum = count = 0;
         ++at;
     });
     EncoderEdge edge;
-    while (plant.next_edge(edge)) {}
+    while (plant.next_edge(edge)) {
+    }
     trace.step_s = (last_s - start_s) / double(trace.sensor.size());
     trace.intake_pa = plant.intake_pressure_pa();
     return trace;

@@ -9,13 +9,14 @@ namespace sixdeg {
 
 struct AfrTrace {
     int cycle_positions = 0;
-    double step_s = 0;                        ///< Mean duration of a position.
+    double step_s = 0; ///< Mean duration of a position.
     double intake_pa = 0;
-    std::size_t first_cycle_position = 0;     ///< Of entry 0, position 0 = position_0_deg.
-    std::vector<double> sensor;               ///< lambda, mean over each position.
-    std::vector<double> gas;                  ///< lambda in the manifold at each position.
-    std::vector<double> mass_kg;              ///< In the manifold at each position.
-    std::vector<std::vector<double>> lambda;  ///< True, of each lane (firing order) as last let out, at each position.
+    std::size_t first_cycle_position = 0; ///< Of entry 0, position 0 = position_0_deg.
+    std::vector<double> sensor;           ///< lambda, mean over each position.
+    std::vector<double> gas;              ///< lambda in the manifold at each position.
+    std::vector<double> mass_kg;          ///< In the manifold at each position.
+    std::vector<std::vector<double>>
+        lambda; ///< True, of each lane (firing order) as last let out, at each position.
 };
 
 /// Runs the scenario (its uego noise and sampling are replaced) and samples it at wheel positions.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The AFR blocks on the plant's exhaust, the filter against a full one in double, the gain limits by eigenvalues.
+// The AFR blocks on the plant's exhaust, the filter against a full one in double, the gain limits by
+// eigenvalues.
 #include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
 
@@ -11,10 +12,13 @@ using namespace sixdeg;
 namespace {
 
 Scenario step_scenario(double rpm, double bmep_bar) {
-    TomlFile file("s.toml", "engine = \"diesel_22.toml\"\n[run]\ncycles = 70\n[speed]\nmode = \"prescribed\"\n[uego]\n[load]\n");
+    TomlFile file(
+        "s.toml",
+        "engine = \"diesel_22.toml\"\n[run]\ncycles = 70\n[speed]\nmode = \"prescribed\"\n[uego]\n[load]\n");
     file.set("speed.rpm=" + std::to_string(rpm));
     file.set("load.bmep_bar=" + std::to_string(bmep_bar));
-    file.set("cylinders.fuel_step=[{at_s=" + std::to_string(30.25 * 120 / rpm) + ", cylinder=1, percent=20}]");
+    file.set("cylinders.fuel_step=[{at_s=" + std::to_string(30.25 * 120 / rpm) +
+             ", cylinder=1, percent=20}]");
     return read_scenario(file, SD_ENGINES);
 }
 
@@ -33,7 +37,8 @@ struct Step {
     double error_points(const AfrEstimates &e, double cycles) const {
         const auto c = std::size_t(std::ceil(double(at) / 120 + cycles)) - 1;
         double worst = 0;
-        for (std::size_t i = 0; i < 4; ++i) worst = std::max(worst, std::abs(e.lambda[c][i] - trace.lambda.back()[i]));
+        for (std::size_t i = 0; i < 4; ++i)
+            worst = std::max(worst, std::abs(e.lambda[c][i] - trace.lambda.back()[i]));
         return 100 * worst / mean;
     }
     Scenario scenario;
@@ -51,7 +56,8 @@ const Step &step() {
 TEST(AfrModel, CalibrationsOwnExhaustIsNearThePlants) {
     const Step &s = step();
     double plant_kg = 0;
-    for (std::size_t k = s.trace.mass_kg.size() - 1200; k < s.trace.mass_kg.size(); ++k) plant_kg += s.trace.mass_kg[k] / 1200;
+    for (std::size_t k = s.trace.mass_kg.size() - 1200; k < s.trace.mass_kg.size(); ++k)
+        plant_kg += s.trace.mass_kg[k] / 1200;
     EXPECT_NEAR(s.point.mean_kg / plant_kg, 1, 0.04);
     double sum = 0;
     for (double share : s.point.share) sum += share;
@@ -98,7 +104,8 @@ double observer_radius(double gain_air, double gain_cylinder) {
     const auto psi = exhaust_psi();
     std::copy(psi.begin(), psi.end(), e.psi);
     const std::vector<float> share(s.point.share.begin(), s.point.share.end());
-    const sd_exhaust_point_t p{share.data(), float(s.point.charge_kg), float(s.point.rate_hz), float(s.point.z0_kg), 0};
+    const sd_exhaust_point_t p{share.data(), float(s.point.charge_kg), float(s.point.rate_hz),
+                               float(s.point.z0_kg), 0};
     sd_exhaust_f32_t gas;
     must(sd_exhaust_init_f32(&gas, &e));
     must(sd_exhaust_set_f32(&gas, &p, float(s.trace.step_s)));
@@ -118,7 +125,8 @@ double observer_radius(double gain_air, double gain_cylinder) {
             sd_afr_observer_step_f32(&o, &now, 0);
         }
         Eigen::VectorXd x(5);
-        x << double(o.air), double(o.air_fraction[0]), double(o.air_fraction[1]), double(o.air_fraction[2]), double(o.air_fraction[3]);
+        x << double(o.air), double(o.air_fraction[0]), double(o.air_fraction[1]), double(o.air_fraction[2]),
+            double(o.air_fraction[3]);
         return Eigen::VectorXd(x / 0.01);
     };
     Eigen::MatrixXd map(5, 5);
@@ -128,8 +136,9 @@ double observer_radius(double gain_air, double gain_cylinder) {
 
 TEST(AfrChain, GainLimitsByTheEigenvaluesOverOneCycle) {
     for (double air : {0.06, 0.12})
-        for (double cylinder : {2.0, 5.0}) EXPECT_LT(observer_radius(air, cylinder), 0.85) << air << " " << cylinder;
-    EXPECT_LT(observer_radius(1.9, 3), 1);     // L2 just below 2, its limit
+        for (double cylinder : {2.0, 5.0})
+            EXPECT_LT(observer_radius(air, cylinder), 0.85) << air << " " << cylinder;
+    EXPECT_LT(observer_radius(1.9, 3), 1); // L2 just below 2, its limit
 }
 
 // The joint filter's covariance against a full Kalman filter in double that shares no code with it.
@@ -137,7 +146,8 @@ TEST(AfrJoint, StructuredCovarianceIsTheFullOne) {
     sd_afr_joint_config_t c{4, 0.03f, 0.015f, 2e-4f, 0.01f, 0.1f, 1000};
     sd_afr_joint_t f;
     must(sd_afr_joint_init(&f, &c));
-    const double dt = 1e-3, r = 4e-8 / (2 * dt), m2 = 1 - std::exp(-dt / 0.015), m1 = 1 - std::exp(-dt / 0.03);
+    const double dt = 1e-3, r = 4e-8 / (2 * dt), m2 = 1 - std::exp(-dt / 0.015),
+                 m1 = 1 - std::exp(-dt / 0.03);
     sd_afr_joint_set(&f, float(dt), 0.01f);
     Eigen::VectorXd x = Eigen::VectorXd::Constant(7, 0.5);
     Eigen::MatrixXd p = Eigen::MatrixXd::Identity(7, 7) * 0.01;
@@ -173,7 +183,8 @@ TEST(AfrJoint, StructuredCovarianceIsTheFullOne) {
     EXPECT_NEAR(double(f.x), x(0), 2e-3);
     for (int i = 0; i < 4; ++i) EXPECT_NEAR(double(f.air_fraction[i]), x(1 + i), 2e-3);
     for (int i = 0, at = 0; i < 7; ++i)
-        for (int j = 0; j <= i; ++j, ++at) EXPECT_NEAR(double(f.covariance[at]), p(i, j), 0.01 * std::sqrt(p(i, i) * p(j, j))) << i << j;
+        for (int j = 0; j <= i; ++j, ++at)
+            EXPECT_NEAR(double(f.covariance[at]), p(i, j), 0.01 * std::sqrt(p(i, i) * p(j, j))) << i << j;
 }
 
 TEST(AfrJoint, SettlesInFourCyclesNearItsBoundAndStatesItsDeviation) {
@@ -185,10 +196,12 @@ TEST(AfrJoint, SettlesInFourCyclesNearItsBoundAndStatesItsDeviation) {
     for (std::uint64_t seed = 0; seed < 10; ++seed) {
         const AfrEstimates noisy = step().run(joint, sensor_noise(step().trace, 0.005, 0, seed));
         for (std::size_t c = settled; c < clean.lambda.size(); ++c) {
-            for (std::size_t i = 0; i < 4; ++i) square += std::pow(noisy.lambda[c][i] - clean.lambda[c][i], 2), ++count;
+            for (std::size_t i = 0; i < 4; ++i)
+                square += std::pow(noisy.lambda[c][i] - clean.lambda[c][i], 2), ++count;
         }
     }
-    const double rms = std::sqrt(square / count), bound = afr_bound(step().scenario.engine.shared, step().point, step().trace, 0.005, 4);
+    const double rms = std::sqrt(square / count),
+                 bound = afr_bound(step().scenario.engine.shared, step().point, step().trace, 0.005, 4);
     EXPECT_LT(step().error_points(clean, 5), 2.5); // bias included
     EXPECT_LT(rms, 1.5 * bound);
     EXPECT_NEAR(clean.sd.back() / rms, 1, 0.45); // its own drift is part of it; the truth does not drift
@@ -217,11 +230,14 @@ TEST(AfrJoint, ForgetsWhatIsNotANumber) {
 // A periodic gas of known harmonics through two exact lags: the inversion finds it, in amplitude and angle.
 TEST(AfrUego, FourierLawInvertsTheSensorAndFixedPointFollowsFloat) {
     std::vector<std::int32_t> sine;
-    for (int k = 0; k < 120; ++k) sine.push_back(std::int32_t(std::lround(2147483647.0 * std::sin(2 * M_PI * k / 120))));
+    for (int k = 0; k < 120; ++k)
+        sine.push_back(std::int32_t(std::lround(2147483647.0 * std::sin(2 * M_PI * k / 120))));
     const double dt = 6.667e-4, tau1 = 0.03, tau2 = 0.015;
     const sd_uego_config_t c{120, 4, float(tau1), float(tau2), 0.005f, 0.1f, sine.data()};
     const sd_uego_gains_t gains = uego_gains({tau1, tau2, dt, 120, 4, 0.002, 0.02});
-    const auto gas = [](double k) { return 0.5 + 0.05 * std::cos(2 * M_PI * k / 120) + 0.03 * std::sin(4 * M_PI * k / 120); };
+    const auto gas = [](double k) {
+        return 0.5 + 0.05 * std::cos(2 * M_PI * k / 120) + 0.03 * std::sin(4 * M_PI * k / 120);
+    };
     for (const sd_uego_gains_t *form : {(const sd_uego_gains_t *)nullptr, &gains}) {
         sd_uego_f32_t f32;
         sd_uego_q31_t q31;
@@ -236,11 +252,14 @@ TEST(AfrUego, FourierLawInvertsTheSensorAndFixedPointFollowsFloat) {
                 lag1 += (1 - std::exp(-dt / 20 / tau1)) * (lag2 - lag1);
             }
             const double u = double(sd_uego_step_f32(&f32, std::uint32_t(k % 120), float(lag1)));
-            const double fixed = double(sd_to_float_q31(sd_uego_step_q31(&q31, std::uint32_t(k % 120), sd_from_float_q31(float(lag1)))));
+            const double fixed = double(sd_to_float_q31(
+                sd_uego_step_q31(&q31, std::uint32_t(k % 120), sd_from_float_q31(float(lag1)))));
             apart = std::max(apart, std::abs(u - fixed));
             if (k >= 120 * 58) worst = std::max(worst, std::abs(u - gas(k)));
         }
-        if (form == nullptr) { EXPECT_LT(worst, 0.006); }
+        if (form == nullptr) {
+            EXPECT_LT(worst, 0.006);
+        }
         EXPECT_LT(apart, 1e-4);
     }
 }

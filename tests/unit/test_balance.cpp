@@ -66,7 +66,8 @@ TEST(Balance, LimitsRateAndLeavesALimitAtOnce) {
     Loop loop;
     loop.offset[0] = 0.9f;
     loop.cycle();
-    for (float t : loop.b.trim) EXPECT_LE(std::fabs(t), 2 * 0.05f * 3 / 4); // rate, and the mean of four taken off
+    for (float t : loop.b.trim)
+        EXPECT_LE(std::fabs(t), 2 * 0.05f * 3 / 4); // rate, and the mean of four taken off
     for (int k = 0; k < 30; ++k) loop.cycle();
     for (float t : loop.b.trim) EXPECT_LE(std::fabs(t), 0.2f);
     EXPECT_EQ(sd_balance_status(&loop.b).health, SD_DEGRADED);

@@ -61,7 +61,8 @@ TEST(ExhaustModel, BalancesClose) {
     };
     const Zone before = left();
     const double in_kg = e.ledger().in_kg, in_joule = e.ledger().in_joule, piston = e.ledger().piston_joule;
-    while (plant.next_edge(edge)) {}
+    while (plant.next_edge(edge)) {
+    }
     const Zone after = left();
     const double passed = e.ledger().in_kg - in_kg, energy = e.ledger().in_joule - in_joule;
     EXPECT_GT(passed, 0.08);
@@ -120,7 +121,8 @@ TEST(ExhaustTransport, CarriesByMassThenMixesThenWaits) {
 }
 
 TEST(Uego, SecondOrderInClosedForm) {
-    for (const auto &[tau1, tau2] : std::vector<std::pair<double, double>>{{15e-3, 5e-3}, {30e-3, 15e-3}, {80e-3, 20e-3}}) {
+    for (const auto &[tau1, tau2] :
+         std::vector<std::pair<double, double>>{{15e-3, 5e-3}, {30e-3, 15e-3}, {80e-3, 20e-3}}) {
         exhaust::Uego sensor({}, tau1, tau2, RandomStream(1, 1));
         std::deque<UegoSample> samples;
         sensor.start(0, 1);
@@ -128,7 +130,8 @@ TEST(Uego, SecondOrderInClosedForm) {
         for (int i = 1; i <= 4000; ++i) sensor.step(i * 7e-5, 7e-5, 0, 101300, samples);
         ASSERT_GT(samples.size(), 500u);
         for (const UegoSample &s : samples) {
-            const double t = s.time_s, y = 1 - (tau1 * std::exp(-t / tau1) - tau2 * std::exp(-t / tau2)) / (tau1 - tau2);
+            const double t = s.time_s,
+                         y = 1 - (tau1 * std::exp(-t / tau1) - tau2 * std::exp(-t / tau2)) / (tau1 - tau2);
             ASSERT_NEAR(s.lambda, y, 2e-5) << t;
         }
     }

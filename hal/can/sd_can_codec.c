@@ -155,7 +155,7 @@ static int take_teeth(sd_can_codec_t *self, const sd_frame_t *frame) {
     memcpy(tick, &m.tick_0, sizeof tick);
     if (!arrives(self, m.session, m.sequence, 1, tick[0])) { return 1; }
     for (uint32_t i = 0; i < m.count; ++i) {
-        const sd_event_kind_t kind = ((m.cam >> i) & 1u) ? SD_EVENT_CAM_EDGE : SD_EVENT_CRANK_EDGE;
+        const sd_event_kind_t kind = (((uint32_t)m.cam >> i) & 1u) ? SD_EVENT_CAM_EDGE : SD_EVENT_CRANK_EDGE;
         put(self, tick[i], kind, 0, 0.0f, 0);
     }
     return 1;

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <functional>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include "common/error.hpp"
 #include "common/files.hpp"
@@ -23,7 +24,8 @@ std::string message(const std::function<void()> &action) {
 }
 
 struct Files : ::testing::Test {
-    fs::path folder = fs::path(::testing::TempDir()) / "sixdeg-files";
+    // A folder of its own: ctest runs the tests side by side.
+    fs::path folder = fs::path(::testing::TempDir()) / ("sixdeg-files-" + std::to_string(getpid()));
     void SetUp() override { fs::remove_all(folder); }
     void TearDown() override { fs::remove_all(folder); }
 };

@@ -11,7 +11,10 @@ namespace sixdeg {
 std::optional<KnownTorque> known_torque(const EngineFile &engine, const sd_parameters_t &parameters) {
     if (engine.pulses.empty()) return std::nullopt;
     const auto pulses = std::make_shared<std::vector<CylinderPulse>>();
-    for (std::size_t lane = 0; lane < std::size_t(engine.cylinders()); ++lane) pulses->push_back(cylinder_pulse(engine, lane));
+    for (std::size_t lane = 0; lane < std::size_t(engine.cylinders()); ++lane) {
+        pulses->push_back(cylinder_pulse(engine, lane));
+        for (double &torque : pulses->back().motored_per_bar) torque *= engine.trapped_factor(lane);
+    }
     const auto tdc = [degrees = engine.firing_tdc_deg](std::size_t lane) { return degrees[lane] * M_PI / 180; };
     const auto sum = [pulses, tdc](std::vector<double> CylinderPulse::*table) {
         return [pulses, tdc, table](double a) {

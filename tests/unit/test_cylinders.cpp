@@ -6,6 +6,7 @@
 
 #include "calibration/calibration.hpp"
 #include "calibration/cylinder_map.hpp"
+#include "calibration/known_torque.hpp"
 #include "calibration/observer_map.hpp"
 #include "calibration/perturbation.hpp"
 #include "calibration/pulse.hpp"
@@ -94,6 +95,15 @@ TEST(CylinderMap, LeavesLoadOut) {
         EXPECT_NEAR(0, map.map(i, 0), 1e-6);
         EXPECT_GT(map.sd_ratio(i), 0);
     }
+}
+
+TEST(KnownTorque, HoldsTheTrappedMassThatIsBelieved) {
+    EngineFile engine = balanced(1000).engine.shared;
+    const auto nominal = known_torque(engine, defaults());
+    engine.trapped_factors = {1.1, 1.1, 1.1, 1.1};
+    const auto more = known_torque(engine, defaults());
+    EXPECT_GT(std::abs(nominal->motored_per_bar(0.5)), 10);
+    EXPECT_NEAR(1.1 * nominal->motored_per_bar(0.5), more->motored_per_bar(0.5), 1e-6);
 }
 
 TEST(Perturbation, StaysWithinItsRangesAndRepeats) {

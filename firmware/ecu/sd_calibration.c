@@ -47,12 +47,8 @@ static void walk_kalman(sd_page_walk_t *walk, sd_kalman_tables_t *t) {
     for (uint32_t m = 0; m < SD_KALMAN_MODES_MAX; ++m) {
         walk_floats(walk, (float *)&t->mode[m], sizeof t->mode[m] / sizeof(float)); /* floats without gaps */
     }
-    walk_floats(walk, t->speed_radps, SD_KALMAN_SPEEDS_MAX);
-    walk_floats(walk, t->noise_rad, SD_KALMAN_SPEEDS_MAX);
-    walk_floats(walk, t->innovation, SD_KALMAN_SPEEDS_MAX);
-    walk_floats(walk, t->single_sd, SD_KALMAN_SPEEDS_MAX);
-    walk_floats(walk, t->mean_sd, SD_KALMAN_SPEEDS_MAX);
-    walk_floats(walk, t->pattern_sd, SD_KALMAN_SPEEDS_MAX);
+    float *const of_speed[] = { t->speed_radps, t->noise_rad, t->innovation, t->single_sd, t->mean_sd, t->pattern_sd };
+    for (uint32_t i = 0; i < sizeof of_speed / sizeof of_speed[0]; ++i) { walk_floats(walk, of_speed[i], SD_KALMAN_SPEEDS_MAX); }
     const uint32_t used = sd_kalman_pool_used(t);
     walk_floats(walk, t->pool, (used <= SD_KALMAN_POOL) ? used : 0u);
 }

@@ -187,10 +187,10 @@ static void correct(sd_kalman_t *self, const sd_kalman_tables_t *t, const sd_kal
     const float scale = t->inertia_mean_kgm2 * square;
     self->innovation_rad = late_rad(self, t, speed, slowness) - tooth->late_rad;
     if (!plausible(self, t, scale)) { return; }
-    /* The normalised map is the same at every speed, so every table is stable at any. That of half the speed trusts the
-     * state less, which is right while there is little to trust. */
+    /* Without modes the normalised map is the same at every speed, so every table is stable at any. That of half the speed
+     * trusts the state less, which is right while there is little to trust. */
     const bool settled = self->teeth >= t->settle_teeth;
-    const sd_between_t at = find_speed(t, settled ? speed : 0.5f * speed);
+    const sd_between_t at = find_speed(t, (settled || (t->modes > 0u)) ? speed : 0.5f * speed);
     if (settled) { watch_noise(self, t, at); }
     const float *low = gains_of(t, k, at.at), *high = gains_of(t, k, at.next);
     const float r = self->innovation_rad, push = r * scale;

@@ -21,7 +21,7 @@
 ///
 /// K is a table over cycle position and speed, from the periodic Riccati equation (`sixdeg calibrate`), zero where the
 /// wheel has no tooth, linear between speeds and constant beyond them. Until it has settled, the filter takes the gains
-/// of half its speed, which let it move further.
+/// of half its speed, which let it move further; not where there are modes, whose swing over a pitch depends on speed.
 ///
 /// Firing torque: x_j as it stands read_position of firing j, a good half turn after its pulse.
 ///
@@ -35,10 +35,10 @@
 
 #define SD_KALMAN_COEFFICIENTS_MAX 25
 #define SD_KALMAN_POSITIONS_MAX    120
-#define SD_KALMAN_SPEEDS_MAX       4
+#define SD_KALMAN_SPEEDS_MAX       12
 #define SD_KALMAN_FIRINGS_MAX      8
 #define SD_KALMAN_MODES_MAX        2
-#define SD_KALMAN_POOL             15000///< Floats for torques and gains: 4 speeds for 8 cylinders, 1 for 12 harmonics.
+#define SD_KALMAN_POOL             28000///< Floats for torques and gains: 12 speeds for 8 cylinders with 2 modes.
 
 /// A natural vibration that moves the toothed wheel. Torques in Nm hold it at a twist of the wheel in rad.
 typedef struct sd_kalman_mode {

@@ -209,8 +209,11 @@ KalmanTables kalman_tables(const EngineFile &engine, const KnownTorque &torque, 
         t.innovation[i] = float(gains.innovation);
         t.single_sd[i] = float(gains.single_sd), t.mean_sd[i] = float(gains.mean_sd), t.pattern_sd[i] = float(gains.pattern_sd);
         if (i == 0) continue;
-        const ToothModel between = tooth_model(engine, torque, (speed + tune.speeds_rpm[i - 1] * kRadpsPerRpm) / 2);
-        out.radius_between = std::max(out.radius_between, cycle_radius(between, (out.gains[i - 1].gain + gains.gain) / 2));
+        for (double share : {0.25, 0.5, 0.75}) {
+            const double between = speed + share * (tune.speeds_rpm[i - 1] * kRadpsPerRpm - speed);
+            const Eigen::MatrixXd mixed = gains.gain + share * (out.gains[i - 1].gain - gains.gain);
+            out.radius_between = std::max(out.radius_between, cycle_radius(tooth_model(engine, torque, between), mixed));
+        }
     }
     fill_pool(engine, torque, out.gains, t);
     return out;

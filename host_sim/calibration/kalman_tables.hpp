@@ -39,7 +39,7 @@ struct KalmanTune {
 struct KalmanTables {
     sd_kalman_tables_t tables;
     std::vector<PeriodicGains> gains; ///< Of each speed.
-    double radius_between = 0;        ///< Largest cycle radius of the gains that lie halfway between two speeds.
+    double radius_between = 0;        ///< Largest cycle radius a quarter, half and three quarters of the way between two speeds.
 };
 
 /// J_mean of all that turns: what normalised torques are over, times speed squared.

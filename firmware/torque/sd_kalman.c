@@ -8,7 +8,7 @@
 
 static const float INVERSE[6] = { 1.0f, 0.5f, 1.0f / 3.0f, 0.25f, 0.2f, 1.0f / 6.0f };
 
-_Static_assert(sizeof(sd_kalman_t) == 520, "without pointers, the same size on every target");
+_Static_assert(sizeof(sd_kalman_t) == 552, "without pointers, the same size on every target");
 
 enum { REJECTED_IN_ROW_MAX = 12, /* teeth left out in a row after which the estimate itself must be wrong */
        SPEED_MIN_RADPS = 5 };
@@ -231,8 +231,8 @@ static bool in_range(const sd_kalman_t *self, const sd_kalman_tables_t *t) {
 
 static float root(float x) { return (x > 0.0f) ? x * sd_rsqrt_f32(x) : 0.0f; }
 
-static void remember(sd_kalman_t *self, uint32_t i) {
-    self->ring_nm[i][self->next[i]] = self->coefficient_nm[1u + i];
+static void remember(sd_kalman_t *self, uint32_t i, float torque_nm) {
+    self->ring_nm[i][self->next[i]] = torque_nm;
     self->next[i] = (uint8_t)((self->next[i] + 1u) % SD_KALMAN_MEAN);
     if (self->kept[i] < SD_KALMAN_MEAN) { self->kept[i]++; }
 }
@@ -244,18 +244,22 @@ static void read_firing(sd_kalman_t *self, const sd_kalman_tables_t *t, uint32_t
     /* Noise as met. A tooth's own error shows in the innovation too, but does not average out. */
     const float total = design * design * self->noise_ratio, fixed = pattern_rad * pattern_rad;
     const float fresh = (total > fixed) ? total - fixed : 0.0f;
-    remember(self, i);
+    firing->raw_nm = self->coefficient_nm[1u + i];
+    firing->torque_nm = firing->raw_nm - self->zero_nm_per_bar[i] * self->charge_bar[i];
+    remember(self, i, firing->torque_nm);
     const uint32_t count = self->kept[i];
     float sum = 0.0f;
     for (uint32_t j = 0; j < count; ++j) { sum += self->ring_nm[i][j]; }
     firing->index = (uint8_t)i;
-    firing->torque_nm = self->coefficient_nm[1u + i];
     firing->mean_nm = sum / (float)count;
     const float single = blend(t->single_sd, at), mean = blend(t->mean_sd, at), stays = blend(t->pattern_sd, at);
-    const float shape = t->shape_sd * firing->mean_nm;
+    float all = 0.0f;
+    for (uint32_t j = 0; j < t->firings; ++j) { all += self->coefficient_nm[1u + j] / (float)t->firings; }
+    const float shape = t->shape_sd * all, scaled = t->scale_sd * (firing->mean_nm - all);
+    const float model = shape * shape + scaled * scaled;
     const float shrink = (float)SD_KALMAN_MEAN / (float)count; /* variance, taken as independent until it is full */
-    firing->sd_nm = root(scale * scale * (single * single * fresh + stays * stays * fixed) + shape * shape);
-    firing->mean_sd_nm = root(scale * scale * (mean * mean * fresh * shrink + stays * stays * fixed) + shape * shape);
+    firing->sd_nm = root(scale * scale * (single * single * fresh + stays * stays * fixed) + model);
+    firing->mean_sd_nm = root(scale * scale * (mean * mean * fresh * shrink + stays * stays * fixed) + model);
 }
 
 static bool pass(sd_kalman_t *self, const sd_kalman_tables_t *t, uint32_t k, float pattern_rad, sd_firing_t *firing) {
@@ -316,7 +320,10 @@ void sd_kalman_restart(sd_kalman_t *self) {
     const uint16_t rejected = self->rejected;
     const float intake_bar = self->intake_bar;
     const uint8_t held = self->intake_held;
+    float zero[SD_KALMAN_FIRINGS_MAX];
+    memcpy(zero, self->zero_nm_per_bar, sizeof zero);
     memset(self, 0, sizeof *self);
+    memcpy(self->zero_nm_per_bar, zero, sizeof zero);
     self->noise_ratio = 1.0f;
     self->rejected = rejected;
     sd_kalman_set_intake(self, intake_bar);
@@ -369,7 +376,7 @@ static bool mode_ok(const sd_kalman_mode_t *mode) {
 static bool tables_ok(const sd_kalman_tables_t *t) {
     const uint32_t n = t->positions;
     bool ok = sizes_ok(t) && all_within(&t->tick_hz, 1u, 1e5f, 2e8f) && all_within(&t->torque_base_nm, 1u, 1e-3f, 2e4f) &&
-              all_within(&t->shape_sd, 1u, 0.0f, 1.0f) && all_within(&t->reject_rad, 1u, 1e-6f, 1.0f) && all_within(&t->inertia_mean_kgm2, 1u, 1e-6f, 10.0f) &&
+              all_within(&t->shape_sd, 1u, 0.0f, 1.0f) && all_within(&t->scale_sd, 1u, 0.0f, 1.0f) && all_within(&t->reject_rad, 1u, 1e-6f, 1.0f) && all_within(&t->inertia_mean_kgm2, 1u, 1e-6f, 10.0f) &&
               all_within(t->inertia_tooth_kgm2, n, 1e-6f, 10.0f) && all_within(t->inertia_interval_kgm2, n, 1e-6f, 10.0f) &&
               all_within(t->speed_radps, t->speeds, 1.0f, 2000.0f) && all_within(t->noise_rad, t->speeds, 1e-7f, 1.0f) &&
               all_within(t->innovation, t->speeds, 1.0f, 1e3f) && all_within(t->single_sd, t->speeds, 0.0f, 1e6f) &&

@@ -27,11 +27,11 @@ struct KnownTorque {
 struct KalmanTune {
     double edge_deg = 0.02;       ///< Timing error of an edge, the timer's rounding not included.
     double load_walk_nm = 0.1;    ///< Change of the constant torque from tooth to tooth.
-    double firing_change_nm = 20; ///< Change of a firing's torque from one cycle to the next.
+    double firing_change_nm = 10; ///< Change of a firing's torque from one cycle to the next.
     double basis_walk_nm = 0.2;   ///< Change of other coefficients from tooth to tooth.
     double torque_base_nm = 1500;
     double reject_deg = 1.5;
-    double shape_sd = 0; ///< As in sd_kalman.h.
+    double shape_sd = 0, scale_sd = 0; ///< As in sd_kalman.h.
     double settle_cycles = 3;
     std::vector<double> speeds_rpm{1000, 2000, 4000, 6500};
 };

@@ -38,7 +38,6 @@ static void walk_kalman(sd_page_walk_t *walk, sd_kalman_tables_t *t) {
     sd_page_32(walk, &t->tick_hz);
     sd_page_32(walk, &t->torque_base_nm);
     sd_page_32(walk, &t->shape_sd);
-    sd_page_32(walk, &t->scale_sd);
     sd_page_32(walk, &t->reject_rad);
     sd_page_u16(walk, &t->settle_teeth);
     sd_page_32(walk, &t->inertia_mean_kgm2);

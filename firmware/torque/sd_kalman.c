@@ -255,11 +255,11 @@ static void read_firing(sd_kalman_t *self, const sd_kalman_tables_t *t, uint32_t
     const float single = blend(t->single_sd, at), mean = blend(t->mean_sd, at), stays = blend(t->pattern_sd, at);
     float all = 0.0f;
     for (uint32_t j = 0; j < t->firings; ++j) { all += self->coefficient_nm[1u + j] / (float)t->firings; }
-    const float shape = t->shape_sd * all, scaled = t->scale_sd * (firing->mean_nm - all);
-    const float model = shape * shape + scaled * scaled;
+    /* The faster the engine, the less does the constant torque follow within a cycle what the pulses leave unexplained. */
+    const float slower = t->speed_radps[0] / speed, shape = t->shape_sd * all * ((slower < 1.0f) ? slower : 1.0f);
     const float shrink = (float)SD_KALMAN_MEAN / (float)count; /* variance, taken as independent until it is full */
-    firing->sd_nm = root(scale * scale * (single * single * fresh + stays * stays * fixed) + model);
-    firing->mean_sd_nm = root(scale * scale * (mean * mean * fresh * shrink + stays * stays * fixed) + model);
+    firing->sd_nm = root(scale * scale * (single * single * fresh + stays * stays * fixed) + shape * shape);
+    firing->mean_sd_nm = root(scale * scale * (mean * mean * fresh * shrink + stays * stays * fixed) + shape * shape);
 }
 
 static bool pass(sd_kalman_t *self, const sd_kalman_tables_t *t, uint32_t k, float pattern_rad, sd_firing_t *firing) {
@@ -376,7 +376,7 @@ static bool mode_ok(const sd_kalman_mode_t *mode) {
 static bool tables_ok(const sd_kalman_tables_t *t) {
     const uint32_t n = t->positions;
     bool ok = sizes_ok(t) && all_within(&t->tick_hz, 1u, 1e5f, 2e8f) && all_within(&t->torque_base_nm, 1u, 1e-3f, 2e4f) &&
-              all_within(&t->shape_sd, 1u, 0.0f, 1.0f) && all_within(&t->scale_sd, 1u, 0.0f, 1.0f) && all_within(&t->reject_rad, 1u, 1e-6f, 1.0f) && all_within(&t->inertia_mean_kgm2, 1u, 1e-6f, 10.0f) &&
+              all_within(&t->shape_sd, 1u, 0.0f, 1.0f) && all_within(&t->reject_rad, 1u, 1e-6f, 1.0f) && all_within(&t->inertia_mean_kgm2, 1u, 1e-6f, 10.0f) &&
               all_within(t->inertia_tooth_kgm2, n, 1e-6f, 10.0f) && all_within(t->inertia_interval_kgm2, n, 1e-6f, 10.0f) &&
               all_within(t->speed_radps, t->speeds, 1.0f, 2000.0f) && all_within(t->noise_rad, t->speeds, 1e-7f, 1.0f) &&
               all_within(t->innovation, t->speeds, 1.0f, 1e3f) && all_within(t->single_sd, t->speeds, 0.0f, 1e6f) &&

@@ -65,8 +65,7 @@ typedef struct sd_kalman_tables {
     uint16_t close_position[SD_KALMAN_FIRINGS_MAX]; ///< Cycle position at which cylinder i's intake valve closes, [0, 2 N).
     float    tick_hz;        ///< Capture ticks a second, [1e5, 2e8].
     float    torque_base_nm; ///< Highest |coefficient|, (0, 20000]; beyond it the filter starts anew.
-    float    shape_sd;       ///< What is not known of single pulses, as a share of the mean torque, [0, 1],
-    float    scale_sd;       ///< and of all alike, as a share of a cylinder's difference from that mean, [0, 1].
+    float    shape_sd;       ///< What is not known of single pulses, as a share of the mean torque, [0, 1], at speed_radps[0].
     float    reject_rad;     ///< Lateness beyond which a tooth is left out, besides what torque_base_nm explains, > 0.
     uint16_t settle_teeth;   ///< Until the estimate counts as converged.
     float    inertia_mean_kgm2;                             ///< (0, 10].
@@ -101,7 +100,7 @@ typedef struct sd_firing {
     uint8_t index;      ///< In firing order.
     float   raw_nm;     ///< torque_nm before zero_nm_per_bar was taken out.
     float   torque_nm;  ///< Mean combustion torque over the 180 deg after its TDC.
-    float   sd_nm;      ///< Standard deviation of that less the mean of all cylinders: timing noise as met, shape_sd and scale_sd.
+    float   sd_nm;      ///< Standard deviation of that less the mean of all cylinders: timing noise as met, and shape_sd.
     float   mean_nm;    ///< Of this cylinder's last SD_KALMAN_MEAN cycles, fewer after a start.
     float   mean_sd_nm;
 } sd_firing_t;

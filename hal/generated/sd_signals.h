@@ -7,7 +7,7 @@
 #include <stdint.h>
 
 /// Changes whenever the table does; calibration pages and logs carry it.
-#define SD_SIGNALS_SIGNATURE 0xa7802b55u
+#define SD_SIGNALS_SIGNATURE 0x6394a362u
 
 /// Channel of an SD_EVENT_SAMPLE.
 typedef enum sd_input {
@@ -119,8 +119,7 @@ typedef struct sd_parameters {
     float firing_pattern_deg; ///< Standard deviation of a tooth's own error while it is not learned.
     float firing_load_walk_nm; ///< Change of load and friction from tooth to tooth; 3 to 8 on a rough road.
     float firing_change_nm; ///< Change of a cylinder's torque from one firing to the next.
-    float firing_shape_sd; ///< What the calibration does not know of single pulses, as a share of the mean torque; part of the stated deviations.
-    float firing_scale_sd; ///< By what share all pulses may be wrong alike; times a cylinder's difference from the mean of all, part of the stated deviations.
+    float firing_shape_sd; ///< What the calibration does not know of single pulses, as a share of the mean torque at the lowest speed of the gains, falling with speed; part of the stated deviations.
     float firing_reject_deg; ///< Lateness of a tooth beyond which it is left out, besides what torque.torque_base explains.
     float firing_settle_cycles; ///< Cycles after a start during which firings are flagged as converging.
     float misfire_work_per_fuel_jpmg; ///< Work of combustion that a healthy firing is expected to give; each cylinder learns its own within 0.6 to 1.5 of it.
@@ -151,7 +150,7 @@ typedef struct sd_parameters {
     float balance_sd_max; ///< Stated standard deviation of a deviation above which nothing is learned.
     float balance_hold_cycles; ///< How long trims hold after a transient or an estimate that is not valid.
 } sd_parameters_t;
-#define SD_PARAMETER_COUNT 48u
+#define SD_PARAMETER_COUNT 47u
 
 typedef enum sd_rate { SD_RATE_EDGE, SD_RATE_CYCLE, SD_RATE_FIRING } sd_rate_t;
 typedef enum sd_owner { SD_OWNER_CRANK, SD_OWNER_TORQUE, SD_OWNER_CYLINDER, SD_OWNER_FIRING, SD_OWNER_MISFIRE, SD_OWNER_AFR, SD_OWNER_BALANCE, SD_OWNER_COUNT } sd_owner_t;

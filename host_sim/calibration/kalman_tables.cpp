@@ -131,7 +131,6 @@ sd_kalman_tables_t sizes(const EngineFile &engine, const KnownTorque &torque, co
     t.tick_hz = float(engine.tick_hz);
     t.torque_base_nm = float(tune.torque_base_nm);
     t.shape_sd = float(tune.shape_sd);
-    t.scale_sd = float(tune.scale_sd);
     t.reject_rad = float(tune.reject_deg * kRadPerDeg);
     t.settle_teeth = std::uint16_t(std::lround(tune.settle_cycles * 2 * engine.wheel.teeth()));
     t.inertia_mean_kgm2 = float(mean_inertia_kgm2(engine));

@@ -31,7 +31,7 @@ struct KalmanTune {
     double basis_walk_nm = 0.2;   ///< Change of other coefficients from tooth to tooth.
     double torque_base_nm = 1500;
     double reject_deg = 1.5;
-    double shape_sd = 0, scale_sd = 0; ///< As in sd_kalman.h.
+    double shape_sd = 0; ///< As in sd_kalman.h.
     double settle_cycles = 3;
     std::vector<double> speeds_rpm{1000, 2000, 4000, 6500};
 };

@@ -38,7 +38,6 @@ KalmanTune kalman_tune(const EngineFile &engine, const sd_parameters_t &p) {
     tune.torque_base_nm = double(p.torque_torque_base_nm);
     tune.reject_deg = double(p.firing_reject_deg);
     tune.shape_sd = double(p.firing_shape_sd);
-    tune.scale_sd = double(p.firing_scale_sd);
     tune.settle_cycles = double(p.firing_settle_cycles);
     if (engine.torsion) {
         // A mode near an engine order wants gains of its own within a few percent of speed. And what all cylinders share shows

@@ -173,5 +173,43 @@ TEST(Twist, FiringsAreFoundOnAWheelThatSwings) {
     }
 }
 
+TEST(Twist, BadTeethNeverGiveNan) {
+    const KalmanTables made = kalman_tables(with_torsion(true), known_torque(), {});
+    ASSERT_EQ(made.tables.modes, 2);
+    sd_kalman_t filter;
+    ASSERT_EQ(sd_kalman_init(&filter, &made.tables), SD_OK);
+    std::mt19937 random(7);
+    sd_firing_t firing{};
+    for (int i = 0; i < 20000; ++i) {
+        sd_kalman_tooth_t tooth{};
+        tooth.cycle_position = std::uint16_t(i % 300 < 200 ? i % 120 : random() % 130);
+        tooth.advance = std::uint16_t(i % 300 < 200 ? 1 : random() % 5);
+        tooth.period_ticks = random() % 3 == 0 ? std::uint32_t(random()) : 30000 + random() % 2000000;
+        tooth.trusted = random() % 8 != 0;
+        tooth.intake_bar = random() % 7 == 0 ? NAN : 1.f;
+        sd_kalman_step(&filter, &made.tables, &tooth, &firing);
+        ASSERT_TRUE(std::isfinite(filter.energy_j) && std::isfinite(filter.torque_nm) && std::isfinite(firing.sd_nm)) << i;
+        for (std::size_t m = 0; m < 2; ++m) ASSERT_TRUE(std::isfinite(filter.twist_rad[m]) && std::isfinite(filter.swing_rad[m])) << i;
+        for (float x : filter.coefficient_nm) ASSERT_TRUE(std::isfinite(x)) << i;
+    }
+}
+
+TEST(Twist, ModesOutOfRangeAreRefused) {
+    const KalmanTables made = kalman_tables(with_torsion(true), known_torque(), {});
+    sd_kalman_t filter{};
+    const auto refused = [&](auto change) {
+        sd_kalman_tables_t tables = made.tables;
+        change(tables);
+        return sd_kalman_init(&filter, &tables) == SD_ERR_CONFIG;
+    };
+    EXPECT_TRUE(refused([](auto &t) { t.modes = 3; }));
+    EXPECT_TRUE(refused([](auto &t) { t.firings = 0; }));
+    EXPECT_TRUE(refused([](auto &t) { t.close_position[1] = 120; }));
+    EXPECT_TRUE(refused([](auto &t) { t.mode[1].frequency_radps = NAN; }));
+    EXPECT_TRUE(refused([](auto &t) { t.mode[0].damping = 1; }));
+    EXPECT_TRUE(refused([](auto &t) { t.mode[0].cylinder_radpnm[3] = INFINITY; }));
+    EXPECT_FALSE(refused([](auto &) {}));
+}
+
 } // namespace
 } // namespace sixdeg

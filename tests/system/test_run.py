@@ -110,8 +110,7 @@ class Firing(RunFolder):
     def test_single_firings_after_learning_in_fuel_cut(self):
         """The goals of imbalance, of one firing and of the waveform, on one learned wheel."""
         learned = self.folder / "learned.bin"
-        cut = self.scenario("duration_s = 6", "rpm = [3000, 3000, 1500, 1500]\ntime_s = [0, 2, 3, 6]",
-                            bmep="0\nfuel_cut_s = [0.1, 6]", more=self.ENCODER)
+        cut = ROOT / "host_sim" / "scenarios" / "learn_pattern.toml"
         self.summary(cut, "--nominal", "--learn", learned)
         for rpm, imbalance, single in ((1000, 0.25, 0.4), (3000, 0.6, 2.5)):
             with self.subTest(rpm=rpm):

@@ -102,8 +102,8 @@ TEST(KnownTorque, HoldsTheTrappedMassThatIsBelieved) {
     const auto nominal = known_torque(engine, defaults());
     engine.trapped_factors = {1.1, 1.1, 1.1, 1.1};
     const auto more = known_torque(engine, defaults());
-    EXPECT_GT(std::abs(nominal->motored_per_bar(0.5)), 10);
-    EXPECT_NEAR(1.1 * nominal->motored_per_bar(0.5), more->motored_per_bar(0.5), 1e-6);
+    EXPECT_GT(std::abs(nominal->motored_per_bar.front()(0.5)), 10);
+    EXPECT_NEAR(1.1 * nominal->motored_per_bar.front()(0.5), more->motored_per_bar.front()(0.5), 1e-6);
 }
 
 TEST(Perturbation, StaysWithinItsRangesAndRepeats) {

@@ -98,6 +98,10 @@ void sd_afr_step(sd_afr_t *self, uint32_t cycle_position, float lambda) {
     if (self->joint.running == 0u) { self->cycles = 0; }
 }
 
+void sd_afr_trimmed(sd_afr_t *self, uint32_t cylinder, float fuel_factor) {
+    sd_afr_joint_move(&self->joint, cylinder, (fuel_factor - 1.0f) * sd_afr_joint_lambda(&self->joint, cylinder));
+}
+
 float sd_afr_lambda(const sd_afr_t *self, uint32_t cylinder) { return sd_afr_joint_lambda(&self->joint, cylinder); }
 
 static float mean_of(const sd_afr_t *self) {

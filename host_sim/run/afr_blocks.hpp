@@ -75,7 +75,7 @@ template <class V> class AfrBlocks {
                                    float(point.rate_hz * (1 + error.turbine)),
                                    float(point.z0_kg),
                                    at_manifold ? 0.0f : float(point.transport_kg),
-                                   at_manifold ? 0.0f : float(std::fmax(wait, 0))};
+                                   at_manifold ? 0.0f : float(wait)};
         must(V::exhaust_set(&exhaust_, &p, float(trace.step_s)));
         init_chain();
         init_joint();

@@ -6,6 +6,8 @@
 #define RADPS_PER_RPM   0.10471976f
 #define TRANSIENT_SPEED 0.02f /* share by which a cycle may differ from the last and still be steady */
 #define TRANSIENT_FUEL  0.05f
+#define TORQUE_FOLLOWS  0.3f   /* a cycle: the Fourier observer settles in some 4 */
+#define FOLLOW_LEAST    0.001f
 
 static bool ready(const sd_ecu_t *self) { return self->afr.config.cylinders != 0u; }
 
@@ -83,10 +85,9 @@ static void read_afr(sd_ecu_t *self, float speed_radps) {
 }
 
 /* What cylinders deviate by, in firing order, from the source chosen; returns the health of it. */
-static uint8_t deviations(const sd_ecu_t *self, float *deviation, float *sd) {
+static uint8_t deviations(const sd_ecu_t *self, bool from_torque, float *deviation, float *sd) {
     const sd_calibration_t *c = &self->calibration;
     const float *torque = self->signals.cycle_cylinder_torque_nm, *torque_sd = self->signals.cycle_cylinder_sd_nm;
-    const bool from_torque = c->parameters.balance_source > 1.5f;
     float mean = 0.0f;
     for (uint32_t i = 0; i < c->cylinders; ++i) { mean += torque[c->firing_order[i] - 1u] / (float)c->cylinders; }
     if (from_torque && !(mean > 1.0f)) { return SD_INVALID; } /* Nm: nothing burns */
@@ -98,14 +99,27 @@ static uint8_t deviations(const sd_ecu_t *self, float *deviation, float *sd) {
     return self->status[from_torque ? SD_OWNER_CYLINDER : SD_OWNER_AFR].health;
 }
 
+/* Share of a change that the mixture's estimate takes up in a cycle: from its variance before and after, and its drift. */
+static float mixture_follows(sd_ecu_t *self, float sd) {
+    const sd_parameters_t *p = &self->calibration.parameters;
+    const float drift = (self->afr.slow != 0u) ? p->afr_drift_slow : p->afr_drift;
+    const float before = self->last_variance + drift * drift;
+    self->last_variance = sd * sd;
+    const float follow = 1.0f - sd * sd / before;
+    return (follow > 1.0f) ? 1.0f : (follow > FOLLOW_LEAST) ? follow : FOLLOW_LEAST;
+}
+
 static void balance(sd_ecu_t *self, uint8_t transient) {
     const sd_calibration_t *c = &self->calibration;
     sd_balance_t *b = &self->balance;
     const bool on = (self->sample[SD_INPUT_BALANCE_ENABLE].value > 0.5f) && (c->parameters.balance_source > 0.5f) && (c->cylinders > 1u);
     if (on) {
-        float deviation[SD_CYLINDERS_MAX], sd[SD_CYLINDERS_MAX];
-        const uint8_t health = deviations(self, deviation, sd);
-        sd_balance_step(b, deviation, sd, health, transient);
+        const bool from_torque = c->parameters.balance_source > 1.5f;
+        float deviation[SD_CYLINDERS_MAX] = { 0.0f }, sd[SD_CYLINDERS_MAX] = { 0.0f };
+        sd_balance_input_t in = { .deviation = deviation, .sd = sd, .follow = TORQUE_FOLLOWS, .transient = transient };
+        in.health = deviations(self, from_torque, deviation, sd);
+        if (!from_torque) { in.follow = mixture_follows(self, sd[0]); }
+        sd_balance_step(b, &in);
     } else {
         sd_balance_restart(b);
     }

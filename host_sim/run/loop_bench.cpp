@@ -18,6 +18,13 @@ const Texts kFigure16{"cylinders.fuel_percent=[6, -3, 0, -4]", "cylinders.fuel_s
                       "run.duration_s=45", "control.balance_on_s=[0, 7.5, 36, 1000]"};
 const Texts kFast{"speed.rpm=3500", "load.bmep_bar=12", "run.duration_s=40", "control.balance_on_s=[8, 1000]", "uego.noise_per_rthz=1.2e-4"};
 
+/// Moves of speed or load once the cylinders are balanced.
+const std::vector<std::pair<const char *, Texts>> kMoves{
+    {"steady", {}},
+    {"1000 to 2500 rpm in 4 s and back", {"speed.rpm=[1000,1000,2500,2500,1000]", "speed.time_s=[0,10,14,20,24]"}},
+    {"5 to 10 bar in 4 s and back", {"load.bmep_bar=[5,5,10,10,5]", "load.time_s=[0,10,14,20,24]"}},
+    {"tip in, 5 to 10 bar in 0.2 s, and out", {"load.bmep_bar=[5,5,10,10,5]", "load.time_s=[0,10,10.2,20,20.2]"}}};
+
 Texts join(Texts a, const Texts &b) {
     a.insert(a.end(), b.begin(), b.end());
     return a;
@@ -79,10 +86,12 @@ int main(int argc, char **argv) {
     for (double error : {0, -30, 30, -60, 60, -90, 90, -120, 120, -150, 150, 180})
         print(fmt::format("{:+.0f} deg", error), figures({{"run.duration_s=20"}, lambda, error, false, 1}));
     }if(want('r')){header("ramps, cylinders balanced before");
-    const Texts early{"control.balance_on_s=[1, 1000]", "run.duration_s=30"};
-    print("none", figures({early, lambda, 0, false, 1}));
-    print("1000 to 2500 rpm in 4 s and back", figures({join(early, {"speed.rpm=[1000,1000,2500,2500,1000]", "speed.time_s=[0,10,14,20,24]"}), lambda, 0, false, 1}));
-    print("5 to 10 bar in 4 s and back", figures({join(early, {"load.bmep_bar=[5,5,10,10,5]", "load.time_s=[0,10,14,20,24]"}), lambda, 0, false, 1}));
-    print("tip in and out, 5 to 10 bar in 0.2 s", figures({join(early, {"load.bmep_bar=[5,5,10,10,5]", "load.time_s=[0,10,10.2,20,20.2]"}), lambda, 0, false, 1}));
+    for (bool noisy : {false, true}) {
+        for (const auto &[name, change] : kMoves) {
+            const Texts quiet{"uego.noise_per_rthz=0", "cyclic.cov_percent=0"};
+            const Texts scenario = join(join({"control.balance_on_s=[1, 1000]", "run.duration_s=30"}, change), noisy ? Texts{} : quiet);
+            print(fmt::format("{}{}", name, noisy ? "" : ", no noise"), figures({scenario, lambda, 0, false, 1}));
+        }
+    }
     }return 0;
 }

@@ -3,7 +3,6 @@
 // Nothing is asserted. loop_bench [SEEDS [KEY=VALUE...]]: 20 perturbed calibrations by default; parameters over their defaults.
 #include <algorithm>
 #include <cstdlib>
-#include <cstring>
 #include <fmt/format.h>
 
 #include "run/loop_case.hpp"
@@ -69,23 +68,22 @@ int main(int argc, char **argv) {
     const int count = argc > 1 ? std::max(1, std::atoi(argv[1])) : 20;
     const Texts lambda(argv + std::min(argc, 2), argv + argc), torque = join(lambda, {"balance.source=2"});
     fmt::print("fuel balance; true spread before and its largest, residual, trim the wrong way: percent; to 3 %, gave up: cycles\n");
-    const char *only=getenv("ONLY"); const auto want=[&](char c){return !only||strchr(only,c);};
-    if(want('f')){header("Figure 16 of document 004");
+    header("Figure 16 of document 004");
     print("from lambda", figures({kFigure16, lambda, 0, false, 1}));
     print("from torque", figures({kFigure16, torque, 0, false, 1}));
-    }if(want('n')){header("1500 rpm, 9 bar");
+    header("1500 rpm, 9 bar");
     for (bool perturbed : {false, true}) {
         const char *calibration = perturbed ? "perturbed" : "nominal";
         seeds(fmt::format("from lambda, {}", calibration).c_str(), {}, lambda, perturbed, count);
         seeds(fmt::format("from torque, {}", calibration).c_str(), {}, torque, perturbed, count);
     }
-    }if(want('s')){header("3500 rpm, 12 bar, slow mode");
+    header("3500 rpm, 12 bar, slow mode");
     seeds("from lambda, nominal", kFast, lambda, false, std::max(1, count / 4));
     seeds("from lambda, perturbed", kFast, lambda, true, std::max(1, count / 4));
-    }if(want('d')){header("delay of the calibration wrong");
-    for (double error : {0, -30, 30, -60, 60, -90, 90, -120, 120, -150, 150, 180})
-        print(fmt::format("{:+.0f} deg", error), figures({{"run.duration_s=20"}, lambda, error, false, 1}));
-    }if(want('r')){header("ramps, cylinders balanced before");
+    header("delay of the calibration wrong");
+    for (double error : {0, -30, 30, -60, 60, -90, 90, -120, 120, 150, 180})
+        print(fmt::format("{:+.0f} deg", error), figures({{"run.duration_s=20"}, lambda, double(error), false, 1}));
+    header("ramps, cylinders balanced before");
     for (bool noisy : {false, true}) {
         for (const auto &[name, change] : kMoves) {
             const Texts quiet{"uego.noise_per_rthz=0", "cyclic.cov_percent=0"};
@@ -93,5 +91,5 @@ int main(int argc, char **argv) {
             print(fmt::format("{}{}", name, noisy ? "" : ", no noise"), figures({scenario, lambda, 0, false, 1}));
         }
     }
-    }return 0;
+    return 0;
 }

@@ -17,6 +17,10 @@ const Texts kFigure16{"cylinders.fuel_percent=[6, -3, 0, -4]", "cylinders.fuel_s
                       "run.duration_s=45", "control.balance_on_s=[0, 7.5, 36, 1000]"};
 const Texts kFast{"speed.rpm=3500", "load.bmep_bar=12", "run.duration_s=40", "control.balance_on_s=[8, 1000]", "uego.noise_per_rthz=1.2e-4"};
 
+/// A fuel cut at low load before the trims are allowed, from which torque learns its zero.
+const Texts kCut{"load.bmep_bar=[9,9,1,1,9]", "load.time_s=[0,2,2.2,4.2,4.4]", "load.fuel_cut_s=[2.2,4.2]",
+                 "control.balance_on_s=[6,1000]", "run.duration_s=16"};
+
 /// Moves of speed or load once the cylinders are balanced.
 const std::vector<std::pair<const char *, Texts>> kMoves{
     {"steady", {}},
@@ -76,6 +80,7 @@ int main(int argc, char **argv) {
         const char *calibration = perturbed ? "perturbed" : "nominal";
         seeds(fmt::format("from lambda, {}", calibration).c_str(), {}, lambda, perturbed, count);
         seeds(fmt::format("from torque, {}", calibration).c_str(), {}, torque, perturbed, count);
+        if (perturbed) seeds("the same after 2 s of fuel cut", kCut, torque, perturbed, count);
     }
     header("3500 rpm, 12 bar, slow mode");
     seeds("from lambda, nominal", kFast, lambda, false, std::max(1, count / 4));

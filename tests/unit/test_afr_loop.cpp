@@ -51,6 +51,19 @@ TEST(AfrLoop, BalancesFromTorqueAlone) {
     EXPECT_LT(b.residual_percent, 0.5);
 }
 
+/// What a calibration believes wrongly of single cylinders is learned while nothing burns, at another intake pressure.
+TEST(AfrLoop, AFuelCutMendsTorqueOfAWrongCalibration) {
+    const auto run = [](const std::string &cut) {
+        return balanced({{"load.bmep_bar=[9,9,1,1,9]", "load.time_s=[0,2,2.2,4.2,4.4]", cut, "control.balance_on_s=[6,1000]"},
+                         {"balance.source=2"}, 0, true, 2});
+    };
+    const BalanceFigures without = run("load.fuel_cut_s=[]"), with = run("load.fuel_cut_s=[2.2,4.2]");
+    EXPECT_GT(without.residual_percent, 1.5);
+    EXPECT_LT(with.residual_percent, 0.6);
+    EXPECT_GE(with.cycles_to_3_percent, 4);
+    EXPECT_LE(with.cycles_to_3_percent, 20);
+}
+
 /// 3500 rpm, where the sensor is too slow: 22 s from the moment the trims are allowed.
 TEST(AfrLoop, BalancesInSlowMode) {
     const double cycles_in_22_s = 22 * 3500 / 120.0;

@@ -14,10 +14,15 @@ constexpr const char *kBase = "engine = \"diesel_22.toml\"\n[run]\nduration_s = 
 
 } // namespace
 
+Scenario loop_scenario(const std::vector<std::string> &changes, const std::string &file) {
+    if (!file.empty()) return read_scenario(std::filesystem::path(SD_SCENARIOS) / file, changes);
+    TomlFile base("loop", kBase);
+    for (const std::string &change : changes) base.set(change);
+    return read_scenario(base, SD_ENGINES);
+}
+
 RunResult run_loop(const LoopCase &loop, RunTables *tables) {
-    TomlFile file("loop", kBase);
-    for (const std::string &change : loop.scenario) file.set(change);
-    Scenario scenario = read_scenario(file, SD_ENGINES);
+    Scenario scenario = loop_scenario(loop.scenario, loop.file);
     scenario.seed = loop.seed;
     EngineFile belief = scenario.engine.shared;
     if (loop.perturbed) belief = perturbed(belief, draw_perturbation(belief, loop.seed));

@@ -7,10 +7,9 @@ import os
 import pathlib
 import re
 import subprocess
-import sys
 import unittest
 
-from sixdeg_test import Folder
+from sixdeg_test import ReportFolder
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 CYCLE_S, CYCLES, ON_S, STEP_S = 0.08, 200, 8.0, 4.0
@@ -57,19 +56,10 @@ def write_run(folder, source=1, header=COLUMNS, burned=True, balanced=True, **ch
     (folder / "cycles.csv").write_text("\n".join(lines) + "\n")
 
 
-class MixtureReport(Folder):
+class MixtureReport(ReportFolder):
     def setUp(self):
         super().setUp()
-        self.runs, self.page = [self.folder / "lambda", self.folder / "torque"], self.folder / "report.html"
-
-    def report(self, *arguments):
-        return subprocess.run([sys.executable, str(ROOT / "tools/report/report.py"), "--out", str(self.page),
-                               *map(str, arguments)], capture_output=True, text=True, check=False)
-
-    def drawn(self, *arguments):
-        done = self.report(*arguments)
-        self.assertEqual((done.returncode, done.stderr), (0, ""))
-        return self.page.read_text()
+        self.runs = [self.folder / "lambda", self.folder / "torque"]
 
     def test_figure_16_states_what_the_runs_hold_and_the_same_bytes_twice(self):
         for run, source in zip(self.runs, (1, 2)):

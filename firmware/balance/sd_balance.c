@@ -4,7 +4,7 @@
 #include <string.h>
 
 #define SMOOTH     0.25f /* a cycle */
-#define GAIN_LEAST 0.3f  /* of the gain, where noise explains all that deviates */
+#define GAIN_LEAST 0.5f  /* of the gain, where noise explains all that deviates */
 
 enum { SMOOTH_FROM = 3 }; /* cycles; before, the mean of all so far */
 

@@ -4,7 +4,7 @@
 ///
 /// Once a cycle, a pure integrator for each cylinder, its step limited, its value limited:
 ///     trim_i -= clamp(g deviation_i, rate);  trims less their mean;  clamp(trim_i, limit)
-/// g = gain (0.3 + 0.7 w), w the share of the deviations' mean square, smoothed over 4 cycles, that their stated variance
+/// g = gain (0.5 + 0.5 w), w the share of the deviations' mean square, smoothed over 4 cycles, that their stated variance
 /// does not explain: fast while there is something to do, quiet when there is only noise. The clamp is the anti-windup: a
 /// trim at its limit leaves it with the first deviation of the other sign. Trims hold while the estimate is not valid, its
 /// stated standard deviation is above sd_max, or the caller says transient, and for hold_cycles after.

@@ -17,7 +17,7 @@ sd_result_t sd_ecu_afr_init(sd_afr_t *afr, const sd_calibration_t *c) {
     if (c->afr.present == 0u) { return SD_OK; }
     sd_afr_config_t config = { .cycle_positions = (uint16_t)(2u * c->positions), .cylinders = c->cylinders,
                                .noise_per_rthz = p->afr_noise, .drift = p->afr_drift, .drift_slow = p->afr_drift_slow,
-                               .slow_above = p->afr_slow_above };
+                               .jump = p->afr_jump, .slow_above = p->afr_slow_above };
     for (uint32_t i = 0; i < c->cylinders; ++i) { config.firing_position[i] = c->firing_position[i]; }
     return sd_afr_init(afr, &config, &c->afr);
 }

@@ -7,7 +7,7 @@
 #include <stdint.h>
 
 /// Changes whenever the table does; calibration pages and logs carry it.
-#define SD_SIGNALS_SIGNATURE 0x18ce8a84u
+#define SD_SIGNALS_SIGNATURE 0x3c36af79u
 
 /// Channel of an SD_EVENT_SAMPLE.
 typedef enum sd_input {
@@ -139,7 +139,8 @@ typedef struct sd_parameters {
     float misfire_emission_windows; ///< Windows of 1000 over the limit that light the lamp; one is enough in the first.
     float misfire_catalyst_windows; ///< Windows of 200 over the limit that make it blink.
     float afr_noise; ///< Density of the lambda sensor's noise, of burned share over sqrt(Hz), one-sided: what the filter expects.
-    float afr_drift; ///< q: how far a cylinder is expected to move in one cycle, of the mean burned share. Larger settles faster and is noisier.
+    float afr_drift; ///< q: how far a cylinder is expected to move in one cycle, of the mean burned share. Larger is noisier; steps are for afr.jump.
+    float afr_jump; ///< How far a cylinder may have moved where innovations keep to one side, of the mean burned share. 0: steps are followed by drift alone.
     float afr_drift_slow; ///< The same in slow mode.
     float afr_slow_above; ///< Slow mode where crank speed (rad/s) times the sum of the sensor's lags (s) is above this.
     float afr_stoichiometric; ///< Air to fuel of the fuel in use.
@@ -150,7 +151,7 @@ typedef struct sd_parameters {
     float balance_sd_max; ///< Stated standard deviation of a deviation above which nothing is learned.
     float balance_hold_cycles; ///< How long trims hold after a transient or an estimate that is not valid.
 } sd_parameters_t;
-#define SD_PARAMETER_COUNT 47u
+#define SD_PARAMETER_COUNT 48u
 
 typedef enum sd_rate { SD_RATE_EDGE, SD_RATE_CYCLE, SD_RATE_FIRING } sd_rate_t;
 typedef enum sd_owner { SD_OWNER_CRANK, SD_OWNER_TORQUE, SD_OWNER_CYLINDER, SD_OWNER_FIRING, SD_OWNER_MISFIRE, SD_OWNER_AFR, SD_OWNER_BALANCE, SD_OWNER_COUNT } sd_owner_t;

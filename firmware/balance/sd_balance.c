@@ -88,7 +88,7 @@ void sd_balance_step(sd_balance_t *self, const sd_balance_input_t *in) {
     }
     if (self->hold > 0u) { self->hold--; return; }
     const float variance = take_squares(self, in);
-    sd_watch_step(&self->watch, in->deviation, self->trim, variance, in->follow);
+    sd_watch_step(&self->watch, in->deviation, self->trim, in->told != 0u, variance, in->follow);
     self->diverged = sd_watch_wrong(&self->watch) ? 1u : 0u;
     if (self->diverged == 0u) { learn(self, in->deviation); }
 }

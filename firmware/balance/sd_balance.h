@@ -32,6 +32,7 @@ typedef struct sd_balance_config {
 typedef struct sd_balance_input {
     const float *deviation, *sd; ///< Of every cylinder, and its standard deviation.
     float   follow;              ///< Share of a change that the estimate takes up in a cycle, (0, 1].
+    uint8_t told;                ///< The estimate knows of the trims as they are now (sd_afr.h); 0: it follows them.
     uint8_t health;              ///< Of the estimate.
     uint8_t transient;           ///< Speed or fuel moves.
 } sd_balance_input_t;
@@ -50,8 +51,7 @@ typedef struct sd_balance {
 sd_result_t sd_balance_init(sd_balance_t *self, const sd_balance_config_t *config);
 /// Switched off: trims to 0, everything forgotten.
 void sd_balance_restart(sd_balance_t *self);
-/// One cycle. The estimate is taken to know of the trims as they are before it (sd_afr.h). A number that is not finite
-/// counts as an invalid estimate.
+/// One cycle. A number that is not finite counts as an invalid estimate.
 void sd_balance_step(sd_balance_t *self, const sd_balance_input_t *input);
 /// Valid while learning; degraded on hold or at a limit; invalid when the phase is wrong.
 sd_status_t sd_balance_status(const sd_balance_t *self);

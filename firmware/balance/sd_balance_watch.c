@@ -5,7 +5,7 @@
 
 #define USUAL          (1.0f / 12.0f) /* a cycle, of an estimate that takes up PROMPT in one; slower for slower ones */
 #define PROMPT         0.3f
-#define VARIANCE_LEAST 6e-4f          /* (2.5 %)^2: what a right model may be off by */
+#define VARIANCE_LEAST 3e-4f          /* (1.7 %)^2: what a right model may be off by */
 
 typedef struct { float re, im; } complex_t;
 
@@ -77,19 +77,34 @@ static void weigh(sd_watch_t *self, const float *injector, float variance, float
     }
 }
 
-void sd_watch_step(sd_watch_t *self, const float *deviation, const float *trim, float variance, float follow) {
-    float injector[SD_BALANCE_CYLINDERS_MAX];
-    const float usual = (follow < PROMPT) ? USUAL * follow / PROMPT : USUAL;
+/* More than trims can do in a cycle, turned however they may be: the injector did it. */
+static bool jumped(const sd_watch_t *self, const float *injector, float shown_move, float variance) {
+    const float most = 4.0f * shown_move * shown_move + 16.0f * variance;
     for (uint32_t i = 0; i < self->cylinders; ++i) {
-        injector[i] = deviation[i] - trim[i];
-        if (self->begun == 0u) {
-            self->shown[i] = self->usual_shown[i] = trim[i];
-            self->usual_injector[i] = injector[i];
-        }
-        self->shown[i] += follow * (trim[i] - self->shown[i]);
+        const float move = injector[i] - self->last_injector[i];
+        if (move * move > most) { return true; }
     }
+    return false;
+}
+
+void sd_watch_step(sd_watch_t *self, const float *deviation, const float *trim, bool told, float variance, float follow) {
+    float injector[SD_BALANCE_CYLINDERS_MAX] = { 0.0f }, shown_move = 0.0f;
+    const float spread = (variance > VARIANCE_LEAST) ? variance : VARIANCE_LEAST;
+    for (uint32_t i = 0; i < self->cylinders; ++i) {
+        if (self->begun == 0u) { self->shown[i] = trim[i]; }
+        const float move = follow * (trim[i] - self->shown[i]);
+        self->shown[i] += move;
+        if (move * move > shown_move * shown_move) { shown_move = move; }
+        injector[i] = deviation[i] - (told ? trim[i] : self->shown[i]);
+    }
+    if ((self->begun == 0u) || jumped(self, injector, shown_move, spread)) {
+        memcpy(self->usual_injector, injector, sizeof injector);
+        memcpy(self->usual_shown, self->shown, sizeof self->shown);
+    }
+    memcpy(self->last_injector, injector, sizeof injector);
     self->begun = 1;
-    weigh(self, injector, (variance > VARIANCE_LEAST) ? variance : VARIANCE_LEAST, follow);
+    weigh(self, injector, spread, follow);
+    const float usual = (follow < PROMPT) ? USUAL * follow / PROMPT : USUAL;
     for (uint32_t i = 0; i < self->cylinders; ++i) {
         self->usual_injector[i] += usual * (injector[i] - self->usual_injector[i]);
         self->usual_shown[i] += usual * (self->shown[i] - self->usual_shown[i]);

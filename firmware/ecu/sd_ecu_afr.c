@@ -144,7 +144,7 @@ static void balance(sd_ecu_t *self, uint8_t transient) {
     if (on) {
         const bool from_torque = c->parameters.balance_source > 1.5f;
         float deviation[SD_CYLINDERS_MAX] = { 0.0f }, sd[SD_CYLINDERS_MAX] = { 0.0f };
-        sd_balance_input_t in = { .deviation = deviation, .sd = sd, .follow = TORQUE_FOLLOWS, .transient = transient };
+        sd_balance_input_t in = { .deviation = deviation, .sd = sd, .follow = TORQUE_FOLLOWS, .told = from_torque ? 0u : 1u, .transient = transient };
         in.health = from_torque ? torque_deviations(self, deviation, sd) : mixture_deviations(self, deviation, sd);
         if (!from_torque) { in.follow = mixture_follows(self, sd[0]); }
         sd_balance_step(b, &in);

@@ -93,7 +93,7 @@ int main(int argc, char **argv) {
         seeds("from lambda, perturbed", changed, lambda, true, (count + 1) / 2, kSlow);
     }
     header("delay of the calibration wrong");
-    for (double error : {0, -30, 30, -60, 60, -90, 90, -120, 120, 150, 180})
+    for (double error : {0, -30, 30, -60, 60, -90, 90, -120, 120, -150, 150, -180, 180})
         print(fmt::format("{:+.0f} deg", error), figures({{"run.duration_s=20"}, lambda, double(error), false, 1}));
     header("moves, cylinders balanced before");
     for (bool noisy : {false, true}) {

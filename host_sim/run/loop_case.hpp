@@ -12,7 +12,7 @@ namespace sixdeg {
 struct LoopCase {
     std::vector<std::string> scenario = {}; ///< Changes field=value of the base below.
     std::vector<std::string> tune = {};     ///< Parameters, key=value.
-    double delay_error_deg = 0;        ///< Of the calibration's delay to the sensor, at the case's first speed.
+    double delay_error_deg = 0;        ///< Believed less true delay to the sensor, at the case's first speed.
     bool perturbed = false;            ///< All else of the calibration wrong too, drawn from the seed.
     std::uint64_t seed = 1;
     std::string file = {};             ///< Of host_sim/scenarios, in place of the base below.

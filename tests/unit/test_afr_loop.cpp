@@ -118,9 +118,9 @@ TEST(AfrLoop, StableWithSixtyDegreesOfDelayError) {
 
 /// At 90 deg the alternating pattern is neither corrected nor driven; beyond, it is driven apart, and the watch stops that.
 TEST(AfrLoop, GivesUpBeforeAWrongPhaseDoesHarm) {
-    for (double error : {90.0, -90.0, 120.0, 150.0, 180.0}) {
+    for (double error : {90.0, -90.0, 120.0, -120.0, 150.0, -150.0, 180.0}) {
         const BalanceFigures b = balanced({{}, {}, error});
-        EXPECT_LT(b.largest_spread_percent, b.spread_before_percent + 8) << error;
+        EXPECT_LT(b.largest_spread_percent, 2 * b.spread_before_percent) << error;
         if (std::abs(error) > 100) {
             EXPECT_GE(b.gave_up_cycles, 4) << error;
             EXPECT_LE(b.gave_up_cycles, 40) << error;

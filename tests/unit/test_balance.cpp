@@ -19,7 +19,7 @@ constexpr sd_balance_config_t kConfig{4, 0.1f, 0.05f, 0.2f, 0.1f, 4};
 
 sd_balance_input_t input(const float *deviation, const float *sd, std::uint8_t health = SD_VALID, bool transient = false,
                          float follow = 0.5f) {
-    return {deviation, sd, follow, health, std::uint8_t(transient)};
+    return {deviation, sd, follow, 1, health, std::uint8_t(transient)};
 }
 
 struct Loop {

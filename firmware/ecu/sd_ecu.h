@@ -18,6 +18,7 @@
 #define SD_ECU_H
 #include "hal.h"
 #include "sd_balance.h"
+#include "sd_balance_zero.h"
 #include "sd_calibration.h"
 #include "sd_learned.h"
 
@@ -48,7 +49,9 @@ typedef struct sd_ecu {
     sd_balance_t balance;
     float    burned_sum;          ///< Of the wide-band samples since the last tooth,
     uint32_t burned_count;        ///< and how many.
+    sd_balance_zero_t torque_zero; ///< Survives a loss of sync.
     float    last_trim[SD_BALANCE_CYLINDERS_MAX]; ///< Of the last cycle, by firing order.
+    float    last_variance;       ///< Of a cylinder's mixture, of the mean, last cycle.
     float    last_speed_radps, last_fuel_mg; ///< Of the last cycle, for transients.
     uint32_t burned_seen;         ///< Samples in this cycle.
     sd_sample_t  sample[SD_INPUT_COUNT]; ///< By sd_input_t.

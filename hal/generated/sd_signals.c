@@ -142,7 +142,7 @@ const sd_signal_info_t sd_parameter_infos[SD_PARAMETER_COUNT] = {
     { "afr.slow_above", "", 0.1f, 1000.0f, 12.0f, SD_RATE_EDGE, SD_OWNER_AFR },
     { "afr.stoichiometric", "", 5.0f, 40.0f, 14.6f, SD_RATE_EDGE, SD_OWNER_AFR },
     { "balance.source", "", 0.0f, 2.0f, 1.0f, SD_RATE_EDGE, SD_OWNER_BALANCE },
-    { "balance.gain", "", 0.001f, 1.0f, 0.07f, SD_RATE_EDGE, SD_OWNER_BALANCE },
+    { "balance.gain", "", 0.001f, 1.0f, 0.25f, SD_RATE_EDGE, SD_OWNER_BALANCE },
     { "balance.rate", "", 0.0001f, 1.0f, 0.02f, SD_RATE_EDGE, SD_OWNER_BALANCE },
     { "balance.limit", "", 0.01f, 0.5f, 0.25f, SD_RATE_EDGE, SD_OWNER_BALANCE },
     { "balance.sd_max", "", 0.001f, 1.0f, 0.1f, SD_RATE_EDGE, SD_OWNER_BALANCE },

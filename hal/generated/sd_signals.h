@@ -7,7 +7,7 @@
 #include <stdint.h>
 
 /// Changes whenever the table does; calibration pages and logs carry it.
-#define SD_SIGNALS_SIGNATURE 0x9c145b30u
+#define SD_SIGNALS_SIGNATURE 0x3c36af79u
 
 /// Channel of an SD_EVENT_SAMPLE.
 typedef enum sd_input {

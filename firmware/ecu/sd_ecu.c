@@ -74,6 +74,9 @@ sd_result_t sd_ecu_init(sd_ecu_t *self, const sd_calibration_t *calibration) {
     if (has_filter && (sd_kalman_init(&filter, &calibration->kalman) != SD_OK)) { return SD_ERR_CONFIG; }
     if ((sd_ecu_afr_init(&afr, calibration) != SD_OK) || (sd_ecu_balance_init(&balance, calibration) != SD_OK)) { return SD_ERR_CONFIG; }
     memset(self, 0, sizeof *self); /* from here on nothing fails; the struct is too large to be built aside */
+    for (uint32_t owner = 0; owner < SD_OWNER_COUNT; ++owner) {
+        self->status[owner] = (sd_status_t){ .health = SD_INVALID, .why = SD_WHY_NO_SYNC };
+    }
     self->calibration = *calibration;
     self->reference = calibration->parameters;
     self->crank = crank;
@@ -265,54 +268,6 @@ static void on_gap(sd_ecu_t *self, const sd_port_t *port, uint32_t tick) {
     publish_lost_angle(self, port, tick, SD_WHY_NO_SYNC);
 }
 
-/* ---- parameters ------------------------------------------------------------------------------------------------ */
-
-/* Takes the working page over into the block that owns the parameter. An observer starts afresh and says so. */
-static sd_result_t apply(sd_ecu_t *self, uint8_t owner) {
-    const sd_fourier_config_t torque = sd_calibration_torque(&self->calibration);
-    switch (owner) {
-    case SD_OWNER_CRANK: return sd_crank_set_stall(&self->crank, sd_calibration_crank(&self->calibration).stall_ticks);
-    case SD_OWNER_TORQUE:
-        return fixed_point(self) ? sd_fourier_init_q31(&self->torque.q31, &torque)
-                                 : sd_fourier_init_f32(&self->torque.f32, &torque);
-    case SD_OWNER_AFR: return sd_ecu_afr_init(&self->afr, &self->calibration);
-    case SD_OWNER_BALANCE: return sd_ecu_balance_init(&self->balance, &self->calibration);
-    default: return SD_ERR_CONFIG; /* the other blocks take theirs at the start only */
-    }
-}
-
-static sd_parameter_result_t set_parameter(sd_ecu_t *self, uint32_t index, float value) {
-    const sd_signal_info_t *info = &sd_parameter_infos[index];
-    float *working = &((float *)&self->calibration.parameters)[index];
-    const float before = *working;
-    if (!((value >= info->low) && (value <= info->high))) { return SD_PARAMETER_RANGE; }
-    if (value == before) { return SD_PARAMETER_OK; }
-    *working = value;
-    if (apply(self, info->owner) == SD_OK) { return SD_PARAMETER_OK; }
-    *working = before;
-    return SD_PARAMETER_REFUSED;
-}
-
-static void on_parameter(sd_ecu_t *self, const sd_port_t *port, const sd_event_t *request) {
-    sd_event_t answer = *request;
-    sd_parameter_result_t result = SD_PARAMETER_OK;
-    const uint32_t index = request->channel;
-    if ((index >= SD_PARAMETER_COUNT) || (request->flags > SD_PARAMETER_RESTORE)) {
-        result = SD_PARAMETER_UNKNOWN;
-        answer.value = 0;
-    } else {
-        const float *working = &((const float *)&self->calibration.parameters)[index];
-        const float *reference = &((const float *)&self->reference)[index];
-        float value;
-        memcpy(&value, &request->value, sizeof value);
-        if (request->flags == SD_PARAMETER_SET) { result = set_parameter(self, index, value); }
-        if (request->flags == SD_PARAMETER_RESTORE) { result = set_parameter(self, index, *reference); }
-        memcpy(&answer.value, (request->flags == SD_PARAMETER_READ_REFERENCE) ? reference : working, sizeof answer.value);
-    }
-    answer.flags = (request->flags & 0xffu) | ((uint32_t)result << 8);
-    (void)port->send(port->context, &answer, 1u);
-}
-
 /* ---- the loop -------------------------------------------------------------------------------------------------- */
 
 uint32_t sd_ecu_run(sd_ecu_t *self, const sd_port_t *port) {
@@ -325,7 +280,7 @@ uint32_t sd_ecu_run(sd_ecu_t *self, const sd_port_t *port) {
         case SD_EVENT_TIME:       on_time(self, port, event.tick); break;
         case SD_EVENT_SAMPLE:     on_sample(self, &event); break;
         case SD_EVENT_GAP:        on_gap(self, port, event.tick); break;
-        case SD_EVENT_PARAMETER:  on_parameter(self, port, &event); break;
+        case SD_EVENT_PARAMETER:  sd_ecu_parameter(self, port, &event); break;
         default:                  self->unknown_events++; break;
         }
         handled++;

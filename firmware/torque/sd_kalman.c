@@ -4,6 +4,7 @@
 #include <string.h>
 
 #define TWO_PI 6.2831853f
+#define RAD_PER_DEG 0.017453293f
 
 _Static_assert(sizeof(sd_kalman_t) == 472, "without pointers, the same size on every target");
 
@@ -259,6 +260,13 @@ static bool tables_ok(const sd_kalman_tables_t *t) {
         ok = all_within(t->known[which], 2u * n, -1e5f, 1e5f) && all_within(t->known_per_bar[which], 2u * n, -1e5f, 1e5f);
     }
     return ok && all_within(t->pool, sd_kalman_pool_used(t), -1e6f, 1e6f);
+}
+
+void sd_kalman_choose(sd_kalman_tables_t *tables, const sd_kalman_choice_t *choice) {
+    tables->torque_base_nm = choice->torque_base_nm;
+    tables->shape_sd = choice->shape_sd;
+    tables->reject_rad = choice->reject_deg * RAD_PER_DEG;
+    tables->settle_teeth = (uint16_t)(choice->settle_cycles * 2.0f * (float)choice->teeth + 0.5f);
 }
 
 sd_result_t sd_kalman_init(sd_kalman_t *self, const sd_kalman_tables_t *tables) {

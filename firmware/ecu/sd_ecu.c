@@ -162,7 +162,9 @@ static void end_cycle(sd_ecu_t *self, const sd_port_t *port, uint32_t tick) {
 static void add_to_cycle(sd_ecu_t *self, const sd_tooth_t *tooth) {
     self->cycle_ticks += tooth->period_ticks;
     self->cycle_positions += tooth->advance;
-    if (self->status[SD_OWNER_TORQUE].health != SD_VALID) { self->cycle_clean = 0; }
+    /* What is read at its end has settled by then, or says so itself. */
+    const sd_status_t *torque = &self->status[SD_OWNER_TORQUE];
+    if ((torque->health == (uint8_t)SD_INVALID) || ((torque->why & (uint8_t)~SD_WHY_CONVERGING) != 0u)) { self->cycle_clean = 0; }
 }
 
 /* ---- events ---------------------------------------------------------------------------------------------------- */

@@ -2,13 +2,13 @@
 #include "bus/bus_run.hpp"
 
 #include <algorithm>
-#include <cerrno>
 #include <csignal>
 #include <cstring>
 #include <filesystem>
 #include <fmt/format.h>
 #include <spawn.h>
 #include <sys/wait.h>
+#include <thread>
 #include <unistd.h>
 
 #include "bus/bus_truth.hpp"
@@ -36,7 +36,10 @@ class EcuChild {
     }
     ~EcuChild() {
         kill(child_, SIGTERM);
-        while (waitpid(child_, nullptr, 0) < 0 && errno == EINTR) {}
+        if (!ends_within(std::chrono::seconds(10))) {
+            kill(child_, SIGKILL);
+            ends_within(std::chrono::seconds(10));
+        }
         std::error_code ignored;
         std::filesystem::remove(page_, ignored);
     }
@@ -44,6 +47,15 @@ class EcuChild {
     EcuChild &operator=(const EcuChild &) = delete;
 
   private:
+    bool ends_within(std::chrono::seconds allowed) const {
+        const auto until = std::chrono::steady_clock::now() + allowed;
+        while (waitpid(child_, nullptr, WNOHANG) == 0) {
+            if (std::chrono::steady_clock::now() > until) return false;
+            std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        }
+        return true;
+    }
+
     std::filesystem::path page_;
     pid_t child_ = 0;
 };

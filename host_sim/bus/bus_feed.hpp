@@ -13,7 +13,11 @@
 
 namespace sixdeg {
 
-enum class Pace { lock_step, real_time };
+/// `at_most`: times real time, in lock-step; 0: no limit.
+struct Pace {
+    bool real_time = false;
+    double at_most = 0;
+};
 
 class BusFeed : public EcuFeed {
   public:

@@ -93,7 +93,7 @@ RunResult run_on_bus(const BusChoice &choice, const Scenario &scenario, const sd
 
 nlohmann::ordered_json bus_json(const BusChoice &choice, const BusFigures &figures) {
     return {{"transport", choice.transport},
-            {"pace", choice.pace == Pace::lock_step ? "lock-step" : "real time"},
+            {"pace", choice.pace.real_time ? "real time" : "lock-step"},
             {"clock_events", figures.clock_events},
             {"missed_deadlines", figures.missed},
             {"silences", figures.silences},

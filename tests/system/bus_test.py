@@ -160,6 +160,11 @@ class BusFolder(Folder):
         self.addCleanup(beats.close)
         return beats
 
+    def running_plant(self, rpm=3000):
+        """In lock-step, with the folder it writes when it is ended."""
+        out = self.folder / f"plant_{time.monotonic_ns()}"
+        return self.start("plant", self.scenario("duration_s = 6000", rpm), "--transport", self.transport, "--out", out), out
+
     def csv_bytes(self, name):
         return [(self.folder / name / file).read_bytes() for file in ("cycles.csv", "teeth.csv")]
 
@@ -169,9 +174,9 @@ class BusFolder(Folder):
             cycles[int(row["cycle"])] = cycles.get(int(row["cycle"]), True) and row["health"] == "valid"
         return cycles
 
-    def replays(self, log):
+    def replays(self, log, *more):
         """The log is whole, and its inputs give its outputs again, event for event."""
-        self.sixdeg("replay", log, "--json", self.folder / "replay.json")
+        self.sixdeg("replay", log, "--json", self.folder / "replay.json", *more)
         summary = json.loads((self.folder / "replay.json").read_text())
         self.assertTrue(summary["outputs"]["identical"], summary["outputs"])
         return summary
@@ -278,11 +283,6 @@ class BusCases:
                     self.assertGreater(self.replays(log)["edges"], 400)
 
     # ---- faults --------------------------------------------------------------------------------------------------
-
-    def running_plant(self, rpm=3000):
-        """In lock-step, with the folder it writes when it is ended."""
-        out = self.folder / f"plant_{time.monotonic_ns()}"
-        return self.start("plant", self.scenario("duration_s = 6000", rpm), "--transport", self.transport, "--out", out), out
 
     def test_an_ecu_killed_and_started_anew_is_valid_again_within_ten_cycles(self):
         kills, dice, beats = 25 if LONG else 2, random.Random(1), self.beats()

@@ -8,6 +8,7 @@
 
 #define RPM_PER_RADPS 9.5492966f
 #define TINY 1e-30f
+#define NUMBER_MAX 1e9f
 #define RAD_PER_DEG 0.017453293f
 #define TIMER_SD_TICKS 0.28867513f /* of rounding down to a whole tick: 1 / sqrt(12) */
 
@@ -41,18 +42,41 @@ static sd_fourier_estimate_t torque_estimate(const sd_ecu_t *self) {
     return estimate;
 }
 
-static bool cylinders_ok(const sd_calibration_t *calibration) {
+/* A right checksum is no proof of right numbers. What the blocks do not check themselves: */
+
+static bool within(float x, float low, float high) { return (x >= low) && (x <= high); } /* false for NaN */
+
+static bool map_ok(const sd_calibration_t *calibration) {
     const sd_cylinder_map_t *map = &calibration->cylinder_map;
-    bool ok = (calibration->cylinders >= 1u) && (calibration->cylinders <= SD_CYLINDERS_MAX) &&
-              ((map->cylinders == 0u) || (map->cylinders == calibration->cylinders)) &&
-              (map->harmonics <= SD_FOURIER_HARMONICS_MAX);
+    bool ok = ((map->cylinders == 0u) || (map->cylinders == calibration->cylinders)) && (map->harmonics <= SD_FOURIER_HARMONICS_MAX);
+    for (uint32_t i = 0; ok && (i < map->cylinders); ++i) {
+        ok = within(map->offset_nm[i], -NUMBER_MAX, NUMBER_MAX) && within(map->nm_per_bar[i], -NUMBER_MAX, NUMBER_MAX) &&
+             within(map->sd_kgm2[i], 0.0f, NUMBER_MAX);
+        for (uint32_t j = 0; ok && (j <= 2u * map->harmonics); ++j) { ok = within(map->map[i][j], -NUMBER_MAX, NUMBER_MAX); }
+    }
+    return ok;
+}
+
+static bool cylinders_ok(const sd_calibration_t *calibration) {
+    bool ok = (calibration->cylinders >= 1u) && (calibration->cylinders <= SD_CYLINDERS_MAX) && map_ok(calibration);
     for (uint32_t i = 0; ok && (i < calibration->cylinders); ++i) {
-        ok = (calibration->firing_order[i] >= 1u) && (calibration->firing_order[i] <= SD_CYLINDERS_MAX);
+        ok = (calibration->firing_order[i] >= 1u) && (calibration->firing_order[i] <= SD_CYLINDERS_MAX) &&
+             (calibration->firing_position[i] < 2u * calibration->positions);
+    }
+    return ok;
+}
+
+static bool page_ok(const sd_calibration_t *calibration) {
+    const float *parameter = (const float *)&calibration->parameters;
+    bool ok = within(calibration->position_0_deg, 0.0f, 360.0f) && within(calibration->tick_hz, 1e5f, 2e8f) && cylinders_ok(calibration);
+    for (uint32_t i = 0; ok && (i < SD_PARAMETER_COUNT); ++i) {
+        ok = within(parameter[i], sd_parameter_infos[i].low, sd_parameter_infos[i].high);
     }
     return ok;
 }
 
 sd_result_t sd_ecu_init(sd_ecu_t *self, const sd_calibration_t *calibration) {
+    if (!page_ok(calibration)) { return SD_ERR_CONFIG; }
     const sd_crank_config_t crank_config = sd_calibration_crank(calibration);
     const sd_fourier_config_t torque_config = sd_calibration_torque(calibration);
     sd_crank_t crank;
@@ -62,7 +86,6 @@ sd_result_t sd_ecu_init(sd_ecu_t *self, const sd_calibration_t *calibration) {
     sd_afr_t afr;
     sd_balance_t balance;
     const sd_misfire_config_t misfire_config = sd_calibration_misfire(calibration);
-    if (!cylinders_ok(calibration)) { return SD_ERR_CONFIG; }
     if (sd_crank_init(&crank, &crank_config) != SD_OK) { return SD_ERR_CONFIG; }
     const sd_result_t result = (calibration->parameters.torque_fixed_point > 0.5f)
                                    ? sd_fourier_init_q31(&torque.q31, &torque_config)

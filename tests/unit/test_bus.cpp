@@ -175,6 +175,7 @@ std::vector<std::uint8_t> valid_message(sd_lcm_channel_t channel) {
     std::vector<sixdeg_truth_cycle_t> truth_cycles(2);
     int size = 0;
     if (channel == SD_LCM_INPUTS) {
+        for (std::size_t i = 0; i < events.size(); ++i) events[i].kind = std::int16_t(1 + i % 4);
         const sixdeg_inputs_t m{20, 0, 1, events.data()};
         size = sixdeg_inputs_t_encode(bytes.data(), 0, int(bytes.size()), &m);
     } else if (channel == SD_LCM_OUTPUTS) {

@@ -63,6 +63,7 @@ class Run {
 
     void take(const EncoderEdge &edge) {
         ecu_.show(SD_INPUT_AIR_INTAKE_PRESSURE, plant_.intake_pressure_pa() / kPaPerBar);
+        if (plant_.exhaust()) ecu_.show(SD_INPUT_EXHAUST_PRESSURE, plant_.exhaust()->pressure_pa() / kPaPerBar);
         ecu_.show(SD_INPUT_FUEL_INJECTED, plant_.commanded_fuel_kg() * 1e6);
         if (!scenario_.balance_on_s.empty()) ecu_.show(SD_INPUT_BALANCE_ENABLE, balancing(edge.time_s));
         take_uego(edge.time_s);

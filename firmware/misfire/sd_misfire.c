@@ -287,8 +287,9 @@ sd_result_t sd_misfire_init(sd_misfire_t *self, const sd_misfire_config_t *c) {
 
 sd_result_t sd_misfire_configure(sd_misfire_t *self, const sd_misfire_config_t *c) {
     const sd_misfire_config_t before = self->config;
-    if (!config_ok(c) || (c->cylinders != before.cylinders) ||
-        (memcmp(c->firing_order, before.firing_order, c->cylinders) != 0)) { return SD_ERR_CONFIG; }
+    bool ok = config_ok(c) && (c->cylinders == before.cylinders);
+    for (uint32_t i = 0; ok && (i < c->cylinders); ++i) { ok = c->firing_order[i] == before.firing_order[i]; }
+    if (!ok) { return SD_ERR_CONFIG; }
     self->config = *c;
     if ((c->work_per_fuel_jpmg != before.work_per_fuel_jpmg) || (c->cyclic != before.cyclic)) { forget(self); }
     return SD_OK;

@@ -89,33 +89,33 @@ class Process:
         self.popen.wait()
 
 
-class LcmBeats:
-    """Counts answered clock events on an LCM bus, by LCM's own wire format."""
+class Beats:
+    """Counts answered clock events: messages of a socket that are such answers."""
 
-    def __init__(self, group="239.255.76.67", port=7667):
-        self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-        self.socket.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        self.socket.bind(("", port))
-        self.socket.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, struct.pack("4sl", socket.inet_aton(group), socket.INADDR_ANY))
-
-    def is_beat(self):
-        message = self.socket.recv(65536)  # magic, sequence, channel, data
-        return message.startswith(b"LC02") and message[8:].startswith(b"SIXDEG_OUTPUTS\0")
+    def __init__(self, socket, is_beat=lambda message: True):
+        self.socket, self.is_beat = socket, is_beat
+        self.close = socket.close
 
     def wait(self, count):
         """Until so many more have been seen."""
         self.socket.setblocking(False)
         try:
-            while True:
-                self.socket.recv(65536)  # of before
+            while self.socket.recv(65536):
+                pass  # of before
         except BlockingIOError:
             pass
         self.socket.settimeout(PATIENCE_S)
         while count > 0:
-            count -= self.is_beat()
+            count -= self.is_beat(self.socket.recv(65536))
 
-    def close(self):
-        self.socket.close()
+
+def lcm_beats(group="239.255.76.67", port=7667):
+    heard = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    heard.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+    heard.bind(("", port))
+    heard.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, struct.pack("=4sI", socket.inet_aton(group), socket.INADDR_ANY))
+    # LCM's own wire format: magic, sequence, channel, data.
+    return Beats(heard, lambda message: message.startswith(b"LC02") and message[8:].startswith(b"SIXDEG_OUTPUTS\0"))
 
 
 class BusFolder(Folder):

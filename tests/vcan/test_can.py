@@ -4,35 +4,13 @@
 import subprocess
 import unittest
 
-from bus_test import BusCases, BusFolder, PATIENCE_S
-from can_frames import FRAME, NAMES, can_socket
-
-
-class CanBeats:
-    """Counts answered clock events on vcan0."""
-
-    def __init__(self):
-        self.socket = can_socket(NAMES["done"])
-
-    def wait(self, count):
-        """Until so many more have been seen."""
-        self.socket.setblocking(False)
-        try:
-            while True:
-                self.socket.recv(FRAME.size)  # of before
-        except BlockingIOError:
-            pass
-        self.socket.settimeout(PATIENCE_S)
-        for _ in range(count):
-            self.socket.recv(FRAME.size)
-
-    def close(self):
-        self.socket.close()
+from bus_test import Beats, BusCases, BusFolder, PATIENCE_S
+from can_frames import NAMES, can_socket
 
 
 class Can(BusCases, BusFolder):
     transport = "can:vcan0"
-    new_beats = CanBeats
+    new_beats = staticmethod(lambda: Beats(can_socket(NAMES["done"])))
 
     def flood(self):
         """More than the receive buffer of 8 MB holds, on an identifier nobody takes."""

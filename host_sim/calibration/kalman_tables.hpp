@@ -18,8 +18,8 @@ using TorqueOverAngle = std::function<double(double)>;
 /// What the filter is told of the engine's torque.
 struct KnownTorque {
     std::vector<TorqueOverAngle> basis;   ///< One for each coefficient but the constant.
-    TorqueOverAngle motored_per_bar;      ///< Nm per bar of intake pressure.
-    TorqueOverAngle motored;              ///< The part that does not scale with it.
+    std::vector<TorqueOverAngle> motored_per_bar; ///< Of each entry of firing_order, Nm per bar of intake pressure.
+    std::vector<TorqueOverAngle> motored;         ///< The part that does not scale with it.
     bool firings = true;                  ///< basis[i] is the pulse of firing_order[i].
 };
 
@@ -42,10 +42,10 @@ struct KalmanTables {
     double radius_between = 0;        ///< Largest cycle radius of the gains that lie halfway between two speeds.
 };
 
-/// J_mean: what normalised torques are over, times speed squared.
+/// J_mean of all that turns: what normalised torques are over, times speed squared.
 double mean_inertia_kgm2(const EngineFile &engine);
-/// Basis and inertia over the wheel's teeth, without gains.
-ToothModel tooth_model(const EngineFile &engine, const KnownTorque &torque);
+/// Basis and inertia over the wheel's teeth and the crank's modes at a speed, without gains.
+ToothModel tooth_model(const EngineFile &engine, const KnownTorque &torque, double speed_radps);
 ToothNoise tooth_noise(const EngineFile &engine, const KalmanTune &tune, double speed_radps);
 
 /// Throws InputError naming the engine file and `wheel` where the tables do not fit in the firmware's pool.

@@ -16,23 +16,17 @@ std::optional<KnownTorque> known_torque(const EngineFile &engine, const sd_param
         for (double &torque : pulses->back().motored_per_bar) torque *= engine.trapped_factor(lane);
     }
     const auto tdc = [degrees = engine.firing_tdc_deg](std::size_t lane) { return degrees[lane] * M_PI / 180; };
-    const auto sum = [pulses, tdc](std::vector<double> CylinderPulse::*table) {
-        return [pulses, tdc, table](double a) {
-            double torque = 0;
-            for (std::size_t lane = 0; lane < pulses->size(); ++lane) torque += pulse_at((*pulses)[lane].*table, a - tdc(lane));
-            return torque;
-        };
+    const auto each = [pulses, tdc](std::vector<double> CylinderPulse::*table) {
+        std::vector<TorqueOverAngle> torques;
+        for (std::size_t lane = 0; lane < pulses->size(); ++lane)
+            torques.push_back([pulses, tdc, table, lane](double a) { return pulse_at((*pulses)[lane].*table, a - tdc(lane)); });
+        return torques;
     };
     KnownTorque known;
-    known.motored_per_bar = sum(&CylinderPulse::motored_per_bar);
-    known.motored = sum(&CylinderPulse::motored_rest);
+    known.motored_per_bar = each(&CylinderPulse::motored_per_bar);
+    known.motored = each(&CylinderPulse::motored_rest);
     known.firings = parameters.firing_harmonics == 0;
-    if (!known.firings) {
-        known.basis = fourier_basis(int(parameters.firing_harmonics));
-        return known;
-    }
-    for (std::size_t lane = 0; lane < pulses->size(); ++lane)
-        known.basis.push_back([pulses, tdc, lane](double a) { return pulse_at((*pulses)[lane].combustion, a - tdc(lane)); });
+    known.basis = known.firings ? each(&CylinderPulse::combustion) : fourier_basis(int(parameters.firing_harmonics));
     return known;
 }
 

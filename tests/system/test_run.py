@@ -5,6 +5,7 @@ import hashlib
 import json
 import os
 import pathlib
+import re
 import statistics
 import subprocess
 import tomllib
@@ -83,7 +84,7 @@ class Torque(RunFolder):
                 text = (ROOT / "host_sim" / "engines" / f"{engine}.toml").read_text()
                 order = tomllib.loads(text)["cylinders"]["firing_order"]
                 path = self.folder / "rigid.toml"
-                path.write_text(text.split("[plant.dual_mass]")[0].split("[plant.torsion]")[0])
+                path.write_text(re.sub(r"\[(dual_mass|(plant\.)?torsion)\][^\[]*", "", text))
                 fuel = ", ".join("-25" if c == 2 else "0" for c in sorted(order))
                 s = self.summary(self.scenario("cycles = 80", "rpm = 1500", load, f"fuel_percent = [{fuel}]", engine=path), "--nominal")
                 self.assertIsNone(s["perturbed"])

@@ -10,6 +10,8 @@ namespace {
 
 using namespace test;
 
+constexpr double kSpeed = 314; // rad/s: of no matter without modes
+
 /// Every edge of `cycles` as a row: how its lateness depends on all unknowns, found by moving each of them. Firings of
 /// different cycles are unknowns of their own. Teeth's own errors come last.
 Eigen::MatrixXd rows(const ToothModel &model, int cycles, double edge_rad, double pattern_rad) {
@@ -43,7 +45,7 @@ Eigen::MatrixXd rows(const ToothModel &model, int cycles, double edge_rad, doubl
 }
 
 TEST(FiringBound, IsTheVarianceOfLeastSquaresWrittenOut) {
-    const ToothModel model = tooth_model(engine_file(), known_torque());
+    const ToothModel model = tooth_model(engine_file(), known_torque(), kSpeed);
     const int cycles = 4;
     const double edge = 2e-4, pattern = 3e-4;
     const Eigen::MatrixXd all = rows(model, cycles, edge, pattern);
@@ -68,7 +70,7 @@ TEST(FiringBound, IsTheVarianceOfLeastSquaresWrittenOut) {
 
 TEST(FiringBound, NoFilterIsBelowItAndOursIsNear) {
     const EngineFile engine = engine_file();
-    const ToothModel model = tooth_model(engine, known_torque());
+    const ToothModel model = tooth_model(engine, known_torque(), kSpeed);
     KalmanTune tune;
     for (double rpm : {1000.0, 3000.0, 6000.0}) {
         const ToothNoise noise = tooth_noise(engine, tune, rpm * M_PI / 30);

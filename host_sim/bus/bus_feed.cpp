@@ -63,8 +63,9 @@ void BusFeed::put(const sd_event_t &event) {
 
 void BusFeed::send(const sd_event_t &event) {
     if (event.kind == SD_EVENT_TIME && (pace_.real_time || pace_.at_most > 0)) wait_until_due(event.tick);
+    const auto asked = Clock::now();
     put(event);
-    if (event.kind == SD_EVENT_TIME) note(await_answer(event));
+    if (event.kind == SD_EVENT_TIME) note(await_answer(event, asked));
 }
 
 void BusFeed::wait_until_due(std::uint32_t tick) {
@@ -91,8 +92,7 @@ bool BusFeed::take_answers(std::uint32_t tick) {
     return answered;
 }
 
-bool BusFeed::await_answer(const sd_event_t &time) {
-    const auto asked = Clock::now();
+bool BusFeed::await_answer(const sd_event_t &time, Clock::time_point asked) {
     const auto until =
         pace_.real_time ? std::max(due_ + kBeat, asked) : asked + (silent_ ? kBeat : kSilence);
     auto ask_again = asked + kAskAgain;

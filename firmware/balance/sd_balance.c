@@ -10,10 +10,13 @@ enum { SMOOTH_FROM = 3 }; /* cycles; before, the mean of all so far */
 
 static bool above_to(float x, float above, float to) { return (x > above) && (x <= to); }
 
+static bool config_ok(const sd_balance_config_t *c) {
+    return (c->cylinders >= 2u) && (c->cylinders <= SD_BALANCE_CYLINDERS_MAX) && above_to(c->gain, 0.0f, 1.0f) &&
+           above_to(c->rate, 0.0f, 1.0f) && above_to(c->limit, 0.0f, 0.5f) && above_to(c->sd_max, 0.0f, 1.0f);
+}
+
 sd_result_t sd_balance_init(sd_balance_t *self, const sd_balance_config_t *c) {
-    const bool ok = (c->cylinders >= 2u) && (c->cylinders <= SD_BALANCE_CYLINDERS_MAX) && above_to(c->gain, 0.0f, 1.0f) &&
-                    above_to(c->rate, 0.0f, 1.0f) && above_to(c->limit, 0.0f, 0.5f) && above_to(c->sd_max, 0.0f, 1.0f);
-    if (!ok) { return SD_ERR_CONFIG; }
+    if (!config_ok(c)) { return SD_ERR_CONFIG; }
     memset(self, 0, sizeof *self);
     self->config = *c;
     sd_balance_restart(self);
@@ -30,6 +33,13 @@ void sd_balance_restart(sd_balance_t *self) {
 }
 
 static float clamp(float x, float limit) { return (x > limit) ? limit : (x < -limit) ? -limit : x; }
+
+sd_result_t sd_balance_configure(sd_balance_t *self, const sd_balance_config_t *c) {
+    if (!config_ok(c) || (c->cylinders != self->config.cylinders)) { return SD_ERR_CONFIG; }
+    self->config = *c;
+    for (uint32_t i = 0; i < c->cylinders; ++i) { self->trim[i] = clamp(self->trim[i], c->limit); }
+    return SD_OK;
+}
 
 /* Finite, plausible, and trusted enough. */
 static bool usable(const sd_balance_t *self, const sd_balance_input_t *in) {

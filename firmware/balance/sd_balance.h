@@ -49,6 +49,8 @@ typedef struct sd_balance {
 
 /// SD_OK, or SD_ERR_CONFIG with the state untouched. Trims are 0.
 sd_result_t sd_balance_init(sd_balance_t *self, const sd_balance_config_t *config);
+/// Other choices from the next cycle on. SD_OK, or SD_ERR_CONFIG with the state untouched. Trims stay, within the new limit.
+sd_result_t sd_balance_configure(sd_balance_t *self, const sd_balance_config_t *config);
 /// Switched off: trims to 0, everything forgotten.
 void sd_balance_restart(sd_balance_t *self);
 /// One cycle. A number that is not finite counts as an invalid estimate.

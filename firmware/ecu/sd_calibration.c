@@ -168,3 +168,13 @@ sd_misfire_config_t sd_calibration_misfire(const sd_calibration_t *calibration) 
     memcpy(config.firing_order, calibration->firing_order, sizeof config.firing_order);
     return config;
 }
+
+void sd_calibration_choose_filter(sd_calibration_t *calibration) {
+    const sd_parameters_t *p = &calibration->parameters;
+    const sd_kalman_choice_t choice = { .torque_base_nm = p->torque_torque_base_nm,
+                                        .shape_sd = p->firing_shape_sd,
+                                        .reject_deg = p->firing_reject_deg,
+                                        .settle_cycles = p->firing_settle_cycles,
+                                        .teeth = (uint8_t)(calibration->positions - calibration->missing_count) };
+    if (calibration->kalman.positions != 0u) { sd_kalman_choose(&calibration->kalman, &choice); }
+}

@@ -61,7 +61,7 @@ typedef struct sd_ecu {
     uint32_t cycle_positions;     ///< Placed in it.
     uint16_t cycle_position;      ///< Of the last placed tooth.
     uint8_t  following;           ///< The torque observer follows the teeth.
-    uint8_t  cycle_clean;         ///< Torque was valid all through this cycle so far.
+    uint8_t  cycle_clean;         ///< Nothing was wrong with the torque in this cycle so far, but that it may converge.
     uint32_t unknown_events;      ///< Ignored, wraps.
     uint32_t bad_samples;         ///< Of an unknown sensor, out of range or NaN; ignored, wraps.
     uint32_t unsent_signals;      ///< The port had no room, wraps.

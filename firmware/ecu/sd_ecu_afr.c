@@ -13,8 +13,10 @@ static bool ready(const sd_ecu_t *self) { return self->afr.config.cylinders != 0
 
 sd_result_t sd_ecu_afr_init(sd_afr_t *afr, const sd_calibration_t *c) {
     const sd_parameters_t *p = &c->parameters;
-    memset(afr, 0, sizeof *afr);
-    if (c->afr.present == 0u) { return SD_OK; }
+    if (c->afr.present == 0u) {
+        memset(afr, 0, sizeof *afr);
+        return SD_OK;
+    }
     sd_afr_config_t config = { .cycle_positions = (uint16_t)(2u * c->positions), .cylinders = c->cylinders,
                                .noise_per_rthz = p->afr_noise, .drift = p->afr_drift, .drift_slow = p->afr_drift_slow,
                                .jump = p->afr_jump, .slow_above = p->afr_slow_above };
@@ -22,12 +24,16 @@ sd_result_t sd_ecu_afr_init(sd_afr_t *afr, const sd_calibration_t *c) {
     return sd_afr_init(afr, &config, &c->afr);
 }
 
-sd_result_t sd_ecu_balance_init(sd_balance_t *balance, const sd_calibration_t *c) {
+sd_balance_config_t sd_ecu_balance_config(const sd_calibration_t *c) {
     const sd_parameters_t *p = &c->parameters;
+    return (sd_balance_config_t){ .cylinders = c->cylinders, .gain = p->balance_gain,
+                                  .rate = p->balance_rate, .limit = p->balance_limit, .sd_max = p->balance_sd_max,
+                                  .hold_cycles = (uint16_t)p->balance_hold_cycles };
+}
+
+sd_result_t sd_ecu_balance_init(sd_balance_t *balance, const sd_calibration_t *c) {
+    const sd_balance_config_t config = sd_ecu_balance_config(c);
     memset(balance, 0, sizeof *balance);
-    const sd_balance_config_t config = { .cylinders = c->cylinders, .gain = p->balance_gain,
-                                         .rate = p->balance_rate, .limit = p->balance_limit, .sd_max = p->balance_sd_max,
-                                         .hold_cycles = (uint16_t)p->balance_hold_cycles };
     /* One cylinder has nothing to be balanced with. */
     return (config.cylinders < 2u) ? SD_OK : sd_balance_init(balance, &config);
 }

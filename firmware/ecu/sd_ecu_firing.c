@@ -6,7 +6,9 @@
 #define INTAKE_USUAL_BAR 1.0f
 #define INPUT_OLD_S 0.5f
 
-static bool has_filter(const sd_ecu_t *self) { return self->calibration.kalman.positions != 0u; }
+static bool has_filter(const sd_ecu_t *self) {
+    return (self->calibration.kalman.positions != 0u) && (self->calibration.parameters.firing_enabled > 0.5f);
+}
 
 /* A sensor that spoke lately. */
 const sd_sample_t *sd_ecu_recent(const sd_ecu_t *self, sd_input_t input, uint32_t tick) {
@@ -71,11 +73,14 @@ void sd_ecu_firing_restart(sd_ecu_t *self) {
     sd_misfire_start(&self->misfire);
     sd_pattern_pause(&self->pattern);
     self->motored = 0;
+    self->status[SD_OWNER_MISFIRE] = (sd_status_t){ .health = SD_INVALID, .why = SD_WHY_CONVERGING };
 }
 
 void sd_ecu_firing_tooth(sd_ecu_t *self, const sd_port_t *port, const sd_tooth_t *tooth) {
     if (!has_filter(self)) {
         self->status[SD_OWNER_FIRING] = (sd_status_t){ .health = SD_INVALID, .why = SD_WHY_UNCALIBRATED };
+        self->status[SD_OWNER_MISFIRE] = self->status[SD_OWNER_FIRING];
+        self->signals.firing_waveform_nm = 0.0f;
         return;
     }
     sd_ecu_misfire_tooth(self, tooth);

@@ -14,6 +14,9 @@ void sd_ecu_firing_restart(sd_ecu_t *self);
 /// Filter, pattern learning and firing signals, for a placed tooth.
 void sd_ecu_firing_tooth(sd_ecu_t *self, const sd_port_t *port, const sd_tooth_t *tooth);
 
+/// Reads or changes a parameter and sends the answer.
+void sd_ecu_parameter(sd_ecu_t *self, const sd_port_t *port, const sd_event_t *request);
+
 /// Latest reading of a sensor that spoke lately; NULL when it did not.
 const sd_sample_t *sd_ecu_recent(const sd_ecu_t *self, sd_input_t input, uint32_t tick);
 

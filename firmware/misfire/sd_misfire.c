@@ -261,19 +261,36 @@ static bool order_ok(const sd_misfire_config_t *c) {
     return seen == (1u << c->cylinders) - 1u;
 }
 
-sd_result_t sd_misfire_init(sd_misfire_t *self, const sd_misfire_config_t *c) {
-    const bool fine = order_ok(c) && in(c->work_per_fuel_jpmg, 1e-3f, 100.0f) && in(c->cyclic, 1e-3f, 0.5f) &&
-                      in(c->z_false, 1.0f, 6.0f) && in(c->z_missed, 1.0f, 6.0f) && in(c->definition, 0.2f, 0.8f) &&
-                      in(c->partial, c->definition, 1.0f) && in(c->fuel_min_mg, 1e-3f, 1e4f) &&
-                      in(c->torque_min_nm, 0.0f, 1e5f) && in(c->speed_change, 1e-3f, 1.0f) &&
-                      (c->continuous_firings >= 2u) && in(c->emission_percent, 1e-3f, 100.0f) &&
-                      in(c->catalyst_percent, 1e-3f, 100.0f) && (c->emission_exceedances >= 1u) &&
-                      (c->catalyst_exceedances >= 1u);
-    if (!fine) { return SD_ERR_CONFIG; }
-    memset(self, 0, sizeof *self);
-    self->config = *c;
+static bool config_ok(const sd_misfire_config_t *c) {
+    return order_ok(c) && in(c->work_per_fuel_jpmg, 1e-3f, 100.0f) && in(c->cyclic, 1e-3f, 0.5f) &&
+           in(c->z_false, 1.0f, 6.0f) && in(c->z_missed, 1.0f, 6.0f) && in(c->definition, 0.2f, 0.8f) &&
+           in(c->partial, c->definition, 1.0f) && in(c->fuel_min_mg, 1e-3f, 1e4f) && in(c->torque_min_nm, 0.0f, 1e5f) &&
+           in(c->speed_change, 1e-3f, 1.0f) && (c->continuous_firings >= 2u) && in(c->emission_percent, 1e-3f, 100.0f) &&
+           in(c->catalyst_percent, 1e-3f, 100.0f) && (c->emission_exceedances >= 1u) && (c->catalyst_exceedances >= 1u);
+}
+
+static void forget(sd_misfire_t *self) {
     self->scatter = SCATTER_START;
+    self->scatter_seen = 0;
+    memset(self->learned, 0, sizeof self->learned);
     for (uint32_t i = 0; i < SD_MISFIRE_CYLINDERS_MAX; ++i) { self->factor[i] = 1.0f; }
     sd_misfire_start(self);
+}
+
+sd_result_t sd_misfire_init(sd_misfire_t *self, const sd_misfire_config_t *c) {
+    if (!config_ok(c)) { return SD_ERR_CONFIG; }
+    memset(self, 0, sizeof *self);
+    self->config = *c;
+    forget(self);
+    return SD_OK;
+}
+
+sd_result_t sd_misfire_configure(sd_misfire_t *self, const sd_misfire_config_t *c) {
+    const sd_misfire_config_t before = self->config;
+    bool ok = config_ok(c) && (c->cylinders == before.cylinders);
+    for (uint32_t i = 0; ok && (i < c->cylinders); ++i) { ok = c->firing_order[i] == before.firing_order[i]; }
+    if (!ok) { return SD_ERR_CONFIG; }
+    self->config = *c;
+    if ((c->work_per_fuel_jpmg != before.work_per_fuel_jpmg) || (c->cyclic != before.cyclic)) { forget(self); }
     return SD_OK;
 }

@@ -123,6 +123,9 @@ typedef struct sd_misfire {
 
 /// SD_OK, or SD_ERR_CONFIG with the state untouched.
 sd_result_t sd_misfire_init(sd_misfire_t *self, const sd_misfire_config_t *config);
+/// Other choices from the next firing on, of the same engine. SD_OK, or SD_ERR_CONFIG with the state untouched. Counts stay,
+/// and what was learned too, unless it was relative to what changes (work_per_fuel_jpmg, cyclic): then as after a start.
+sd_result_t sd_misfire_configure(sd_misfire_t *self, const sd_misfire_config_t *config);
 /// The engine, or the estimator, starts: the next start_firings are not judged. Counts and what was learned stay.
 void sd_misfire_start(sd_misfire_t *self);
 /// Judges a firing; never NaN. An index out of range is counted and not judged.

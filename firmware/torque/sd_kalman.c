@@ -5,6 +5,7 @@
 
 #define TWO_PI 6.2831853f
 #define TWIST_MAX_RAD 2.0f /* no flywheel's spring goes so far */
+#define RAD_PER_DEG 0.017453293f
 
 static const float INVERSE[6] = { 1.0f, 0.5f, 1.0f / 3.0f, 0.25f, 0.2f, 1.0f / 6.0f };
 
@@ -377,6 +378,13 @@ static bool tables_ok(const sd_kalman_tables_t *t) {
     for (uint32_t which = 0; ok && (which < 3u); ++which) { ok = all_within(t->known[which], 2u * n, -1e5f, 1e5f); }
     for (uint32_t m = 0; ok && (m < t->modes); ++m) { ok = mode_ok(&t->mode[m]); }
     return ok && all_within(t->pool, sd_kalman_pool_used(t), -1e6f, 1e6f);
+}
+
+void sd_kalman_choose(sd_kalman_tables_t *tables, const sd_kalman_choice_t *choice) {
+    tables->torque_base_nm = choice->torque_base_nm;
+    tables->shape_sd = choice->shape_sd;
+    tables->reject_rad = choice->reject_deg * RAD_PER_DEG;
+    tables->settle_teeth = (uint16_t)(choice->settle_cycles * 2.0f * (float)choice->teeth + 0.5f);
 }
 
 sd_result_t sd_kalman_init(sd_kalman_t *self, const sd_kalman_tables_t *tables) {

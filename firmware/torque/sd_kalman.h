@@ -124,6 +124,17 @@ typedef struct sd_kalman {
     uint8_t  intake_held; ///< The last intake pressure was no number in range.
 } sd_kalman_t;
 
+/// What the tables hold beside tables. None of it needs a restart.
+typedef struct sd_kalman_choice {
+    float   torque_base_nm, shape_sd; ///< As in sd_kalman_tables_t.
+    float   reject_deg;
+    float   settle_cycles; ///< [0, 200].
+    uint8_t teeth;         ///< That are there, a revolution.
+} sd_kalman_choice_t;
+
+/// Writes them into *tables. What is out of range there, init refuses.
+void sd_kalman_choose(sd_kalman_tables_t *tables, const sd_kalman_choice_t *choice);
+
 /// Floats of `pool` that such tables use.
 uint32_t sd_kalman_pool_used(const sd_kalman_tables_t *tables);
 

@@ -7,7 +7,7 @@
 #include <stdint.h>
 
 /// Changes whenever the table does; calibration pages and logs carry it.
-#define SD_SIGNALS_SIGNATURE 0x3c36af79u
+#define SD_SIGNALS_SIGNATURE 0xcb5becd4u
 
 /// Channel of an SD_EVENT_SAMPLE.
 typedef enum sd_input {
@@ -113,7 +113,7 @@ typedef struct sd_parameters {
     float torque_speed_base_rpm; ///< Highest speed; base of the fixed-point variant.
     float torque_torque_base_nm; ///< Highest instantaneous torque, beyond which the observer starts anew; base of the fixed-point variant; 0: 40 bar times a cylinder's displacement.
     float torque_fixed_point; ///< 1 runs the q31 variant, 0 the float one.
-    float firing_enabled; ///< 1 runs the filter on tooth times beside the Fourier observer; it needs the engine file's heat release. Like all of firing it goes into the page's tables: set it for `sixdeg calibrate`, not while the engine runs.
+    float firing_enabled; ///< 1 runs the filter on tooth times beside the Fourier observer; it needs the engine file's heat release.
     float firing_harmonics; ///< 0: the filter's basis is the known pulse of each cylinder. Otherwise harmonics of the cycle: a waveform, but no single firings.
     float firing_edge_sd_deg; ///< Timing error of an edge that the gains are made for, the timer's rounding not included.
     float firing_pattern_deg; ///< Standard deviation of a tooth's own error while it is not learned.
@@ -161,6 +161,7 @@ typedef struct sd_signal_info {
     const char *name, *unit;
     float low, high, value;
     uint8_t rate, owner;
+    uint8_t at_start; ///< 1: a parameter that comes with the page and is not set later, since the host makes tables of it.
 } sd_signal_info_t;
 
 extern const sd_signal_info_t sd_signal_infos[SD_SIGNAL_COUNT];       ///< By channel; an array has a row an element.

@@ -129,10 +129,9 @@ sd_kalman_tables_t sizes(const EngineFile &engine, const KnownTorque &torque, co
     t.cylinders = std::uint8_t(engine.cylinders());
     for (const CrankMode &mode : modes_of(engine, torque)) t.mode[t.modes++] = mode_table(mode);
     t.tick_hz = float(engine.tick_hz);
-    t.torque_base_nm = float(tune.torque_base_nm);
-    t.shape_sd = float(tune.shape_sd);
-    t.reject_rad = float(tune.reject_deg * kRadPerDeg);
-    t.settle_teeth = std::uint16_t(std::lround(tune.settle_cycles * 2 * engine.wheel.teeth()));
+    const sd_kalman_choice_t choice{float(tune.torque_base_nm), float(tune.shape_sd), float(tune.reject_deg),
+                                    float(tune.settle_cycles), std::uint8_t(engine.wheel.teeth())};
+    sd_kalman_choose(&t, &choice);
     t.inertia_mean_kgm2 = float(mean_inertia_kgm2(engine));
     if (sd_kalman_pool_used(&t) > SD_KALMAN_POOL) {
         throw InputError(engine.name, "wheel", fmt::format("{} positions with {} coefficients at {} speeds need {} table entries, allowed {}",

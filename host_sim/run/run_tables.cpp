@@ -38,8 +38,12 @@ void RunTables::tooth(const EncoderEdge &truth, const EcuSaid &ecu) {
     fmt::format_to(out, ",{},{}\n", health_name(ecu.health(SD_OWNER_CRANK)), health_name(torque_health));
 }
 
-void RunTables::firmware_cycle_ended(std::int64_t number, const EcuSaid &ecu) {
-    firmware_[number] = {ecu.signals(), ecu.health(SD_OWNER_CYLINDER), ecu.health(SD_OWNER_AFR)};
+void RunTables::edge(const EncoderEdge &truth, double crank_deg, const EcuSaid &ecu, bool cycle_ended) {
+    const sd_signals_t &s = ecu.signals();
+    if (ecu.firings() != firings_) verdicts_.said(crank_deg, int(s.firing_cylinder), int(s.misfire_verdict), double(s.misfire_index));
+    firings_ = ecu.firings();
+    tooth(truth, ecu);
+    if (cycle_ended) firmware_[ended_cycle(engine_, crank_deg)] = {s, ecu.health(SD_OWNER_CYLINDER), ecu.health(SD_OWNER_AFR)};
 }
 
 std::string RunTables::cycles_csv() const {

@@ -270,4 +270,24 @@ TEST(Balance, RefusesBadConfigurations) {
     }
 }
 
+TEST(Balance, OtherChoicesOnTheWayKeepTheTrimsWithinTheNewLimit) {
+    Loop loop;
+    for (int k = 0; k < 60; ++k) loop.cycle();
+    const float before = loop.b.trim[2];
+    ASSERT_LT(loop.b.trim[0], -0.07f);
+    sd_balance_config_t config = kConfig;
+    config.gain = 0.5f;
+    ASSERT_EQ(sd_balance_configure(&loop.b, &config), SD_OK);
+    EXPECT_EQ(loop.b.trim[2], before);
+    loop.offset[2] += 0.04f;
+    loop.cycle();
+    EXPECT_NEAR(loop.b.trim[2] - before, -0.5f * 0.03f, 2e-3f) << "the new gain";
+    config.limit = 0.05f;
+    ASSERT_EQ(sd_balance_configure(&loop.b, &config), SD_OK);
+    EXPECT_EQ(loop.b.trim[0], -0.05f);
+    config.limit = 0.6f;
+    EXPECT_EQ(sd_balance_configure(&loop.b, &config), SD_ERR_CONFIG);
+    EXPECT_EQ(loop.b.config.limit, 0.05f);
+}
+
 } // namespace

@@ -352,4 +352,36 @@ TEST(Misfire, InitRefusesWhatIsOutOfRange) {
 
 TEST(Misfire, StateIsSmallAndTheSameEverywhere) { EXPECT_LT(sizeof(sd_misfire_t), 400u); }
 
+TEST(Misfire, OtherChoicesOnTheWayKeepCountsAndForgetOnlyWhatTheyWereRelativeTo) {
+    Stream s;
+    s.efficiency = 1.2;
+    s.healthy(400);
+    for (int i = 0; i < 4; ++i) s.go(i == 2 ? 0 : 1);
+    const sd_misfire_t before = s.monitor;
+    ASSERT_EQ(1u, before.misfires);
+    EXPECT_NEAR(1.2, double(before.factor[0]), 0.03);
+    sd_misfire_config_t c = config();
+    c.partial = 0.7f;
+    ASSERT_EQ(SD_OK, sd_misfire_configure(&s.monitor, &c));
+    EXPECT_EQ(before.factor[0], s.monitor.factor[0]);
+    EXPECT_EQ(before.since_start, s.monitor.since_start) << "judged without a break";
+    EXPECT_EQ(SD_PARTIAL_BURN, s.go(0.65).verdict);
+    EXPECT_EQ(SD_HEALTHY, s.go(0.78).verdict);
+    c.work_per_fuel_jpmg = 21.6f; // what they really give
+    ASSERT_EQ(SD_OK, sd_misfire_configure(&s.monitor, &c));
+    EXPECT_EQ(1.0f, s.monitor.factor[0]);
+    EXPECT_EQ(1u, s.monitor.misfires);
+    EXPECT_EQ(SD_INHIBIT_START, s.go().inhibit);
+    EXPECT_EQ(SD_WHY_CONVERGING, s.read().status.why);
+    s.healthy(100);
+    EXPECT_NEAR(1.0, double(s.monitor.factor[0]), 0.03);
+    const sd_misfire_t now = s.monitor;
+    c.cyclic = kNan;
+    EXPECT_EQ(SD_ERR_CONFIG, sd_misfire_configure(&s.monitor, &c));
+    c = config();
+    std::swap(c.firing_order[0], c.firing_order[1]);
+    EXPECT_EQ(SD_ERR_CONFIG, sd_misfire_configure(&s.monitor, &c)) << "another engine";
+    EXPECT_EQ(0, std::memcmp(&now, &s.monitor, sizeof now));
+}
+
 } // namespace

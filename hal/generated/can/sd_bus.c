@@ -5229,147 +5229,6 @@ bool sd_bus_firing_misfire_cylinder_is_in_phys_range(double value)
     return ((value >= 1.0) && (value <= 8.0));
 }
 
-int sd_bus_done_pack(
-    uint8_t *dst_p,
-    const struct sd_bus_done_t *src_p,
-    size_t size)
-{
-    if (size < 8u) {
-        return (-EINVAL);
-    }
-
-    memset(&dst_p[0], 0, 8);
-
-    dst_p[0] |= pack_left_shift_u32(src_p->tick, 0u, 0xffu);
-    dst_p[1] |= pack_right_shift_u32(src_p->tick, 8u, 0xffu);
-    dst_p[2] |= pack_right_shift_u32(src_p->tick, 16u, 0xffu);
-    dst_p[3] |= pack_right_shift_u32(src_p->tick, 24u, 0xffu);
-    dst_p[4] |= pack_left_shift_u16(src_p->session, 0u, 0xffu);
-    dst_p[5] |= pack_right_shift_u16(src_p->session, 8u, 0xffu);
-    dst_p[6] |= pack_left_shift_u8(src_p->ignored, 0u, 0xffu);
-    dst_p[7] |= pack_left_shift_u8(src_p->unsent, 0u, 0xffu);
-
-    return (8);
-}
-
-int sd_bus_done_unpack(
-    struct sd_bus_done_t *dst_p,
-    const uint8_t *src_p,
-    size_t size)
-{
-    if (size < 8u) {
-        return (-EINVAL);
-    }
-
-    dst_p->tick = unpack_right_shift_u32(src_p[0], 0u, 0xffu);
-    dst_p->tick |= unpack_left_shift_u32(src_p[1], 8u, 0xffu);
-    dst_p->tick |= unpack_left_shift_u32(src_p[2], 16u, 0xffu);
-    dst_p->tick |= unpack_left_shift_u32(src_p[3], 24u, 0xffu);
-    dst_p->session = unpack_right_shift_u16(src_p[4], 0u, 0xffu);
-    dst_p->session |= unpack_left_shift_u16(src_p[5], 8u, 0xffu);
-    dst_p->ignored = unpack_right_shift_u8(src_p[6], 0u, 0xffu);
-    dst_p->unsent = unpack_right_shift_u8(src_p[7], 0u, 0xffu);
-
-    return (0);
-}
-
-int sd_bus_done_init(struct sd_bus_done_t *msg_p)
-{
-    if (msg_p == NULL) return -1;
-
-    memset(msg_p, 0, sizeof(struct sd_bus_done_t));
-
-    return 0;
-}
-
-uint32_t sd_bus_done_tick_encode(double value)
-{
-    return (uint32_t)(cantools_unsigned_from_double(round(value)));
-}
-
-double sd_bus_done_tick_decode(uint32_t value)
-{
-    return ((double)value);
-}
-
-bool sd_bus_done_tick_is_in_range(uint32_t value)
-{
-    (void)value;
-
-    return (true);
-}
-
-bool sd_bus_done_tick_is_in_phys_range(double value)
-{
-    return ((value >= 0.0) && (value <= 4294967295.0));
-}
-
-uint16_t sd_bus_done_session_encode(double value)
-{
-    return (uint16_t)(cantools_unsigned_from_double(round(value)));
-}
-
-double sd_bus_done_session_decode(uint16_t value)
-{
-    return ((double)value);
-}
-
-bool sd_bus_done_session_is_in_range(uint16_t value)
-{
-    (void)value;
-
-    return (true);
-}
-
-bool sd_bus_done_session_is_in_phys_range(double value)
-{
-    return ((value >= 0.0) && (value <= 65535.0));
-}
-
-uint8_t sd_bus_done_ignored_encode(double value)
-{
-    return (uint8_t)(cantools_unsigned_from_double(round(value)));
-}
-
-double sd_bus_done_ignored_decode(uint8_t value)
-{
-    return ((double)value);
-}
-
-bool sd_bus_done_ignored_is_in_range(uint8_t value)
-{
-    (void)value;
-
-    return (true);
-}
-
-bool sd_bus_done_ignored_is_in_phys_range(double value)
-{
-    return ((value >= 0.0) && (value <= 255.0));
-}
-
-uint8_t sd_bus_done_unsent_encode(double value)
-{
-    return (uint8_t)(cantools_unsigned_from_double(round(value)));
-}
-
-double sd_bus_done_unsent_decode(uint8_t value)
-{
-    return ((double)value);
-}
-
-bool sd_bus_done_unsent_is_in_range(uint8_t value)
-{
-    (void)value;
-
-    return (true);
-}
-
-bool sd_bus_done_unsent_is_in_phys_range(double value)
-{
-    return ((value >= 0.0) && (value <= 255.0));
-}
-
 int sd_bus_parameter_request_pack(
     uint8_t *dst_p,
     const struct sd_bus_parameter_request_t *src_p,
@@ -5626,12 +5485,12 @@ double sd_bus_parameter_result_decode(uint8_t value)
 
 bool sd_bus_parameter_result_is_in_range(uint8_t value)
 {
-    return (value <= 3u);
+    return (value <= 4u);
 }
 
 bool sd_bus_parameter_result_is_in_phys_range(double value)
 {
-    return ((value >= 0.0) && (value <= 3.0));
+    return ((value >= 0.0) && (value <= 4.0));
 }
 
 int sd_bus_claim_pack(
@@ -5729,6 +5588,147 @@ bool sd_bus_claim_signature_is_in_range(uint32_t value)
 bool sd_bus_claim_signature_is_in_phys_range(double value)
 {
     return ((value >= 0.0) && (value <= 4294967295.0));
+}
+
+int sd_bus_done_pack(
+    uint8_t *dst_p,
+    const struct sd_bus_done_t *src_p,
+    size_t size)
+{
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    memset(&dst_p[0], 0, 8);
+
+    dst_p[0] |= pack_left_shift_u32(src_p->tick, 0u, 0xffu);
+    dst_p[1] |= pack_right_shift_u32(src_p->tick, 8u, 0xffu);
+    dst_p[2] |= pack_right_shift_u32(src_p->tick, 16u, 0xffu);
+    dst_p[3] |= pack_right_shift_u32(src_p->tick, 24u, 0xffu);
+    dst_p[4] |= pack_left_shift_u16(src_p->session, 0u, 0xffu);
+    dst_p[5] |= pack_right_shift_u16(src_p->session, 8u, 0xffu);
+    dst_p[6] |= pack_left_shift_u8(src_p->ignored, 0u, 0xffu);
+    dst_p[7] |= pack_left_shift_u8(src_p->unsent, 0u, 0xffu);
+
+    return (8);
+}
+
+int sd_bus_done_unpack(
+    struct sd_bus_done_t *dst_p,
+    const uint8_t *src_p,
+    size_t size)
+{
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    dst_p->tick = unpack_right_shift_u32(src_p[0], 0u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[1], 8u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[2], 16u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[3], 24u, 0xffu);
+    dst_p->session = unpack_right_shift_u16(src_p[4], 0u, 0xffu);
+    dst_p->session |= unpack_left_shift_u16(src_p[5], 8u, 0xffu);
+    dst_p->ignored = unpack_right_shift_u8(src_p[6], 0u, 0xffu);
+    dst_p->unsent = unpack_right_shift_u8(src_p[7], 0u, 0xffu);
+
+    return (0);
+}
+
+int sd_bus_done_init(struct sd_bus_done_t *msg_p)
+{
+    if (msg_p == NULL) return -1;
+
+    memset(msg_p, 0, sizeof(struct sd_bus_done_t));
+
+    return 0;
+}
+
+uint32_t sd_bus_done_tick_encode(double value)
+{
+    return (uint32_t)(cantools_unsigned_from_double(round(value)));
+}
+
+double sd_bus_done_tick_decode(uint32_t value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_done_tick_is_in_range(uint32_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool sd_bus_done_tick_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 4294967295.0));
+}
+
+uint16_t sd_bus_done_session_encode(double value)
+{
+    return (uint16_t)(cantools_unsigned_from_double(round(value)));
+}
+
+double sd_bus_done_session_decode(uint16_t value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_done_session_is_in_range(uint16_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool sd_bus_done_session_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 65535.0));
+}
+
+uint8_t sd_bus_done_ignored_encode(double value)
+{
+    return (uint8_t)(cantools_unsigned_from_double(round(value)));
+}
+
+double sd_bus_done_ignored_decode(uint8_t value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_done_ignored_is_in_range(uint8_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool sd_bus_done_ignored_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 255.0));
+}
+
+uint8_t sd_bus_done_unsent_encode(double value)
+{
+    return (uint8_t)(cantools_unsigned_from_double(round(value)));
+}
+
+double sd_bus_done_unsent_decode(uint8_t value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_done_unsent_is_in_range(uint8_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool sd_bus_done_unsent_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 255.0));
 }
 
 int sd_bus_truth_edge_pack(

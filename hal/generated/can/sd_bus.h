@@ -61,10 +61,10 @@ extern "C" {
 #define SD_BUS_CYCLE_4_FRAME_ID (0xb4u)
 #define SD_BUS_CYCLE_5_FRAME_ID (0xb5u)
 #define SD_BUS_FIRING_FRAME_ID (0xb6u)
-#define SD_BUS_DONE_FRAME_ID (0xb8u)
 #define SD_BUS_PARAMETER_REQUEST_FRAME_ID (0xc0u)
 #define SD_BUS_PARAMETER_FRAME_ID (0xc1u)
 #define SD_BUS_CLAIM_FRAME_ID (0xc2u)
+#define SD_BUS_DONE_FRAME_ID (0xc3u)
 #define SD_BUS_TRUTH_EDGE_FRAME_ID (0xf0u)
 #define SD_BUS_TRUTH_CYCLE_FRAME_ID (0xf1u)
 #define SD_BUS_TRUTH_END_FRAME_ID (0xf2u)
@@ -84,10 +84,10 @@ extern "C" {
 #define SD_BUS_CYCLE_4_LENGTH (64u)
 #define SD_BUS_CYCLE_5_LENGTH (48u)
 #define SD_BUS_FIRING_LENGTH (64u)
-#define SD_BUS_DONE_LENGTH (8u)
 #define SD_BUS_PARAMETER_REQUEST_LENGTH (8u)
 #define SD_BUS_PARAMETER_LENGTH (8u)
 #define SD_BUS_CLAIM_LENGTH (8u)
+#define SD_BUS_DONE_LENGTH (8u)
 #define SD_BUS_TRUTH_EDGE_LENGTH (48u)
 #define SD_BUS_TRUTH_CYCLE_LENGTH (48u)
 #define SD_BUS_TRUTH_END_LENGTH (8u)
@@ -107,10 +107,10 @@ extern "C" {
 #define SD_BUS_CYCLE_4_IS_EXTENDED (0)
 #define SD_BUS_CYCLE_5_IS_EXTENDED (0)
 #define SD_BUS_FIRING_IS_EXTENDED (0)
-#define SD_BUS_DONE_IS_EXTENDED (0)
 #define SD_BUS_PARAMETER_REQUEST_IS_EXTENDED (0)
 #define SD_BUS_PARAMETER_IS_EXTENDED (0)
 #define SD_BUS_CLAIM_IS_EXTENDED (0)
+#define SD_BUS_DONE_IS_EXTENDED (0)
 #define SD_BUS_TRUTH_EDGE_IS_EXTENDED (0)
 #define SD_BUS_TRUTH_CYCLE_IS_EXTENDED (0)
 #define SD_BUS_TRUTH_END_IS_EXTENDED (0)
@@ -238,6 +238,7 @@ extern "C" {
 #define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_LIMIT_CHOICE (45u)
 #define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_SD_MAX_CHOICE (46u)
 #define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_HOLD_CHOICE (47u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_ALL_CHOICE (255u)
 
 #define SD_BUS_PARAMETER_COMMAND_READ_CHOICE (0u)
 #define SD_BUS_PARAMETER_COMMAND_READ_REFERENCE_CHOICE (1u)
@@ -292,11 +293,13 @@ extern "C" {
 #define SD_BUS_PARAMETER_INDEX_BALANCE_LIMIT_CHOICE (45u)
 #define SD_BUS_PARAMETER_INDEX_BALANCE_SD_MAX_CHOICE (46u)
 #define SD_BUS_PARAMETER_INDEX_BALANCE_HOLD_CHOICE (47u)
+#define SD_BUS_PARAMETER_INDEX_ALL_CHOICE (255u)
 
 #define SD_BUS_PARAMETER_RESULT_OK_CHOICE (0u)
 #define SD_BUS_PARAMETER_RESULT_UNKNOWN_CHOICE (1u)
 #define SD_BUS_PARAMETER_RESULT_OUT_OF_RANGE_CHOICE (2u)
 #define SD_BUS_PARAMETER_RESULT_REFUSED_CHOICE (3u)
+#define SD_BUS_PARAMETER_RESULT_AT_START_CHOICE (4u)
 
 /* Frame Names. */
 #define SD_BUS_TEETH_NAME "teeth"
@@ -313,10 +316,10 @@ extern "C" {
 #define SD_BUS_CYCLE_4_NAME "cycle_4"
 #define SD_BUS_CYCLE_5_NAME "cycle_5"
 #define SD_BUS_FIRING_NAME "firing"
-#define SD_BUS_DONE_NAME "done"
 #define SD_BUS_PARAMETER_REQUEST_NAME "parameter_request"
 #define SD_BUS_PARAMETER_NAME "parameter"
 #define SD_BUS_CLAIM_NAME "claim"
+#define SD_BUS_DONE_NAME "done"
 #define SD_BUS_TRUTH_EDGE_NAME "truth_edge"
 #define SD_BUS_TRUTH_CYCLE_NAME "truth_cycle"
 #define SD_BUS_TRUTH_END_NAME "truth_end"
@@ -475,10 +478,6 @@ extern "C" {
 #define SD_BUS_FIRING_MISFIRE_INHIBIT_NAME "misfire_inhibit"
 #define SD_BUS_FIRING_MISFIRE_FIRING_NAME "misfire_firing"
 #define SD_BUS_FIRING_MISFIRE_CYLINDER_NAME "misfire_cylinder"
-#define SD_BUS_DONE_TICK_NAME "tick"
-#define SD_BUS_DONE_SESSION_NAME "session"
-#define SD_BUS_DONE_IGNORED_NAME "ignored"
-#define SD_BUS_DONE_UNSENT_NAME "unsent"
 #define SD_BUS_PARAMETER_REQUEST_COMMAND_NAME "command"
 #define SD_BUS_PARAMETER_REQUEST_INDEX_NAME "index"
 #define SD_BUS_PARAMETER_REQUEST_VALUE_NAME "value"
@@ -488,6 +487,10 @@ extern "C" {
 #define SD_BUS_PARAMETER_RESULT_NAME "result"
 #define SD_BUS_CLAIM_ID_NAME "id"
 #define SD_BUS_CLAIM_SIGNATURE_NAME "signature"
+#define SD_BUS_DONE_TICK_NAME "tick"
+#define SD_BUS_DONE_SESSION_NAME "session"
+#define SD_BUS_DONE_IGNORED_NAME "ignored"
+#define SD_BUS_DONE_UNSENT_NAME "unsent"
 #define SD_BUS_TRUTH_EDGE_TIME_S_NAME "time_s"
 #define SD_BUS_TRUTH_EDGE_ANGLE_DEG_NAME "angle_deg"
 #define SD_BUS_TRUTH_EDGE_CRANK_DEG_NAME "crank_deg"
@@ -1970,49 +1973,6 @@ struct sd_bus_firing_t {
 };
 
 /**
- * Signals in message done.
- *
- * All events up to tick are handled, and what they caused is said.
- *
- * All signal values are as on the CAN bus.
- */
-struct sd_bus_done_t {
-    /**
-     * Range: 0..4294967295 (0..4294967295 tick)
-     * Scale: 1
-     * Offset: 0
-     */
-    uint32_t tick;
-
-    /**
-     * Drawn when the ecu starts.
-     *
-     * Range: 0..65535 (0..65535 -)
-     * Scale: 1
-     * Offset: 0
-     */
-    uint16_t session;
-
-    /**
-     * Events ignored since the start, wraps.
-     *
-     * Range: 0..255 (0..255 -)
-     * Scale: 1
-     * Offset: 0
-     */
-    uint8_t ignored;
-
-    /**
-     * Signals without room since the start, wraps.
-     *
-     * Range: 0..255 (0..255 -)
-     * Scale: 1
-     * Offset: 0
-     */
-    uint8_t unsent;
-};
-
-/**
  * Signals in message parameter_request.
  *
  * Reads or sets a parameter.
@@ -2030,7 +1990,7 @@ struct sd_bus_parameter_request_t {
     uint8_t command;
 
     /**
-     * Of the parameter.
+     * Of the parameter; all: to restore.
      *
      * Range: 0..255 (0..255 -)
      * Scale: 1
@@ -2084,7 +2044,7 @@ struct sd_bus_parameter_t {
     /**
      * sd_parameter_result_t.
      *
-     * Range: 0..3 (0..3 -)
+     * Range: 0..4 (0..4 -)
      * Scale: 1
      * Offset: 0
      */
@@ -2116,6 +2076,49 @@ struct sd_bus_claim_t {
      * Offset: 0
      */
     uint32_t signature;
+};
+
+/**
+ * Signals in message done.
+ *
+ * All events up to tick are handled, and what they caused is said.
+ *
+ * All signal values are as on the CAN bus.
+ */
+struct sd_bus_done_t {
+    /**
+     * Range: 0..4294967295 (0..4294967295 tick)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint32_t tick;
+
+    /**
+     * Drawn when the ecu starts.
+     *
+     * Range: 0..65535 (0..65535 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint16_t session;
+
+    /**
+     * Events ignored since the start, wraps.
+     *
+     * Range: 0..255 (0..255 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t ignored;
+
+    /**
+     * Signals without room since the start, wraps.
+     *
+     * Range: 0..255 (0..255 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t unsent;
 };
 
 /**
@@ -8917,203 +8920,6 @@ bool sd_bus_firing_misfire_cylinder_is_in_range(float value);
 bool sd_bus_firing_misfire_cylinder_is_in_phys_range(double value);
 
 /**
- * Pack message done.
- *
- * @param[out] dst_p Buffer to pack the message into.
- * @param[in] src_p Data to pack.
- * @param[in] size Size of dst_p.
- *
- * @return Size of packed data, or negative error code.
- */
-int sd_bus_done_pack(
-    uint8_t *dst_p,
-    const struct sd_bus_done_t *src_p,
-    size_t size);
-
-/**
- * Unpack message done.
- *
- * @param[out] dst_p Object to unpack the message into.
- * @param[in] src_p Message to unpack.
- * @param[in] size Size of src_p.
- *
- * @return zero(0) or negative error code.
- */
-int sd_bus_done_unpack(
-    struct sd_bus_done_t *dst_p,
-    const uint8_t *src_p,
-    size_t size);
-
-/**
- * Init message fields to default values from done.
- *
- * @param[in] msg_p Message to init.
- *
- * @return zero(0) on success or (-1) in case of nullptr argument.
- */
-int sd_bus_done_init(struct sd_bus_done_t *msg_p);
-
-/**
- * Encode given signal by applying scaling and offset.
- *
- * @param[in] value Signal to encode.
- *
- * @return Encoded signal.
- */
-uint32_t sd_bus_done_tick_encode(double value);
-
-/**
- * Decode given signal by applying scaling and offset.
- *
- * @param[in] value Signal to decode.
- *
- * @return Decoded signal.
- */
-double sd_bus_done_tick_decode(uint32_t value);
-
-/**
- * Check that given signal is in allowed range.
- *
- * @param[in] value Signal to check.
- *
- * @return true if in range, false otherwise.
- */
-bool sd_bus_done_tick_is_in_range(uint32_t value);
-
-/**
- * Check that given physical value is in allowed range before encoding.
- *
- * Use this BEFORE calling _encode() to avoid silent integer overflow:
- *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
- *   is_in_phys_range(-1.0) correctly returns false.
- *
- * @param[in] value Physical signal value to check.
- *
- * @return true if in range, false otherwise.
- */
-bool sd_bus_done_tick_is_in_phys_range(double value);
-
-/**
- * Encode given signal by applying scaling and offset.
- *
- * @param[in] value Signal to encode.
- *
- * @return Encoded signal.
- */
-uint16_t sd_bus_done_session_encode(double value);
-
-/**
- * Decode given signal by applying scaling and offset.
- *
- * @param[in] value Signal to decode.
- *
- * @return Decoded signal.
- */
-double sd_bus_done_session_decode(uint16_t value);
-
-/**
- * Check that given signal is in allowed range.
- *
- * @param[in] value Signal to check.
- *
- * @return true if in range, false otherwise.
- */
-bool sd_bus_done_session_is_in_range(uint16_t value);
-
-/**
- * Check that given physical value is in allowed range before encoding.
- *
- * Use this BEFORE calling _encode() to avoid silent integer overflow:
- *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
- *   is_in_phys_range(-1.0) correctly returns false.
- *
- * @param[in] value Physical signal value to check.
- *
- * @return true if in range, false otherwise.
- */
-bool sd_bus_done_session_is_in_phys_range(double value);
-
-/**
- * Encode given signal by applying scaling and offset.
- *
- * @param[in] value Signal to encode.
- *
- * @return Encoded signal.
- */
-uint8_t sd_bus_done_ignored_encode(double value);
-
-/**
- * Decode given signal by applying scaling and offset.
- *
- * @param[in] value Signal to decode.
- *
- * @return Decoded signal.
- */
-double sd_bus_done_ignored_decode(uint8_t value);
-
-/**
- * Check that given signal is in allowed range.
- *
- * @param[in] value Signal to check.
- *
- * @return true if in range, false otherwise.
- */
-bool sd_bus_done_ignored_is_in_range(uint8_t value);
-
-/**
- * Check that given physical value is in allowed range before encoding.
- *
- * Use this BEFORE calling _encode() to avoid silent integer overflow:
- *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
- *   is_in_phys_range(-1.0) correctly returns false.
- *
- * @param[in] value Physical signal value to check.
- *
- * @return true if in range, false otherwise.
- */
-bool sd_bus_done_ignored_is_in_phys_range(double value);
-
-/**
- * Encode given signal by applying scaling and offset.
- *
- * @param[in] value Signal to encode.
- *
- * @return Encoded signal.
- */
-uint8_t sd_bus_done_unsent_encode(double value);
-
-/**
- * Decode given signal by applying scaling and offset.
- *
- * @param[in] value Signal to decode.
- *
- * @return Decoded signal.
- */
-double sd_bus_done_unsent_decode(uint8_t value);
-
-/**
- * Check that given signal is in allowed range.
- *
- * @param[in] value Signal to check.
- *
- * @return true if in range, false otherwise.
- */
-bool sd_bus_done_unsent_is_in_range(uint8_t value);
-
-/**
- * Check that given physical value is in allowed range before encoding.
- *
- * Use this BEFORE calling _encode() to avoid silent integer overflow:
- *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
- *   is_in_phys_range(-1.0) correctly returns false.
- *
- * @param[in] value Physical signal value to check.
- *
- * @return true if in range, false otherwise.
- */
-bool sd_bus_done_unsent_is_in_phys_range(double value);
-
-/**
  * Pack message parameter_request.
  *
  * @param[out] dst_p Buffer to pack the message into.
@@ -9583,6 +9389,203 @@ bool sd_bus_claim_signature_is_in_range(uint32_t value);
  * @return true if in range, false otherwise.
  */
 bool sd_bus_claim_signature_is_in_phys_range(double value);
+
+/**
+ * Pack message done.
+ *
+ * @param[out] dst_p Buffer to pack the message into.
+ * @param[in] src_p Data to pack.
+ * @param[in] size Size of dst_p.
+ *
+ * @return Size of packed data, or negative error code.
+ */
+int sd_bus_done_pack(
+    uint8_t *dst_p,
+    const struct sd_bus_done_t *src_p,
+    size_t size);
+
+/**
+ * Unpack message done.
+ *
+ * @param[out] dst_p Object to unpack the message into.
+ * @param[in] src_p Message to unpack.
+ * @param[in] size Size of src_p.
+ *
+ * @return zero(0) or negative error code.
+ */
+int sd_bus_done_unpack(
+    struct sd_bus_done_t *dst_p,
+    const uint8_t *src_p,
+    size_t size);
+
+/**
+ * Init message fields to default values from done.
+ *
+ * @param[in] msg_p Message to init.
+ *
+ * @return zero(0) on success or (-1) in case of nullptr argument.
+ */
+int sd_bus_done_init(struct sd_bus_done_t *msg_p);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint32_t sd_bus_done_tick_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_done_tick_decode(uint32_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_done_tick_is_in_range(uint32_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_done_tick_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint16_t sd_bus_done_session_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_done_session_decode(uint16_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_done_session_is_in_range(uint16_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_done_session_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint8_t sd_bus_done_ignored_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_done_ignored_decode(uint8_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_done_ignored_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_done_ignored_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint8_t sd_bus_done_unsent_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_done_unsent_decode(uint8_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_done_unsent_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_done_unsent_is_in_phys_range(double value);
 
 /**
  * Pack message truth_edge.

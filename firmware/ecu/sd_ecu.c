@@ -83,6 +83,8 @@ sd_result_t sd_ecu_init(sd_ecu_t *self, const sd_calibration_t *calibration) {
     self->balance = balance;
     if (has_filter) {
         self->filter = filter;
+        self->rough = filter;
+        self->rough.set = 1;
         sd_pattern_init(&self->pattern, &self->calibration.kalman);
     }
     return SD_OK;

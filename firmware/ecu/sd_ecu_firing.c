@@ -49,15 +49,15 @@ static void learn(sd_ecu_t *self, const sd_tooth_t *tooth, const sd_kalman_tooth
 }
 
 /* A tooth left out, or not sure, spoils the firings under way. */
-static void watch_teeth(sd_ecu_t *self, const sd_tooth_t *tooth, uint16_t rejected_before) {
-    const bool bad = (tooth->health != SD_VALID) || (self->filter.rejected != rejected_before);
+static void watch_teeth(sd_ecu_t *self, const sd_tooth_t *tooth) {
+    const bool bad = (tooth->health != SD_VALID) || (sd_ecu_filter(self)->rejected_in_row != 0u);
     self->firing_doubt = (self->firing_doubt > tooth->advance) ? (uint16_t)(self->firing_doubt - tooth->advance) : 0u;
     if (bad) { self->firing_doubt = self->calibration.positions; }
 }
 
 static void judge(sd_ecu_t *self, const sd_tooth_t *tooth) {
     sd_status_t *status = &self->status[SD_OWNER_FIRING];
-    *status = sd_kalman_status(&self->filter, &self->calibration.kalman);
+    *status = sd_kalman_status(sd_ecu_filter(self), &self->calibration.kalman);
     if (self->crank.phase_votes < 2u) { sd_ecu_worst_of(status, SD_INVALID, SD_WHY_NO_PHASE); }
     if (self->firing_doubt > 0u) { sd_ecu_worst_of(status, SD_DEGRADED, SD_WHY_FAULT); }
     if (sd_ecu_recent(self, SD_INPUT_AIR_INTAKE_PRESSURE, tooth->tick) == NULL) {
@@ -68,9 +68,28 @@ static void judge(sd_ecu_t *self, const sd_tooth_t *tooth) {
 void sd_ecu_firing_restart(sd_ecu_t *self) {
     if (!has_filter(self)) { return; }
     sd_kalman_restart(&self->filter);
+    sd_kalman_restart(&self->rough);
+    sd_road_restart(&self->road);
     sd_misfire_start(&self->misfire);
     sd_pattern_pause(&self->pattern);
     self->motored = 0;
+}
+
+const sd_kalman_t *sd_ecu_filter(const sd_ecu_t *self) { return (self->on_rough != 0u) ? &self->rough : &self->filter; }
+
+/* Both filters take the tooth. The road chooses between them, unless one of them had to begin anew. */
+static bool step_filters(sd_ecu_t *self, const sd_kalman_tooth_t *seen, sd_firing_t *firing) {
+    const sd_kalman_tables_t *tables = &self->calibration.kalman;
+    const bool complete = sd_kalman_step(&self->filter, tables, seen, firing);
+    if (tables->sets < 2u) { return complete; }
+    sd_firing_t other;
+    const bool other_complete = sd_kalman_step(&self->rough, tables, seen, &other);
+    if (complete && other_complete) { (void)sd_road_step(&self->road, firing, &other); }
+    const uint8_t smooth = sd_kalman_status(&self->filter, tables).health, rough = sd_kalman_status(&self->rough, tables).health;
+    self->on_rough = (smooth != rough) ? (smooth > rough) : self->road.rough;
+    if (self->on_rough == 0u) { return complete; }
+    *firing = other;
+    return other_complete;
 }
 
 void sd_ecu_firing_tooth(sd_ecu_t *self, const sd_port_t *port, const sd_tooth_t *tooth) {
@@ -80,11 +99,10 @@ void sd_ecu_firing_tooth(sd_ecu_t *self, const sd_port_t *port, const sd_tooth_t
     }
     sd_ecu_misfire_tooth(self, tooth);
     const sd_kalman_tooth_t seen = filter_tooth(self, tooth);
-    const uint16_t rejected = self->filter.rejected;
     sd_firing_t firing;
-    const bool complete = sd_kalman_step(&self->filter, &self->calibration.kalman, &seen, &firing);
-    self->signals.firing_waveform_nm = self->filter.torque_nm;
-    watch_teeth(self, tooth, rejected);
+    const bool complete = step_filters(self, &seen, &firing);
+    self->signals.firing_waveform_nm = sd_ecu_filter(self)->torque_nm;
+    watch_teeth(self, tooth);
     judge(self, tooth);
     learn(self, tooth, &seen);
     if (!complete) { return; }
@@ -93,7 +111,8 @@ void sd_ecu_firing_tooth(sd_ecu_t *self, const sd_port_t *port, const sd_tooth_t
     self->signals.firing_sd_nm = firing.sd_nm;
     self->signals.firing_mean_nm = firing.mean_nm;
     self->signals.firing_mean_sd_nm = firing.mean_sd_nm;
-    sd_ecu_misfire_firing(self, &firing);
+    self->signals.firing_rough = (float)self->on_rough;
+    sd_ecu_misfire_firing(self, &firing, tooth->tick);
     sd_ecu_publish(self, port, tooth->tick, SD_RATE_FIRING);
 }
 

@@ -46,7 +46,7 @@ static bool shifting(const sd_misfire_t *self, const sd_misfire_firing_t *f) {
 }
 
 static uint8_t inhibited(sd_misfire_t *self, const sd_misfire_firing_t *f) {
-    uint32_t why = (f->inhibit != 0u) ? (uint32_t)SD_INHIBIT_OUTSIDE : 0u;
+    uint32_t why = f->inhibit;
     if (!estimate_fit(self, f)) {
         why |= SD_INHIBIT_ESTIMATE;
     } else {

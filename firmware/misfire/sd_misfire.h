@@ -41,7 +41,7 @@ typedef struct sd_misfire_config {
     float    torque_min_nm;      ///< The same for the expected torque, >= 0.
     float    speed_change;       ///< Change of speed from firing to firing beyond which the gear is being shifted, (0, 1].
     uint16_t start_firings;      ///< Not monitored after a start.
-    uint16_t hold_firings;       ///< Not monitored after fuel cut or a shift.
+    uint16_t hold_firings;       ///< Not monitored after fuel cut or a shift, whoever noticed it.
     uint16_t continuous_firings; ///< Of a cylinder, all misfires, from which it counts as continuous; >= 2.
     float    emission_percent;   ///< Of the firings in 1000 revolutions, [0.001, 100].
     float    catalyst_percent;   ///< Of the firings in 200 revolutions, [0.001, 100].
@@ -53,10 +53,11 @@ typedef struct sd_misfire_config {
 typedef enum sd_inhibit {
     SD_INHIBIT_START    = 1 << 0,
     SD_INHIBIT_FUEL_CUT = 1 << 1, ///< No or hardly any fuel, or too little torque expected.
-    SD_INHIBIT_SHIFT    = 1 << 2, ///< Speed changes as it does in a gear shift.
+    SD_INHIBIT_SHIFT    = 1 << 2, ///< The caller says so, or speed changes as it does in a gear shift.
     SD_INHIBIT_ESTIMATE = 1 << 3, ///< The torque is invalid or no number.
     SD_INHIBIT_HOLD     = 1 << 4, ///< Fuel cut or a shift ended a moment ago.
     SD_INHIBIT_OUTSIDE  = 1 << 5, ///< Asked for by the caller.
+    SD_INHIBIT_LEVEL    = 1 << 6, ///< The caller says that the tank is nearly empty.
 } sd_inhibit_t;
 
 typedef enum sd_verdict { SD_HEALTHY = 0, SD_PARTIAL_BURN = 1, SD_MISFIRE = 2, SD_NOT_JUDGED = 3 } sd_verdict_t;
@@ -72,7 +73,7 @@ typedef enum sd_lamp {
 typedef struct sd_misfire_firing {
     uint8_t index;        ///< In firing order.
     uint8_t health;       ///< sd_health_t of the torque; invalid is not judged.
-    uint8_t inhibit;      ///< Not 0: not judged, for a reason of the caller's, such as a gear shift it knows of.
+    uint8_t inhibit;      ///< Not 0: not judged; sd_inhibit_t bits that the caller knows of.
     float   torque_nm;    ///< Mean combustion torque over the 180 deg after its TDC.
     float   torque_sd_nm; ///< >= 0.
     float   fuel_mg;      ///< Commanded for this firing.

@@ -5,18 +5,18 @@
 
 #define TWO_PI 6.2831853f
 
-_Static_assert(sizeof(sd_kalman_t) == 472, "without pointers, the same size on every target");
+_Static_assert(sizeof(sd_kalman_t) == 476, "without pointers, the same size on every target");
 
 enum { REJECTED_IN_ROW_MAX = 12, /* teeth left out in a row after which the estimate itself must be wrong */
        SPEED_MIN_RADPS = 5 };
 
-/* Where a speed lies among the gain tables: between `at` and the next one, `share` of the way. */
+/* Where a speed lies among the gain tables of the filter's set: between `at` and the next one, `share` of the way. */
 typedef struct sd_between {
     uint32_t at, next;
     float    share;
 } sd_between_t;
 
-static sd_between_t find_speed(const sd_kalman_tables_t *t, float speed) {
+static sd_between_t find_speed(const sd_kalman_t *self, const sd_kalman_tables_t *t, float speed) {
     sd_between_t b = { 0, 0, 0.0f };
     while ((b.at + 1u < t->speeds) && (speed >= t->speed_radps[b.at + 1u])) { b.at++; }
     b.next = b.at;
@@ -24,6 +24,9 @@ static sd_between_t find_speed(const sd_kalman_tables_t *t, float speed) {
         b.next = b.at + 1u;
         b.share = (speed - t->speed_radps[b.at]) / (t->speed_radps[b.next] - t->speed_radps[b.at]);
     }
+    const uint32_t set = (self->set < t->sets) ? self->set : 0u;
+    b.at += set * t->speeds;
+    b.next += set * t->speeds;
     return b;
 }
 
@@ -32,7 +35,7 @@ static float blend(const float *table, sd_between_t b) {
 }
 
 static uint32_t row_size(const sd_kalman_tables_t *t) {
-    return 3u * (t->coefficients - 1u) + (uint32_t)t->speeds * (t->coefficients + 2u);
+    return 3u * (t->coefficients - 1u) + (uint32_t)t->sets * t->speeds * (t->coefficients + 2u);
 }
 
 uint32_t sd_kalman_pool_used(const sd_kalman_tables_t *tables) { return 2u * tables->positions * row_size(tables); }
@@ -102,7 +105,7 @@ static void correct(sd_kalman_t *self, const sd_kalman_tables_t *t, const sd_kal
     /* The normalised map is the same at every speed, so every table is stable at any. That of half the speed trusts the
      * state less, which is right while there is little to trust. */
     const bool settled = self->teeth >= t->settle_teeth;
-    const sd_between_t at = find_speed(t, settled ? speed : 0.5f * speed);
+    const sd_between_t at = find_speed(self, t, settled ? speed : 0.5f * speed);
     if (settled) { watch_noise(self, t, at); }
     const float *low = gains_of(t, k, at.at), *high = gains_of(t, k, at.next);
     const float r = self->innovation_rad, push = r * scale;
@@ -142,7 +145,7 @@ static void remember(sd_kalman_t *self, uint32_t i) {
 
 static void read_firing(sd_kalman_t *self, const sd_kalman_tables_t *t, uint32_t i, float pattern_rad, sd_firing_t *firing) {
     const float square = 2.0f * self->energy_j / t->inertia_mean_kgm2, speed = root(square);
-    const sd_between_t at = find_speed(t, speed);
+    const sd_between_t at = find_speed(self, t, speed);
     const float scale = t->inertia_mean_kgm2 * square, design = blend(t->noise_rad, at);
     /* Noise as met. A tooth's own error shows in the innovation too, but does not average out. */
     const float total = design * design * self->noise_ratio, fixed = pattern_rad * pattern_rad;
@@ -157,7 +160,9 @@ static void read_firing(sd_kalman_t *self, const sd_kalman_tables_t *t, uint32_t
     const float single = blend(t->single_sd, at), mean = blend(t->mean_sd, at), stays = blend(t->pattern_sd, at);
     const float shape = t->shape_sd * firing->mean_nm;
     const float shrink = (float)SD_KALMAN_MEAN / (float)count; /* variance, taken as independent until it is full */
-    firing->sd_nm = root(scale * scale * (single * single * fresh + stays * stays * fixed) + shape * shape);
+    const float load = (self->set > 0u) ? blend(t->load_sd_nm, at) : 0.0f;
+    firing->noise_nm = scale * single * root(fresh);
+    firing->sd_nm = root(firing->noise_nm * firing->noise_nm + scale * scale * stays * stays * fixed + shape * shape + load * load);
     firing->mean_sd_nm = root(scale * scale * (mean * mean * fresh * shrink + stays * stays * fixed) + shape * shape);
 }
 
@@ -203,12 +208,13 @@ bool sd_kalman_step(sd_kalman_t *self, const sd_kalman_tables_t *t, const sd_kal
 void sd_kalman_restart(sd_kalman_t *self) {
     const uint16_t rejected = self->rejected;
     const float intake_bar = self->intake_bar;
-    const uint8_t held = self->intake_held;
+    const uint8_t held = self->intake_held, set = self->set;
     memset(self, 0, sizeof *self);
     self->noise_ratio = 1.0f;
     self->rejected = rejected;
     self->intake_bar = intake_bar;
     self->intake_held = held;
+    self->set = set;
 }
 
 sd_status_t sd_kalman_status(const sd_kalman_t *self, const sd_kalman_tables_t *t) {
@@ -236,7 +242,8 @@ static bool all_within(const float *values, uint32_t count, float from, float to
 static bool sizes_ok(const sd_kalman_tables_t *t) {
     if ((t->positions < 12u) || (t->positions > SD_KALMAN_POSITIONS_MAX) || (t->positions % 2u != 0u)) { return false; }
     if ((t->coefficients < 1u) || (t->coefficients > SD_KALMAN_COEFFICIENTS_MAX)) { return false; }
-    if ((t->speeds < 1u) || (t->speeds > SD_KALMAN_SPEEDS_MAX) || (sd_kalman_pool_used(t) > SD_KALMAN_POOL)) { return false; }
+    if ((t->speeds < 1u) || (t->speeds > SD_KALMAN_SPEEDS_MAX) || (t->sets < 1u) || (t->sets > SD_KALMAN_SETS_MAX)) { return false; }
+    if (sd_kalman_pool_used(t) > SD_KALMAN_POOL) { return false; }
     if ((t->firings > SD_KALMAN_FIRINGS_MAX) || (t->firings >= t->coefficients)) { return false; }
     for (uint32_t i = 0; i < t->firings; ++i) {
         if (t->read_position[i] >= 2u * t->positions) { return false; }
@@ -248,13 +255,15 @@ static bool sizes_ok(const sd_kalman_tables_t *t) {
 }
 
 static bool tables_ok(const sd_kalman_tables_t *t) {
-    const uint32_t n = t->positions;
-    bool ok = sizes_ok(t) && all_within(&t->tick_hz, 1u, 1e5f, 2e8f) && all_within(&t->torque_base_nm, 1u, 1e-3f, 2e4f) &&
+    if (!sizes_ok(t)) { return false; }
+    const uint32_t n = t->positions, gains = (uint32_t)t->sets * t->speeds;
+    bool ok = all_within(&t->tick_hz, 1u, 1e5f, 2e8f) && all_within(&t->torque_base_nm, 1u, 1e-3f, 2e4f) &&
               all_within(&t->shape_sd, 1u, 0.0f, 1.0f) && all_within(&t->reject_rad, 1u, 1e-6f, 1.0f) && all_within(&t->inertia_mean_kgm2, 1u, 1e-6f, 10.0f) &&
               all_within(t->inertia_tooth_kgm2, n, 1e-6f, 10.0f) && all_within(t->inertia_interval_kgm2, n, 1e-6f, 10.0f) &&
-              all_within(t->speed_radps, t->speeds, 1.0f, 2000.0f) && all_within(t->noise_rad, t->speeds, 1e-7f, 1.0f) &&
-              all_within(t->innovation, t->speeds, 1.0f, 1e3f) && all_within(t->single_sd, t->speeds, 0.0f, 1e6f) &&
-              all_within(t->mean_sd, t->speeds, 0.0f, 1e6f) && all_within(t->pattern_sd, t->speeds, 0.0f, 1e6f);
+              all_within(t->speed_radps, t->speeds, 1.0f, 2000.0f) && all_within(t->noise_rad, gains, 1e-7f, 1.0f) &&
+              all_within(t->innovation, gains, 1.0f, 1e3f) && all_within(t->single_sd, gains, 0.0f, 1e6f) &&
+              all_within(t->mean_sd, gains, 0.0f, 1e6f) && all_within(t->pattern_sd, gains, 0.0f, 1e6f) &&
+              all_within(t->load_sd_nm, gains, 0.0f, 1e6f);
     for (uint32_t which = 0; ok && (which < 3u); ++which) {
         ok = all_within(t->known[which], 2u * n, -1e5f, 1e5f) && all_within(t->known_per_bar[which], 2u * n, -1e5f, 1e5f);
     }

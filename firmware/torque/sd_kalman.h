@@ -14,7 +14,8 @@
 ///     tau -= measured period,  tau += K_0 r / w,  e += K_1 r s,  x += K_x r s
 /// K is a table over cycle position and speed, from the periodic Riccati equation (`sixdeg calibrate`), zero where the
 /// wheel has no tooth, linear between speeds and constant beyond them. Until it has settled, the filter takes the gains
-/// of half its speed, which let it move further.
+/// of half its speed, which let it move further. A second set of gains is made for rough roads, where the load walks
+/// further from tooth to tooth: a second filter runs with it beside the first, and sd_road.h chooses.
 ///
 /// Firing torque: x_j as it stands read_position of firing j, a good half turn after its pulse.
 ///
@@ -30,15 +31,18 @@
 #define SD_KALMAN_POSITIONS_MAX    120
 #define SD_KALMAN_SPEEDS_MAX       4
 #define SD_KALMAN_FIRINGS_MAX      8
-#define SD_KALMAN_POOL             12000///< Floats for basis and gains: 4 speeds for 8 cylinders, 1 for 12 harmonics.
+#define SD_KALMAN_SETS_MAX         2    ///< Of gains.
+#define SD_KALMAN_GAINS_MAX        (SD_KALMAN_SETS_MAX * SD_KALMAN_SPEEDS_MAX)
+#define SD_KALMAN_POOL             16384///< Floats for basis and gains: 2 sets of 4 speeds for 8 cylinders, 1 of 1 for 12 harmonics.
 
 /// Read only. One row of `pool` a cycle position k, angles between the teeth k - 1 and k:
-/// mean[m - 1], moment[m - 1], point[m - 1] of the basis, then for each speed K_0, K_1, K_x[m].
+/// mean[m - 1], moment[m - 1], point[m - 1] of the basis, then for each speed of each set K_0, K_1, K_x[m].
 /// mean: over the interval; moment: of (1 - s) f, s from 0 to 1 over the interval; point: at tooth k.
 typedef struct sd_kalman_tables {
     uint8_t  positions;    ///< Wheel positions a revolution N, even, 12 to 120.
     uint8_t  coefficients; ///< m, 1 to SD_KALMAN_COEFFICIENTS_MAX, x_0 included.
-    uint8_t  speeds;       ///< Gain tables, 1 to SD_KALMAN_SPEEDS_MAX.
+    uint8_t  speeds;       ///< Gain tables of a set, 1 to SD_KALMAN_SPEEDS_MAX.
+    uint8_t  sets;         ///< 1: for smooth roads; 2: for rough ones too.
     uint8_t  firings;      ///< Coefficient 1 + i belongs to firing i; 0 with the Fourier basis. Below m.
     uint16_t read_position[SD_KALMAN_FIRINGS_MAX]; ///< Cycle position at which firing i is read, [0, 2 N).
     float    tick_hz;        ///< Capture ticks a second, [1e5, 2e8].
@@ -52,11 +56,13 @@ typedef struct sd_kalman_tables {
     float    known_per_bar[3][2 * SD_KALMAN_POSITIONS_MAX]; ///< Motored torque, Nm per bar of intake pressure: mean,
     float    known[3][2 * SD_KALMAN_POSITIONS_MAX];         ///< moment, point; and the part that does not scale, Nm.
     float    speed_radps[SD_KALMAN_SPEEDS_MAX];             ///< Of the gain tables, ascending, > 0.
-    float    noise_rad[SD_KALMAN_SPEEDS_MAX];               ///< Timing error the gains were made for, > 0.
-    float    innovation[SD_KALMAN_SPEEDS_MAX];              ///< Its expected rms over noise_rad, >= 1.
+    /// Of each speed of each set: the timing error that the gains were made for, > 0, and the expected rms of the
+    /// innovation over that, >= 1.
+    float    noise_rad[SD_KALMAN_GAINS_MAX], innovation[SD_KALMAN_GAINS_MAX];
     /// Standard deviation of a firing less the mean of all cylinders, per rad of timing error, over J_mean w^2: one
     /// firing, errors new at each edge; mean of SD_KALMAN_MEAN cycles, the same; either, errors that stay with a tooth.
-    float    single_sd[SD_KALMAN_SPEEDS_MAX], mean_sd[SD_KALMAN_SPEEDS_MAX], pattern_sd[SD_KALMAN_SPEEDS_MAX];
+    float    single_sd[SD_KALMAN_GAINS_MAX], mean_sd[SD_KALMAN_GAINS_MAX], pattern_sd[SD_KALMAN_GAINS_MAX];
+    float    load_sd_nm[SD_KALMAN_GAINS_MAX]; ///< Of a firing, from the load's walk that the gains were made for, >= 0.
     float    pool[SD_KALMAN_POOL];
 } sd_kalman_tables_t;
 
@@ -77,7 +83,9 @@ typedef struct sd_kalman_tooth {
 typedef struct sd_firing {
     uint8_t index;      ///< In firing order.
     float   torque_nm;  ///< Mean combustion torque over the 180 deg after its TDC.
-    float   sd_nm;      ///< Standard deviation of that less the mean of all cylinders: timing noise as met, and shape_sd.
+    float   sd_nm;      ///< Standard deviation of that less the mean of all cylinders: timing noise as met, shape_sd, and
+                        ///< with the gains for rough roads what the load's walk gives.
+    float   noise_nm;   ///< Its part from timing errors that are new at each edge.
     float   mean_nm;    ///< Of this cylinder's last SD_KALMAN_MEAN cycles, fewer after a start.
     float   mean_sd_nm;
 } sd_firing_t;
@@ -97,6 +105,7 @@ typedef struct sd_kalman {
     uint16_t rejected, rejected_in_row;
     uint8_t  running;
     uint8_t  intake_held; ///< The last intake pressure was no number in range.
+    uint8_t  set;         ///< Of gains, below tables.sets; 0 after init, the caller's to change between two steps.
 } sd_kalman_t;
 
 /// Floats of `pool` that such tables use.

@@ -8,7 +8,7 @@
 #define SPREAD_MIN  0.05f  /* of u, relative: below it one speed only was seen */
 #define MOTORED_SD  0.03f  /* of the motored torque, relative, while the speeds do not tell */
 
-_Static_assert(sizeof(sd_pattern_t) == 2912, "without pointers, the same size on every target");
+_Static_assert(sizeof(sd_pattern_t) == 2916, "without pointers, the same size on every target");
 
 static bool has_tooth(const sd_kalman_tables_t *t, uint32_t k) {
     const uint32_t from = 3u * (t->coefficients - 1u), row = sd_kalman_pool_used(t) / (2u * t->positions);

@@ -9,6 +9,8 @@
 #define SCATTER_START 1.0f
 #define SCATTER_MIN 0.01f
 #define SCATTER_MAX 1e6f
+#define RHO_MAX        0.9f
+#define OFF_MAX        0.5f /* of a firing, that tells of the next */
 #define LEARN_FIRINGS  64u /* factor and scatter are means of so many, fewer after init */
 #define LEARNED_ENOUGH 16u /* firings of a cylinder before its scatter says anything */
 
@@ -91,18 +93,38 @@ static uint8_t verdict_of(const sd_misfire_t *self, float index, float limit, sd
 
 static float weight_of(uint32_t seen) { return 1.0f / (4.0f + (float)seen); }
 
-/* Only a healthy firing near the expectation moves it (and any but a misfire while nothing is known of that cylinder).
- * Scatter is seen above it, where no misfire comes. */
-static void learn(sd_misfire_t *self, const sd_misfire_verdict_t *v, float relative_sd, sd_spread_t spread) {
-    const uint32_t firing = v->firing;
+/* What the last firing tells of this one's error. */
+static float carried(const sd_misfire_t *self) {
+    if (!(self->off_square > 0.0f)) { return 0.0f; }
+    return clamp(self->off_product / self->off_square, -RHO_MAX, RHO_MAX) * self->last_off;
+}
+
+static void learn_carry(sd_misfire_t *self, const sd_misfire_verdict_t *v, float off) {
+    const bool healthy = v->verdict == (uint8_t)SD_HEALTHY, misfire = v->verdict == (uint8_t)SD_MISFIRE;
+    const float here = clamp(misfire ? off + 1.0f : off, -OFF_MAX, OFF_MAX);
+    if (healthy && (self->last_off != 0.0f)) {
+        const float weight = 1.0f / (float)LEARN_FIRINGS;
+        self->off_square += weight * (0.5f * (here * here + self->last_off * self->last_off) - self->off_square);
+        self->off_product += weight * (here * self->last_off - self->off_product);
+    }
+    self->last_off = (healthy || misfire) ? here : 0.0f;
+}
+
+/* Scatter is seen above the expectation, where no misfire comes. */
+static void learn_scatter(sd_misfire_t *self, const sd_misfire_verdict_t *v, float relative_sd, sd_spread_t spread) {
     const float off = v->index - 1.0f;
     self->innovation = off;
-    if ((off > 0.0f) && (self->learned[firing] >= LEARNED_ENOUGH)) {
-        const float size = clamp(off, 0.0f, 10.0f * spread.healthy), cyclic = self->config.cyclic;
-        const float seen = (size * size - relative_sd * relative_sd) / (cyclic * cyclic);
-        self->scatter = clamp(self->scatter + weight_of(self->scatter_seen) * (seen - self->scatter), SCATTER_MIN, SCATTER_MAX);
-        if (self->scatter_seen < LEARN_FIRINGS) { self->scatter_seen++; }
-    }
+    if (!(off > 0.0f) || (self->learned[v->firing] < LEARNED_ENOUGH)) { return; }
+    const float size = clamp(off, 0.0f, 10.0f * spread.healthy), cyclic = self->config.cyclic;
+    const float seen = (size * size - relative_sd * relative_sd) / (cyclic * cyclic);
+    self->scatter = clamp(self->scatter + weight_of(self->scatter_seen) * (seen - self->scatter), SCATTER_MIN, SCATTER_MAX);
+    if (self->scatter_seen < LEARN_FIRINGS) { self->scatter_seen++; }
+}
+
+/* Only a healthy firing near the expectation moves it (and any but a misfire while nothing is known of that cylinder).
+ * What all firings are off by is the expectation's, so `off` has nothing carried over taken out. */
+static void learn_factor(sd_misfire_t *self, const sd_misfire_verdict_t *v, float off, sd_spread_t spread) {
+    const uint32_t firing = v->firing;
     const bool unknown = self->learned[firing] < LEARNED_ENOUGH;
     const float near = larger(0.25f, 2.0f * spread.healthy); /* an overlooked misfire is not */
     const bool teaches = (off > -near) && (off < near) && (v->verdict == (uint8_t)SD_HEALTHY);
@@ -200,14 +222,18 @@ sd_misfire_verdict_t sd_misfire_judge(sd_misfire_t *self, const sd_misfire_firin
         const float expected = expected_torque(self, f);
         const float relative_sd = clamp(f->torque_sd_nm / expected, 0.0f, 10.0f);
         const sd_spread_t spread = spread_of(self, relative_sd);
-        v.index = clamp(f->torque_nm / expected, -10.0f, 10.0f);
+        const float found = clamp(f->torque_nm / expected, -10.0f, 10.0f);
+        v.index = clamp(found - carried(self), -10.0f, 10.0f);
         v.index_sd = spread.healthy;
         v.limit = limit_of(self, spread);
         v.verdict = verdict_of(self, v.index, v.limit, spread);
-        learn(self, &v, relative_sd, spread);
+        learn_scatter(self, &v, relative_sd, spread);
+        learn_factor(self, &v, found - 1.0f, spread);
+        learn_carry(self, &v, found - 1.0f);
         count(self, &v);
     } else {
         self->rejected = count_up_16(self->rejected);
+        self->last_off = 0.0f;
     }
     report_health(self, f, &v);
     return v;
@@ -217,6 +243,7 @@ void sd_misfire_start(sd_misfire_t *self) {
     self->since_start = 0;
     self->hold = 0;
     self->last_speed_radps = 0.0f;
+    self->last_off = 0.0f;
     memset(self->in_row, 0, sizeof self->in_row);
     self->health = SD_INVALID;
     self->why = SD_WHY_CONVERGING;

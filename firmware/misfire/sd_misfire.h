@@ -7,6 +7,10 @@
 /// the expectation itself may be wrong), within 0.6 to 1.5. No firing is ever compared with its
 /// neighbours, so two cylinders missing together, or all, are seen like one.
 ///
+/// From firing to firing the estimate errs alike, or the other way, where the load moves: what the last firing was off
+/// its level (1, or 0 for a misfire) tells of this one. The index is that of the torque less rho times that, rho the
+/// lag-one correlation of healthy firings, learned; where they are independent it is near 0.
+///
 /// The healthy index scatters by sd_0 (combustion and estimate), that of a misfire by sd_1 (estimate alone):
 ///     sd_0^2 = r cyclic^2 + (torque_sd / expected)^2,   sd_1^2 = max(r - 1, 0) cyclic^2 + (torque_sd / expected)^2
 /// r is learned from the upper half of the scatter, which no misfire reaches. Up to 1 it is combustion; what is beyond
@@ -112,6 +116,8 @@ typedef struct sd_misfire {
     uint16_t in_row[SD_MISFIRE_CYLINDERS_MAX];     ///< Misfires, by firing.
     uint8_t  scatter_seen;                         ///< Firings that the scatter has learned from, up to 64.
     float    scatter;                              ///< r; 1 at init.
+    float    last_off;                             ///< Of the firing before, off its level; 0: unknown.
+    float    off_square, off_product;              ///< Running means, of neighbours both healthy; their ratio is rho.
     float    last_speed_radps, test_ratio, innovation;
     uint16_t hold, since_start;                    ///< Firings left; firings since start, saturating.
     uint16_t rejected, emission_exceeded, catalyst_exceeded;

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 #include "sd_road.h"
 
-#define NOISE_FACTOR 2.5f
+#define NOISE_FACTOR 3.5f
 #define TORQUE_SHARE 0.04f /* of the mean torque: what a pulse that burns otherwise leaves */
 #define MOST         4.0f  /* that one firing counts */
 #define MEMORY       32.0f /* firings */
 #define ROUGH_FROM   1.0f
-#define SMOOTH_BELOW 0.3f
+#define SMOOTH_BELOW 0.5f
 
 _Static_assert(sizeof(sd_road_t) == 40, "without pointers, the same size on every target");
 

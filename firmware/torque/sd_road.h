@@ -5,8 +5,8 @@
 /// What a firing gave, both filters estimate from the same teeth. On a smooth road they differ by noise that the rough
 /// one states, and by what is not known of the pulse, which is the same each cycle. So what counts is the change of the
 /// difference from one cycle to the next, D, of the same firing:
-///     evidence += (min(D^2 / limit^2, 4) - evidence) / 32,   limit^2 = (2.5 noise)^2 + (0.04 mean torque)^2
-/// The road is rough from evidence 1 on, and smooth again below 0.3. On a smooth road D is 1.1 to 1.4 times the noise. A
+///     evidence += (min(D^2 / limit^2, 4) - evidence) / 32,   limit^2 = (3.5 noise)^2 + (0.04 mean torque)^2
+/// The road is rough from evidence 1 on, and smooth again below 0.5. On a smooth road D is 1.1 to 1.4 times the noise. A
 /// misfire changes D of a few firings, and of each counts no more than 4: alone it cannot reach 1 (docs/firing.md).
 ///
 /// Both filters run always, so that there is nothing to settle when the choice changes.

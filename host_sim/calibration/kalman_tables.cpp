@@ -15,7 +15,7 @@ constexpr double kRadPerDeg = M_PI / 180, kRadpsPerRpm = M_PI / 30;
 /// A firing's coefficient is free from here on, and read where its pulse is long over.
 constexpr double kInjectDeg = -12, kReadDeg = 300;
 /// On rough roads a firing may change by this much more: what it lacks must not be taken for load, which may change too.
-constexpr double kRoughChange = 3;
+constexpr double kRoughChange = 2;
 
 struct Interval {
     double mean = 0, moment = 0, point = 0;

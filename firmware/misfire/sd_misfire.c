@@ -11,6 +11,8 @@
 #define SCATTER_MAX 1e6f
 #define RHO_MAX        0.9f
 #define OFF_MAX        0.5f /* of a firing, that tells of the next */
+#define RHO_LEARN      128.0f
+#define RHO_CHANCE     0.2f /* a correlation learned from so many firings may be that large by chance */
 #define LEARN_FIRINGS  64u /* factor and scatter are means of so many, fewer after init */
 #define LEARNED_ENOUGH 16u /* firings of a cylinder before its scatter says anything */
 
@@ -95,15 +97,17 @@ static float weight_of(uint32_t seen) { return 1.0f / (4.0f + (float)seen); }
 
 /* What the last firing tells of this one's error. */
 static float carried(const sd_misfire_t *self) {
-    if (!(self->off_square > 0.0f)) { return 0.0f; }
-    return clamp(self->off_product / self->off_square, -RHO_MAX, RHO_MAX) * self->last_off;
+    const float square = self->off_square * self->off_square, product = self->off_product * self->off_product;
+    if (!(product > RHO_CHANCE * RHO_CHANCE * square)) { return 0.0f; }
+    const float sure = 1.0f - RHO_CHANCE * RHO_CHANCE * square / product;
+    return clamp(self->off_product / self->off_square * sure, -RHO_MAX, RHO_MAX) * self->last_off;
 }
 
 static void learn_carry(sd_misfire_t *self, const sd_misfire_verdict_t *v, float off) {
     const bool healthy = v->verdict == (uint8_t)SD_HEALTHY, misfire = v->verdict == (uint8_t)SD_MISFIRE;
     const float here = clamp(misfire ? off + 1.0f : off, -OFF_MAX, OFF_MAX);
     if (healthy && (self->last_off != 0.0f)) {
-        const float weight = 1.0f / (float)LEARN_FIRINGS;
+        const float weight = 1.0f / RHO_LEARN;
         self->off_square += weight * (0.5f * (here * here + self->last_off * self->last_off) - self->off_square);
         self->off_product += weight * (here * self->last_off - self->off_product);
     }

@@ -13,7 +13,9 @@
 #define OFF_MAX        0.5f /* of a firing, that tells of the next */
 #define RHO_LEARN      128.0f
 #define RHO_CHANCE     0.2f /* a correlation learned from so many firings may be that large by chance */
-#define LEARN_FIRINGS  64u /* factor and scatter are means of so many, fewer after init */
+#define LEARN_FIRINGS  64u  /* factors are means of so many firings, fewer after init */
+#define LEARN_SCATTER  128u /* the scatter too */
+#define SCATTER_MARGIN 1.05f /* that its deviation, learned, may be short of the true one */
 #define LEARNED_ENOUGH 16u /* firings of a cylinder before its scatter says anything */
 
 static float root(float x) { return (x > 1e-30f) ? x * sd_rsqrt_f32(x) : 0.0f; }
@@ -81,7 +83,7 @@ static sd_spread_t spread_of(const sd_misfire_t *self, float relative_sd) {
 }
 
 static float limit_of(sd_misfire_t *self, sd_spread_t spread) {
-    const float low = self->config.z_missed * spread.missed, gap = self->config.z_false * spread.healthy;
+    const float low = self->config.z_missed * spread.missed, gap = SCATTER_MARGIN * self->config.z_false * spread.healthy;
     self->test_ratio = low + gap;
     if (self->test_ratio > 1.0f) { return low / (low + gap); }
     return clamp(self->config.definition, low, 1.0f - gap);
@@ -122,7 +124,7 @@ static void learn_scatter(sd_misfire_t *self, const sd_misfire_verdict_t *v, flo
     const float size = clamp(off, 0.0f, 10.0f * spread.healthy), cyclic = self->config.cyclic;
     const float seen = (size * size - relative_sd * relative_sd) / (cyclic * cyclic);
     self->scatter = clamp(self->scatter + weight_of(self->scatter_seen) * (seen - self->scatter), SCATTER_MIN, SCATTER_MAX);
-    if (self->scatter_seen < LEARN_FIRINGS) { self->scatter_seen++; }
+    if (self->scatter_seen < LEARN_SCATTER) { self->scatter_seen++; }
 }
 
 /* Only a healthy firing near the expectation moves it (and any but a misfire while nothing is known of that cylinder).

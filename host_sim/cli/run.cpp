@@ -128,6 +128,7 @@ Json summarise(const Options &options, const Inputs &inputs, const RunResult &re
     add_figures(summary, result, perturbed);
     const auto bounds = firing_bounds(inputs.scenario, inputs.tune, result);
     summary["misfire"] = misfire_json(result.misfire, separation_bound(inputs.scenario, bounds));
+    if (perturbed) summary["misfire"]["perturbed"] = misfire_json(perturbed->result.misfire, 0);
     summary["firing"] = firing_json(result, bounds);
     if (perturbed) summary["firing"]["perturbed"] = firing_json(perturbed->result, std::nullopt);
     summary["number"] = inputs.calibration.parameters.torque_fixed_point > 0.5f ? "q31" : "f32";
@@ -156,7 +157,8 @@ void print_figures(const Inputs &inputs, const RunResult &result, const std::opt
     if (result.stalled) row("the engine", "stalled");
     print_accuracy(result, perturbed);
     const auto bounds = firing_bounds(inputs.scenario, inputs.tune, result);
-    print_misfire(result.misfire, separation_bound(inputs.scenario, bounds));
+    print_misfire("misfire monitor", result.misfire, separation_bound(inputs.scenario, bounds));
+    if (perturbed) print_misfire("the same, perturbed", perturbed->result.misfire, 0);
     print_firing("single firings over", result, bounds);
     if (perturbed) print_firing("the same, perturbed, over", perturbed->result, std::nullopt);
 }

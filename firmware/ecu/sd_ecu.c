@@ -229,6 +229,8 @@ static void on_crank_edge(sd_ecu_t *self, const sd_port_t *port, uint32_t tick) 
         lose_angle(self, SD_WHY_NO_SYNC);
     } else if (tooth.edge_class != SD_EDGE_SPURIOUS) {
         on_tooth(self, port, &tooth);
+    } else {
+        sd_ecu_firing_spurious(self);
     }
     sd_ecu_publish(self, port, tick, SD_RATE_EDGE);
 }

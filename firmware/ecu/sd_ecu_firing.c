@@ -52,8 +52,10 @@ static void learn(sd_ecu_t *self, const sd_tooth_t *tooth, const sd_kalman_tooth
 static void watch_teeth(sd_ecu_t *self, const sd_tooth_t *tooth) {
     const bool bad = (tooth->health != SD_VALID) || (sd_ecu_filter(self)->rejected_in_row != 0u);
     self->firing_doubt = (self->firing_doubt > tooth->advance) ? (uint16_t)(self->firing_doubt - tooth->advance) : 0u;
-    if (bad) { self->firing_doubt = self->calibration.positions; }
+    if (bad && (self->firing_doubt < self->calibration.positions)) { self->firing_doubt = self->calibration.positions; }
 }
+
+void sd_ecu_firing_spurious(sd_ecu_t *self) { self->firing_doubt = (uint16_t)(4u * self->calibration.positions); }
 
 static void judge(sd_ecu_t *self, const sd_tooth_t *tooth) {
     sd_status_t *status = &self->status[SD_OWNER_FIRING];
@@ -84,8 +86,13 @@ static bool step_filters(sd_ecu_t *self, const sd_kalman_tooth_t *seen, sd_firin
     if (tables->sets < 2u) { return complete; }
     sd_firing_t other;
     const bool other_complete = sd_kalman_step(&self->rough, tables, seen, &other);
-    if (complete && other_complete) { (void)sd_road_step(&self->road, firing, &other); }
     const uint8_t smooth = sd_kalman_status(&self->filter, tables).health, rough = sd_kalman_status(&self->rough, tables).health;
+    const bool settled = (smooth == (uint8_t)SD_VALID) && (rough == (uint8_t)SD_VALID);
+    if (!settled) {
+        sd_road_restart(&self->road);
+    } else if (complete && other_complete) {
+        (void)sd_road_step(&self->road, firing, &other);
+    }
     self->on_rough = (smooth != rough) ? (smooth > rough) : self->road.rough;
     if (self->on_rough == 0u) { return complete; }
     *firing = other;
@@ -103,6 +110,7 @@ void sd_ecu_firing_tooth(sd_ecu_t *self, const sd_port_t *port, const sd_tooth_t
     const bool complete = step_filters(self, &seen, &firing);
     self->signals.firing_waveform_nm = sd_ecu_filter(self)->torque_nm;
     watch_teeth(self, tooth);
+    if ((self->filter.teeth == 0u) || (sd_ecu_filter(self)->teeth == 0u)) { sd_misfire_start(&self->misfire); } /* began anew */
     judge(self, tooth);
     learn(self, tooth, &seen);
     if (!complete) { return; }

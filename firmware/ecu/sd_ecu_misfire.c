@@ -19,6 +19,7 @@ static uint8_t inhibits(const sd_ecu_t *self, uint32_t tick, float fuel_mg) {
     const sd_sample_t *shift = sd_ecu_recent(self, SD_INPUT_DRIVELINE_SHIFT, tick);
     const sd_sample_t *level = &self->sample[SD_INPUT_FUEL_LEVEL];
     uint32_t why = 0;
+    if ((self->status[SD_OWNER_FIRING].why & (uint8_t)SD_WHY_CONVERGING) != 0u) { why |= SD_INHIBIT_ESTIMATE; }
     if ((fuel_mg < 0.0f) || ((self->status[SD_OWNER_FIRING].why & spoilt) != 0u)) { why |= SD_INHIBIT_OUTSIDE; }
     if ((shift != NULL) && (shift->value > 0.5f)) { why |= SD_INHIBIT_SHIFT; }
     if ((level->seen != 0u) && (level->value < self->calibration.parameters.misfire_fuel_level_min_percent)) { why |= SD_INHIBIT_LEVEL; }

@@ -11,6 +11,8 @@ void sd_ecu_worst_of(sd_status_t *status, uint8_t health, uint8_t why);
 
 /// The angle was lost or moved: the filter begins anew.
 void sd_ecu_firing_restart(sd_ecu_t *self);
+/// An edge that stands for no tooth was seen. Which of two near each other is the tooth may have been decided wrongly.
+void sd_ecu_firing_spurious(sd_ecu_t *self);
 /// Filter, pattern learning and firing signals, for a placed tooth.
 void sd_ecu_firing_tooth(sd_ecu_t *self, const sd_port_t *port, const sd_tooth_t *tooth);
 

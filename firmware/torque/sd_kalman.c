@@ -73,15 +73,28 @@ static bool predict(sd_kalman_t *self, const sd_kalman_tables_t *t, uint32_t k) 
     return true;
 }
 
-/* How late a tooth may be: jitter, and what the highest torque does over a mark. */
-static float limit_rad(const sd_kalman_tables_t *t, float scale) {
+static float magnitude(float x) { return (x < 0.0f) ? -x : x; }
+
+static float root(float x) { return (x > 0.0f) ? x * sd_rsqrt_f32(x) : 0.0f; }
+
+/* How late a tooth may be: jitter, and what a torque that nobody expects does over a mark. Once settled, both are known:
+ * the innovation as met, and a firing that comes or fails; its peak is some 4 times its mean. */
+static float limit_rad(const sd_kalman_t *self, const sd_kalman_tables_t *t, sd_between_t at, float scale) {
     const float mark = 3.0f * pitch_of(t);
-    return t->reject_rad + 0.5f * mark * mark * t->torque_base_nm / scale;
+    float jitter = t->reject_rad, torque = t->torque_base_nm;
+    if (self->teeth >= t->settle_teeth) {
+        jitter = 8.0f * blend(t->noise_rad, at) * blend(t->innovation, at) * root(self->noise_ratio);
+        torque *= 0.05f;
+        for (uint32_t j = 0; j < t->coefficients; ++j) {
+            const float peak = 6.0f * magnitude(self->coefficient_nm[j]);
+            torque = (peak > torque) ? peak : torque;
+        }
+    }
+    return jitter + 0.5f * mark * mark * torque / scale;
 }
 
-static bool plausible(sd_kalman_t *self, const sd_kalman_tables_t *t, float scale) {
-    const float late = self->innovation_rad;
-    self->test_ratio = ((late < 0.0f) ? -late : late) / limit_rad(t, scale);
+static bool plausible(sd_kalman_t *self, const sd_kalman_tables_t *t, sd_between_t at, float scale) {
+    self->test_ratio = magnitude(self->innovation_rad) / limit_rad(self, t, at, scale);
     if (!(self->test_ratio > 1.0f)) { self->rejected_in_row = 0; return true; }
     if (self->rejected < UINT16_MAX) { self->rejected++; }
     self->rejected_in_row++;
@@ -101,11 +114,11 @@ static void correct(sd_kalman_t *self, const sd_kalman_tables_t *t, const sd_kal
     const float slowness = sd_rsqrt_f32(square), speed = square * slowness;
     const float scale = t->inertia_mean_kgm2 * square;
     self->innovation_rad = -self->lateness_s * speed - tooth->late_rad;
-    if (!plausible(self, t, scale)) { return; }
     /* The normalised map is the same at every speed, so every table is stable at any. That of half the speed trusts the
      * state less, which is right while there is little to trust. */
     const bool settled = self->teeth >= t->settle_teeth;
     const sd_between_t at = find_speed(self, t, settled ? speed : 0.5f * speed);
+    if (!plausible(self, t, at, scale)) { return; }
     if (settled) { watch_noise(self, t, at); }
     const float *low = gains_of(t, k, at.at), *high = gains_of(t, k, at.next);
     const float r = self->innovation_rad, push = r * scale;
@@ -134,8 +147,6 @@ static bool in_range(const sd_kalman_t *self, const sd_kalman_tables_t *t) {
     return (self->energy_j > energy_min(t)) && (self->energy_j < 1e9f) && (self->lateness_s > -1.0f) &&
            (self->lateness_s < 1.0f);
 }
-
-static float root(float x) { return (x > 0.0f) ? x * sd_rsqrt_f32(x) : 0.0f; }
 
 static void remember(sd_kalman_t *self, uint32_t i) {
     self->ring_nm[i][self->next[i]] = self->coefficient_nm[1u + i];

@@ -48,7 +48,7 @@ typedef struct sd_kalman_tables {
     float    tick_hz;        ///< Capture ticks a second, [1e5, 2e8].
     float    torque_base_nm; ///< Highest |coefficient|, (0, 20000]; beyond it the filter starts anew.
     float    shape_sd;       ///< What is not known of the pulses' shape, as a share of a firing's torque, [0, 1].
-    float    reject_rad;     ///< Lateness beyond which a tooth is left out, besides what torque_base_nm explains, > 0.
+    float    reject_rad;     ///< Lateness beyond which a tooth is left out, besides what a torque explains, > 0; 8 times the innovation as met, where that is less.
     uint16_t settle_teeth;   ///< Until the estimate counts as converged.
     float    inertia_mean_kgm2;                             ///< (0, 10].
     float    inertia_tooth_kgm2[SD_KALMAN_POSITIONS_MAX];   ///< At position k, (0, 10].

@@ -73,9 +73,8 @@ void sd_afr_cycle(sd_afr_t *self, const sd_afr_grid_t *grid, float speed_radps, 
     interpolate(self, grid, speed_radps, intake_bar, &node);
     const float step_s = 12.566371f / (speed_radps * (float)self->config.cycle_positions);
     const float charge_kg = grid->air_kg_per_bar * intake_bar + 1e-6f * fuel_mg;
-    const float flow_kgps = charge_kg * (float)self->config.cylinders * speed_radps * (1.0f / 12.566371f);
     const sd_exhaust_point_t point = { .share = self->share, .charge_kg = charge_kg, .rate_hz = node.rate_hz, .z0_kg = node.z0_kg,
-                                       .delay_positions = (node.transport_kg / flow_kgps + grid->dead_s) / step_s + LAG_LEAD };
+                                       .pipe_kg = node.transport_kg, .delay_positions = grid->dead_s / step_s + LAG_LEAD };
     if (sd_exhaust_set_f32(&self->exhaust, &point, step_s) != SD_OK) { return; }
     const uint8_t slow = (speed_radps * (grid->tau1_s + grid->tau2_s) > self->config.slow_above) ? 1u : 0u;
     if (slow != self->slow) { self->cycles = 0; }
@@ -97,6 +96,10 @@ void sd_afr_step(sd_afr_t *self, uint32_t cycle_position, float lambda) {
     sd_exhaust_step_f32(&self->exhaust, cycle_position, &now);
     sd_afr_joint_step(&self->joint, &now, (lambda < 2.0f) ? 1.0f - lambda : SD_AFR_NO_SAMPLE, NULL);
     if (self->joint.running == 0u) { self->cycles = 0; }
+}
+
+void sd_afr_trimmed(sd_afr_t *self, uint32_t cylinder, float fuel_factor) {
+    sd_afr_joint_move(&self->joint, cylinder, (fuel_factor - 1.0f) * sd_afr_joint_lambda(&self->joint, cylinder));
 }
 
 float sd_afr_lambda(const sd_afr_t *self, uint32_t cylinder) { return sd_afr_joint_lambda(&self->joint, cylinder); }

@@ -64,6 +64,8 @@ void sd_afr_cycle(sd_afr_t *self, const sd_afr_grid_t *grid, float speed_radps, 
 void sd_afr_restart(sd_afr_t *self);
 /// Next wheel position; lambda: mean of its samples, or SD_AFR_NO_SAMPLE.
 void sd_afr_step(sd_afr_t *self, uint32_t cycle_position, float lambda);
+/// A cylinder's fuel was changed by this factor, and its gas is about to arrive.
+void sd_afr_trimmed(sd_afr_t *self, uint32_t cylinder, float fuel_factor);
 /// Of a cylinder by firing order.
 float sd_afr_lambda(const sd_afr_t *self, uint32_t cylinder);
 /// Its deviation from the mean over the mean, and what that may be off by (standard deviation).

@@ -133,6 +133,11 @@ void sd_afr_joint_step(sd_afr_joint_t *self, const sd_exhaust_now_f32_t *now, fl
     if (self->steps < UINT32_MAX) { self->steps++; }
 }
 
+void sd_afr_joint_move(sd_afr_joint_t *self, uint32_t cylinder, float lambda_change) {
+    if ((self->running == 0u) || (cylinder >= self->config.cylinders) || !within(lambda_change, -1.0f, 1.0f)) { return; }
+    self->air_fraction[cylinder] -= lambda_change;
+}
+
 float sd_afr_joint_lambda(const sd_afr_joint_t *self, uint32_t cylinder) {
     if ((self->running == 0u) || (cylinder >= self->config.cylinders)) { return 0.0f; }
     return 1.0f - self->air_fraction[cylinder];

@@ -50,6 +50,8 @@ void sd_afr_joint_restart(sd_afr_joint_t *self);
 /// Next position. measured: air fraction, mean of the samples within the position, (-2, 2); anything else (NaN too)
 /// counts as no sample. gains: NULL, or K of this position in the order x, a_i, s2, s1 (the covariance then rests).
 void sd_afr_joint_step(sd_afr_joint_t *self, const sd_exhaust_now_f32_t *now, float measured, const float *gains);
+/// A cylinder's lambda is known to have changed by this much: its fuel was trimmed. Ignored beyond +-1 (NaN too).
+void sd_afr_joint_move(sd_afr_joint_t *self, uint32_t cylinder, float lambda_change);
 /// lambda = 1 - a of a cylinder, by firing order; 0 beyond, or while not running.
 float sd_afr_joint_lambda(const sd_afr_joint_t *self, uint32_t cylinder);
 /// Variance of a cylinder's lambda less the mean of all.

@@ -21,4 +21,8 @@ static inline uint32_t sd_afr_split_q31(sd_q31_t x, uint32_t parts, sd_q31_t *re
     return (uint32_t)(at >> 31);
 }
 
+/* n / d for 0 <= n < d. */
+static inline float sd_afr_over_f32(float n, float d) { return n / d; }
+static inline sd_q31_t sd_afr_over_q31(sd_q31_t n, sd_q31_t d) { return (sd_q31_t)(((int64_t)n << 31) / d); }
+
 #endif

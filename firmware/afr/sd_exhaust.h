@@ -7,8 +7,10 @@
 ///     psi(z) = sqrt(2 g/(g-1) (z^(-2/g) - z^(-(g+1)/g))) for 1 < z, constant above the choke, 0 up to 1
 /// where share is the part of a cylinder's gas that passes its valve within one position. It needs no pressure sensor;
 /// where there is one, sd_exhaust_measured replaces M.
-/// C: a ring of what B said keeps M, its outflow and the angle; read with the transport delay it gives the gas that the
-/// sensor meets now. Flows need no ring: a delay moves the place in the table.
+/// C: a ring of what B said keeps M and its outflow; read with the transport delay it gives the gas that the sensor meets
+/// now. Flows need no ring: a delay moves the place in the table. The delay is a mass that must have left after a gas
+/// before it is through the pipe, so that it breathes with the outflow, and a time on top of it; a mass of 0 gives the
+/// document's constant delay. Where the delay grows within a position, the sensor sees that much less than a position.
 ///
 /// Two variants from one body: _f32 and _q31 (masses per unit of mass_base). Real-time contract: no heap, no globals,
 /// no libm; step costs one pass over the cylinders. Call order: init; set when the operating point changes (once a
@@ -34,11 +36,12 @@ typedef struct sd_exhaust_config {
 
 /// Operating point; read by set only.
 typedef struct sd_exhaust_point {
-    const float *share;    ///< [cycle_positions], from firing TDC on, each [0, 1), sum about 1.
+    const float *share;    ///< [cycle_positions], from firing TDC on, each [0, 1); the rest of the gas stays in the cylinder.
     float charge_kg;       ///< Gas of one cylinder in one cycle, fuel included, (0, mass_base).
     float rate_hz;         ///< Turbine area sqrt(R T)/manifold volume, [0, 1000].
     float z0_kg;           ///< Mass in the manifold at the pressure behind the turbine, (0, mass_base).
-    float delay_positions; ///< From the manifold to the sensor's tip, at least 0; beyond the ring it is cut and said so.
+    float pipe_kg;         ///< Gas between turbine and sensor, [0, mass_base).
+    float delay_positions; ///< Beside that, at least 0. Beyond the ring the whole delay is cut and said so.
 } sd_exhaust_point_t;
 
 #define SD_EXHAUST_DECLARE(N, T)                                                                                       \
@@ -51,13 +54,18 @@ typedef struct sd_exhaust_point {
     typedef struct sd_exhaust_##N {                                                                                    \
         T mass;                             /* M */                                                                    \
         T ring_mass[SD_EXHAUST_RING], ring_out[SD_EXHAUST_RING];                                                       \
+        T ring_piped[SD_EXHAUST_RING];      /* how long ago what leaves the pipe left the manifold, over the ring */   \
         uint32_t at;                        /* last written */                                                         \
+        uint32_t held;                      /* positions whose outflow is in the pipe, */                              \
+        T inside, pipe;                     /* how much that is, and how much the pipe holds */                        \
+        T delay;                            /* whole delay, over the ring */                                           \
         T share[SD_AFR_POSITIONS_MAX];                                                                                 \
         T psi[SD_EXHAUST_PSI + 1];                                                                                     \
         T charge;                                                                                                      \
-        T late;                             /* fraction of a position in the delay */                                  \
-        uint32_t delay;                     /* whole positions */                                                      \
+        T late;                             /* fraction of a position in the constant part of the delay, */            \
+        uint32_t wait;                      /* and its whole positions */                                              \
         sd_gain_##N##_t to_z, rate;         /* M to z/2; M psi to outflow a position */                                \
+        sd_gain_##N##_t to_positions;       /* from parts of the ring */                                               \
         float    mass_base_kg;                                                                                         \
         uint16_t cycle_positions;                                                                                      \
         uint16_t firing_position[SD_AFR_CYLINDERS_MAX];                                                                \

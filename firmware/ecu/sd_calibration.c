@@ -32,7 +32,10 @@ static void walk_kalman(sd_page_walk_t *walk, sd_kalman_tables_t *t) {
     sd_page_u8(walk, &t->speeds);
     sd_page_u8(walk, &t->sets);
     sd_page_u8(walk, &t->firings);
+    sd_page_u8(walk, &t->cylinders);
+    sd_page_u8(walk, &t->modes);
     for (uint32_t i = 0; i < SD_KALMAN_FIRINGS_MAX; ++i) { sd_page_u16(walk, &t->read_position[i]); }
+    for (uint32_t i = 0; i < SD_KALMAN_FIRINGS_MAX; ++i) { sd_page_u16(walk, &t->close_position[i]); }
     sd_page_32(walk, &t->tick_hz);
     sd_page_32(walk, &t->torque_base_nm);
     sd_page_32(walk, &t->shape_sd);
@@ -41,17 +44,13 @@ static void walk_kalman(sd_page_walk_t *walk, sd_kalman_tables_t *t) {
     sd_page_32(walk, &t->inertia_mean_kgm2);
     walk_floats(walk, t->inertia_tooth_kgm2, t->positions);
     walk_floats(walk, t->inertia_interval_kgm2, t->positions);
-    for (uint32_t i = 0; i < 3u; ++i) {
-        walk_floats(walk, t->known_per_bar[i], 2u * t->positions);
-        walk_floats(walk, t->known[i], 2u * t->positions);
+    for (uint32_t i = 0; i < 3u; ++i) { walk_floats(walk, t->known[i], 2u * t->positions); }
+    for (uint32_t m = 0; m < SD_KALMAN_MODES_MAX; ++m) {
+        walk_floats(walk, (float *)&t->mode[m], sizeof t->mode[m] / sizeof(float)); /* floats without gaps */
     }
     walk_floats(walk, t->speed_radps, SD_KALMAN_SPEEDS_MAX);
-    walk_floats(walk, t->noise_rad, SD_KALMAN_GAINS_MAX);
-    walk_floats(walk, t->innovation, SD_KALMAN_GAINS_MAX);
-    walk_floats(walk, t->single_sd, SD_KALMAN_GAINS_MAX);
-    walk_floats(walk, t->mean_sd, SD_KALMAN_GAINS_MAX);
-    walk_floats(walk, t->pattern_sd, SD_KALMAN_GAINS_MAX);
-    walk_floats(walk, t->load_sd_nm, SD_KALMAN_GAINS_MAX);
+    float *const of_gains[] = { t->noise_rad, t->innovation, t->single_sd, t->mean_sd, t->pattern_sd, t->load_sd_nm };
+    for (uint32_t i = 0; i < sizeof of_gains / sizeof of_gains[0]; ++i) { walk_floats(walk, of_gains[i], SD_KALMAN_GAINS_MAX); }
     const uint32_t used = sd_kalman_pool_used(t);
     walk_floats(walk, t->pool, (used <= SD_KALMAN_POOL) ? used : 0u);
 }

@@ -52,6 +52,7 @@ typedef struct sd_ecu {
     sd_balance_t balance;
     float    burned_sum;          ///< Of the wide-band samples since the last tooth,
     uint32_t burned_count;        ///< and how many.
+    float    last_trim[SD_BALANCE_CYLINDERS_MAX]; ///< Of the last cycle, by firing order.
     float    last_speed_radps, last_fuel_mg; ///< Of the last cycle, for transients.
     uint32_t burned_seen;         ///< Samples in this cycle.
     sd_sample_t  sample[SD_INPUT_COUNT]; ///< By sd_input_t.

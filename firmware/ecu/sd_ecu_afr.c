@@ -113,8 +113,18 @@ static void balance(sd_ecu_t *self, uint8_t transient) {
     for (uint32_t i = 0; i < c->cylinders; ++i) { self->signals.balance_trim[c->firing_order[i] - 1u] = b->trim[i]; }
 }
 
+/* Trims of a cycle ago reach the sensor about now: the filter need not find out what is known. */
+static void tell_trims(sd_ecu_t *self) {
+    for (uint32_t i = 0; i < self->balance.config.cylinders; ++i) {
+        const float trim = self->balance.trim[i];
+        if (ready(self)) { sd_afr_trimmed(&self->afr, i, (1.0f + trim) / (1.0f + self->last_trim[i])); }
+        self->last_trim[i] = trim;
+    }
+}
+
 void sd_ecu_afr_cycle(sd_ecu_t *self) {
     const float speed = self->signals.cycle_speed_rpm * RADPS_PER_RPM, fuel = self->sample[SD_INPUT_FUEL_INJECTED].value;
+    tell_trims(self);
     read_afr(self, speed);
     const bool transient = (changed(speed, self->last_speed_radps) > TRANSIENT_SPEED) ||
                            (changed(fuel, self->last_fuel_mg) > TRANSIENT_FUEL) || (fuel <= 0.0f);

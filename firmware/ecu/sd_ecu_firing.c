@@ -2,9 +2,12 @@
 /* The filter on tooth times in the ecu: its inputs, its signals, and when the tooth pattern is learned. */
 #include "sd_ecu_parts.h"
 
+#include <string.h>
+
 #define RAD_PER_DEG 0.017453293f
 #define INTAKE_USUAL_BAR 1.0f
 #define INPUT_OLD_S 0.5f
+#define ZERO_REVOLUTIONS 40u /* without fuel before a cylinder's zero is read: burnt gas is gone, the pattern known, the filter at rest */
 
 static bool has_filter(const sd_ecu_t *self) { return self->calibration.kalman.positions != 0u; }
 
@@ -45,6 +48,21 @@ static void learn(sd_ecu_t *self, const sd_tooth_t *tooth, const sd_kalman_tooth
     } else if (sd_pattern_step(&self->pattern, &self->calibration.kalman, seen)) {
         self->signals.wheel_learned_cycles = self->pattern.sums.cycles;
         self->signals.wheel_pattern_sd_deg = self->pattern.sd_rad / RAD_PER_DEG;
+    }
+}
+
+static void take_zeros(sd_ecu_t *self) {
+    sd_pattern_zeros(&self->pattern, &self->calibration.kalman, self->filter.zero_nm_per_bar);
+    memcpy(self->rough.zero_nm_per_bar, self->filter.zero_nm_per_bar, sizeof self->rough.zero_nm_per_bar);
+}
+
+/* What cylinders read without fuel is their zero. */
+static void learn_zero(sd_ecu_t *self, const sd_firing_t *firing) {
+    const bool rests = self->motored > ZERO_REVOLUTIONS * self->calibration.positions;
+    if (!rests || (self->status[SD_OWNER_FIRING].health != SD_VALID)) { return; }
+    const float speed = self->signals.crank_speed_rpm * 0.10471976f;
+    if (sd_pattern_take_zero(&self->pattern, &self->calibration.kalman, firing, self->filter.charge_bar[firing->index], speed)) {
+        take_zeros(self);
     }
 }
 
@@ -114,6 +132,7 @@ void sd_ecu_firing_tooth(sd_ecu_t *self, const sd_port_t *port, const sd_tooth_t
     judge(self, tooth);
     learn(self, tooth, &seen);
     if (!complete) { return; }
+    learn_zero(self, &firing);
     self->signals.firing_cylinder = (float)self->calibration.firing_order[firing.index];
     self->signals.firing_torque_nm = firing.torque_nm;
     self->signals.firing_sd_nm = firing.sd_nm;
@@ -128,6 +147,7 @@ sd_result_t sd_ecu_resume(sd_ecu_t *self, const sd_pattern_sums_t *learned) {
     if (!has_filter(self) || (sd_pattern_resume(&self->pattern, &self->calibration.kalman, learned) != SD_OK)) {
         return SD_ERR_CONFIG;
     }
+    take_zeros(self);
     self->signals.wheel_learned_cycles = self->pattern.sums.cycles;
     self->signals.wheel_pattern_sd_deg = self->pattern.sd_rad / RAD_PER_DEG;
     return SD_OK;

@@ -4,8 +4,11 @@
 #include <string.h>
 
 #define TWO_PI 6.2831853f
+#define TWIST_MAX_RAD 2.0f /* no flywheel's spring goes so far */
 
-_Static_assert(sizeof(sd_kalman_t) == 476, "without pointers, the same size on every target");
+static const float INVERSE[6] = { 1.0f, 0.5f, 1.0f / 3.0f, 0.25f, 0.2f, 1.0f / 6.0f };
+
+_Static_assert(sizeof(sd_kalman_t) == 556, "without pointers, the same size on every target");
 
 enum { REJECTED_IN_ROW_MAX = 12, /* teeth left out in a row after which the estimate itself must be wrong */
        SPEED_MIN_RADPS = 5 };
@@ -34,8 +37,17 @@ static float blend(const float *table, sd_between_t b) {
     return table[b.at] + b.share * (table[b.next] - table[b.at]);
 }
 
+/* Where the parts of a row begin (sd_kalman.h). */
+static uint32_t motored_from(const sd_kalman_tables_t *t) { return 3u * (t->coefficients - 1u); }
+
+static uint32_t modes_from(const sd_kalman_tables_t *t) { return motored_from(t) + 3u * t->cylinders; }
+
+static uint32_t gains_from(const sd_kalman_tables_t *t) { return modes_from(t) + 2u * t->modes; }
+
+static uint32_t gains_size(const sd_kalman_tables_t *t) { return t->coefficients + 2u + 2u * t->modes; }
+
 static uint32_t row_size(const sd_kalman_tables_t *t) {
-    return 3u * (t->coefficients - 1u) + (uint32_t)t->sets * t->speeds * (t->coefficients + 2u);
+    return gains_from(t) + (uint32_t)t->sets * t->speeds * gains_size(t);
 }
 
 uint32_t sd_kalman_pool_used(const sd_kalman_tables_t *tables) { return 2u * tables->positions * row_size(tables); }
@@ -43,7 +55,7 @@ uint32_t sd_kalman_pool_used(const sd_kalman_tables_t *tables) { return 2u * tab
 static const float *row_of(const sd_kalman_tables_t *t, uint32_t k) { return &t->pool[k * row_size(t)]; }
 
 static const float *gains_of(const sd_kalman_tables_t *t, uint32_t k, uint32_t speed) {
-    return row_of(t, k) + 3u * (t->coefficients - 1u) + speed * (t->coefficients + 2u);
+    return row_of(t, k) + gains_from(t) + speed * gains_size(t);
 }
 
 enum { MEAN, MOMENT, POINT };
@@ -51,16 +63,71 @@ enum { MEAN, MOMENT, POINT };
 /* T by one of the three tables; `whole` is what a constant torque has there. */
 static float torque_by(const sd_kalman_t *self, const sd_kalman_tables_t *t, uint32_t k, uint32_t which, float whole) {
     const uint32_t count = t->coefficients - 1u;
-    const float *f = row_of(t, k) + which * count;
-    float sum = t->known[which][k] + self->intake_bar * t->known_per_bar[which][k] + whole * self->coefficient_nm[0];
+    const float *f = row_of(t, k) + which * count, *g = row_of(t, k) + motored_from(t) + which * t->cylinders;
+    float sum = t->known[which][k] + whole * self->coefficient_nm[0];
     for (uint32_t j = 0; j < count; ++j) { sum += f[j] * self->coefficient_nm[1u + j]; }
+    for (uint32_t i = 0; i < t->cylinders; ++i) { sum += g[i] * self->charge_bar[i]; }
     return sum;
 }
+
+/* The twist that the mean torques of an interval would hold, of mode m; firing j is cylinder j where there are modes. */
+static float held_twist(const sd_kalman_t *self, const sd_kalman_tables_t *t, uint32_t k, uint32_t m, float square) {
+    const float *f = row_of(t, k), *g = f + motored_from(t), *known = f + modes_from(t) + 2u * m;
+    const sd_kalman_mode_t *mode = &t->mode[m];
+    float sum = known[0] + known[1] * square + mode->constant_radpnm * self->coefficient_nm[0];
+    for (uint32_t i = 0; i < t->cylinders; ++i) {
+        sum += mode->cylinder_radpnm[i] * (f[i] * self->coefficient_nm[1u + i] + g[i] * self->charge_bar[i]);
+    }
+    return sum;
+}
+
+/* exp(x A) = a I + b A with A = [0 1; -1 -2 z], for x >= 0: Taylor's series at a small part of x, then squared, both by
+ * A^2 = -I - 2 z A. */
+static void exponential(float x, float z, float *a, float *b) {
+    uint32_t halvings = 0;
+    while ((x > 0.5f) && (halvings < 10u)) { x *= 0.5f; halvings++; }
+    float term_a = 1.0f, term_b = 0.0f;
+    *a = 1.0f, *b = 0.0f;
+    for (uint32_t n = 0; n < 6u; ++n) { /* left out: 0.5^7 / 7! = 1.6e-6 */
+        const float next_a = -term_b, step = x * INVERSE[n];
+        term_b = (term_a - 2.0f * z * term_b) * step;
+        term_a = next_a * step;
+        *a += term_a, *b += term_b;
+    }
+    for (; halvings > 0u; --halvings) {
+        const float square_b = *b * *b;
+        *b = 2.0f * *a * *b - 2.0f * z * square_b;
+        *a = *a * *a - square_b;
+    }
+}
+
+static void swing(sd_kalman_t *self, const sd_kalman_tables_t *t, uint32_t k, float dt, float square) {
+    for (uint32_t m = 0; m < t->modes; ++m) {
+        const float held = held_twist(self, t, k, m, square), away = self->twist_rad[m] - held, v = self->swing_rad[m];
+        const float z = t->mode[m].damping;
+        float a, b;
+        exponential(t->mode[m].frequency_radps * dt, z, &a, &b);
+        self->twist_rad[m] = held + a * away + b * v;
+        self->swing_rad[m] = a * v - b * (away + 2.0f * z * v);
+    }
+}
+
+float sd_kalman_torque(const sd_kalman_t *self, const sd_kalman_tables_t *t, uint32_t k) {
+    return torque_by(self, t, k, MEAN, 1.0f);
+}
+
+bool sd_kalman_has_tooth(const sd_kalman_tables_t *t, uint32_t k) { return gains_of(t, k, 0)[0] != 0.0f; }
 
 static float pitch_of(const sd_kalman_tables_t *t) { return TWO_PI / (float)t->positions; }
 
 static float energy_min(const sd_kalman_tables_t *t) {
     return 0.5f * t->inertia_mean_kgm2 * (float)(SPEED_MIN_RADPS * SPEED_MIN_RADPS);
+}
+
+static void close_valves(sd_kalman_t *self, const sd_kalman_tables_t *t, uint32_t k) {
+    for (uint32_t i = 0; i < t->cylinders; ++i) {
+        if (t->close_position[i] == k) { self->charge_bar[i] = self->intake_bar; }
+    }
 }
 
 /* Over the interval that ends at cycle position k. False when the crank would stand still in it. */
@@ -69,7 +136,9 @@ static bool predict(sd_kalman_t *self, const sd_kalman_tables_t *t, uint32_t k) 
     const float middle = self->energy_j + pitch * torque_by(self, t, k, MOMENT, 0.5f);
     self->energy_j += pitch * torque_by(self, t, k, MEAN, 1.0f);
     if (!(middle > energy_min(t)) || !(self->energy_j > energy_min(t))) { return false; }
-    self->lateness_s += pitch * sd_rsqrt_f32(2.0f * middle / t->inertia_interval_kgm2[k % t->positions]);
+    const float square = 2.0f * middle / t->inertia_interval_kgm2[k % t->positions], dt = pitch * sd_rsqrt_f32(square);
+    self->lateness_s += dt;
+    swing(self, t, k, dt, square);
     return true;
 }
 
@@ -108,16 +177,35 @@ static void watch_noise(sd_kalman_t *self, const sd_kalman_tables_t *t, sd_betwe
     self->noise_ratio += (ratio * ratio - self->noise_ratio) * (1.0f / 256.0f);
 }
 
+/* Of the rigid crank at tooth k. */
+static float square_speed(const sd_kalman_t *self, const sd_kalman_tables_t *t, uint32_t k) {
+    return 2.0f * self->energy_j / t->inertia_tooth_kgm2[k % t->positions];
+}
+
+/* A wheel twisted ahead by q and turning faster by q' comes q / (w + q') early. */
+static float late_rad(const sd_kalman_t *self, const sd_kalman_tables_t *t, float speed, float slowness) {
+    float twist = 0.0f, rate = 0.0f;
+    for (uint32_t m = 0; m < t->modes; ++m) {
+        twist += self->twist_rad[m];
+        rate += self->swing_rad[m] * t->mode[m].frequency_radps;
+    }
+    return twist * (1.0f - rate * slowness) - self->lateness_s * speed;
+}
+
+float sd_kalman_late(const sd_kalman_t *self, const sd_kalman_tables_t *t, uint32_t cycle_position) {
+    const float square = square_speed(self, t, cycle_position), slowness = sd_rsqrt_f32(square);
+    return late_rad(self, t, square * slowness, slowness);
+}
+
 static void correct(sd_kalman_t *self, const sd_kalman_tables_t *t, const sd_kalman_tooth_t *tooth) {
     const uint32_t k = tooth->cycle_position;
-    const float square = 2.0f * self->energy_j / t->inertia_tooth_kgm2[k % t->positions];
-    const float slowness = sd_rsqrt_f32(square), speed = square * slowness;
+    const float square = square_speed(self, t, k), slowness = sd_rsqrt_f32(square), speed = square * slowness;
     const float scale = t->inertia_mean_kgm2 * square;
-    self->innovation_rad = -self->lateness_s * speed - tooth->late_rad;
-    /* The normalised map is the same at every speed, so every table is stable at any. That of half the speed trusts the
-     * state less, which is right while there is little to trust. */
+    self->innovation_rad = late_rad(self, t, speed, slowness) - tooth->late_rad;
+    /* Without modes the normalised map is the same at every speed, so every table is stable at any. That of half the speed
+     * trusts the state less, which is right while there is little to trust. */
     const bool settled = self->teeth >= t->settle_teeth;
-    const sd_between_t at = find_speed(self, t, settled ? speed : 0.5f * speed);
+    const sd_between_t at = find_speed(self, t, (settled || (t->modes > 0u)) ? speed : 0.5f * speed);
     if (!plausible(self, t, at, scale)) { return; }
     if (settled) { watch_noise(self, t, at); }
     const float *low = gains_of(t, k, at.at), *high = gains_of(t, k, at.next);
@@ -126,6 +214,11 @@ static void correct(sd_kalman_t *self, const sd_kalman_tables_t *t, const sd_kal
     self->energy_j += (low[1] + at.share * (high[1] - low[1])) * push;
     for (uint32_t j = 0; j < t->coefficients; ++j) {
         self->coefficient_nm[j] += (low[2u + j] + at.share * (high[2u + j] - low[2u + j])) * push;
+    }
+    low += 2u + t->coefficients, high += 2u + t->coefficients;
+    for (uint32_t m = 0; m < t->modes; ++m, low += 2, high += 2) {
+        self->twist_rad[m] += (low[0] + at.share * (high[0] - low[0])) * r;
+        self->swing_rad[m] += (low[1] + at.share * (high[1] - low[1])) * r;
     }
 }
 
@@ -144,12 +237,16 @@ static bool in_range(const sd_kalman_t *self, const sd_kalman_tables_t *t) {
         const float x = self->coefficient_nm[j];
         if (!((x > -t->torque_base_nm) && (x < t->torque_base_nm))) { return false; }
     }
+    for (uint32_t m = 0; m < t->modes; ++m) {
+        const float q = self->twist_rad[m], v = self->swing_rad[m];
+        if (!((q > -TWIST_MAX_RAD) && (q < TWIST_MAX_RAD) && (v > -TWIST_MAX_RAD) && (v < TWIST_MAX_RAD))) { return false; }
+    }
     return (self->energy_j > energy_min(t)) && (self->energy_j < 1e9f) && (self->lateness_s > -1.0f) &&
            (self->lateness_s < 1.0f);
 }
 
-static void remember(sd_kalman_t *self, uint32_t i) {
-    self->ring_nm[i][self->next[i]] = self->coefficient_nm[1u + i];
+static void remember(sd_kalman_t *self, uint32_t i, float torque_nm) {
+    self->ring_nm[i][self->next[i]] = torque_nm;
     self->next[i] = (uint8_t)((self->next[i] + 1u) % SD_KALMAN_MEAN);
     if (self->kept[i] < SD_KALMAN_MEAN) { self->kept[i]++; }
 }
@@ -161,15 +258,19 @@ static void read_firing(sd_kalman_t *self, const sd_kalman_tables_t *t, uint32_t
     /* Noise as met. A tooth's own error shows in the innovation too, but does not average out. */
     const float total = design * design * self->noise_ratio, fixed = pattern_rad * pattern_rad;
     const float fresh = (total > fixed) ? total - fixed : 0.0f;
-    remember(self, i);
+    firing->raw_nm = self->coefficient_nm[1u + i];
+    firing->torque_nm = firing->raw_nm - self->zero_nm_per_bar[i] * self->charge_bar[i];
+    remember(self, i, firing->torque_nm);
     const uint32_t count = self->kept[i];
     float sum = 0.0f;
     for (uint32_t j = 0; j < count; ++j) { sum += self->ring_nm[i][j]; }
     firing->index = (uint8_t)i;
-    firing->torque_nm = self->coefficient_nm[1u + i];
     firing->mean_nm = sum / (float)count;
     const float single = blend(t->single_sd, at), mean = blend(t->mean_sd, at), stays = blend(t->pattern_sd, at);
-    const float shape = t->shape_sd * firing->mean_nm;
+    float all = 0.0f;
+    for (uint32_t j = 0; j < t->firings; ++j) { all += self->coefficient_nm[1u + j] / (float)t->firings; }
+    /* The faster the engine, the less does the constant torque follow within a cycle what the pulses leave unexplained. */
+    const float slower = t->speed_radps[0] / speed, shape = t->shape_sd * all * ((slower < 1.0f) ? slower : 1.0f);
     const float shrink = (float)SD_KALMAN_MEAN / (float)count; /* variance, taken as independent until it is full */
     const float load = (self->set > 0u) ? blend(t->load_sd_nm, at) : 0.0f;
     firing->noise_nm = scale * single * root(fresh);
@@ -191,6 +292,20 @@ static void take_intake(sd_kalman_t *self, float intake_bar) {
     if (self->intake_held == 0u) { self->intake_bar = intake_bar; }
 }
 
+void sd_kalman_set_intake(sd_kalman_t *self, float intake_bar) {
+    self->intake_bar = intake_bar;
+    for (uint32_t i = 0; i < SD_KALMAN_FIRINGS_MAX; ++i) { self->charge_bar[i] = intake_bar; }
+}
+
+/* What a dual-mass flywheel takes from the crank beyond the constant torque. */
+static float through_spring(const sd_kalman_t *self, const sd_kalman_tables_t *t) {
+    float torque = 0.0f;
+    for (uint32_t m = 0; m < t->modes; ++m) {
+        torque += t->mode[m].spring_nmprad * self->twist_rad[m] + t->mode[m].damper_nmprad * self->swing_rad[m];
+    }
+    return torque;
+}
+
 bool sd_kalman_step(sd_kalman_t *self, const sd_kalman_tables_t *t, const sd_kalman_tooth_t *tooth, sd_firing_t *firing) {
     const uint32_t cycle = 2u * t->positions;
     if ((tooth->cycle_position >= cycle) || (tooth->advance < 1u) || (tooth->advance > cycle)) { return false; }
@@ -203,11 +318,12 @@ bool sd_kalman_step(sd_kalman_t *self, const sd_kalman_tables_t *t, const sd_kal
     for (uint32_t left = tooth->advance; (left-- > 0u) && moving;) {
         const uint32_t k = (tooth->cycle_position + cycle - left) % cycle;
         moving = predict(self, t, k);
+        close_valves(self, t, k);
         complete |= pass(self, t, k, tooth->pattern_rad, firing);
     }
     self->lateness_s -= (float)tooth->period_ticks / t->tick_hz;
     if (moving && (tooth->trusted != 0u)) { correct(self, t, tooth); }
-    self->torque_nm = torque_by(self, t, tooth->cycle_position, POINT, 1.0f);
+    self->torque_nm = torque_by(self, t, tooth->cycle_position, POINT, 1.0f) - through_spring(self, t);
     if (!moving || !in_range(self, t) || (self->rejected_in_row > REJECTED_IN_ROW_MAX)) {
         sd_kalman_restart(self);
         return false;
@@ -220,10 +336,13 @@ void sd_kalman_restart(sd_kalman_t *self) {
     const uint16_t rejected = self->rejected;
     const float intake_bar = self->intake_bar;
     const uint8_t held = self->intake_held, set = self->set;
+    float zero[SD_KALMAN_FIRINGS_MAX];
+    memcpy(zero, self->zero_nm_per_bar, sizeof zero);
     memset(self, 0, sizeof *self);
+    memcpy(self->zero_nm_per_bar, zero, sizeof zero);
     self->noise_ratio = 1.0f;
     self->rejected = rejected;
-    self->intake_bar = intake_bar;
+    sd_kalman_set_intake(self, intake_bar);
     self->intake_held = held;
     self->set = set;
 }
@@ -255,14 +374,21 @@ static bool sizes_ok(const sd_kalman_tables_t *t) {
     if ((t->coefficients < 1u) || (t->coefficients > SD_KALMAN_COEFFICIENTS_MAX)) { return false; }
     if ((t->speeds < 1u) || (t->speeds > SD_KALMAN_SPEEDS_MAX) || (t->sets < 1u) || (t->sets > SD_KALMAN_SETS_MAX)) { return false; }
     if (sd_kalman_pool_used(t) > SD_KALMAN_POOL) { return false; }
-    if ((t->firings > SD_KALMAN_FIRINGS_MAX) || (t->firings >= t->coefficients)) { return false; }
-    for (uint32_t i = 0; i < t->firings; ++i) {
-        if (t->read_position[i] >= 2u * t->positions) { return false; }
+    if ((t->cylinders < 1u) || (t->cylinders > SD_KALMAN_FIRINGS_MAX) || (t->firings > t->cylinders) || (t->firings >= t->coefficients)) { return false; }
+    if ((t->modes > SD_KALMAN_MODES_MAX) || ((t->modes > 0u) && (t->firings != t->cylinders))) { return false; }
+    for (uint32_t i = 0; i < t->cylinders; ++i) {
+        if ((t->read_position[i] >= 2u * t->positions) || (t->close_position[i] >= 2u * t->positions)) { return false; }
     }
     for (uint32_t i = 1; i < t->speeds; ++i) {
         if (!(t->speed_radps[i] > t->speed_radps[i - 1u])) { return false; }
     }
     return true;
+}
+
+static bool mode_ok(const sd_kalman_mode_t *mode) {
+    return all_within(&mode->frequency_radps, 1u, 1.0f, 1e5f) && all_within(&mode->damping, 1u, 0.0f, 0.99f) &&
+           all_within(&mode->constant_radpnm, 1u, -1.0f, 1.0f) && all_within(&mode->spring_nmprad, 1u, -1e7f, 1e7f) &&
+           all_within(mode->cylinder_radpnm, SD_KALMAN_FIRINGS_MAX, -1.0f, 1.0f) && all_within(&mode->damper_nmprad, 1u, -1e7f, 1e7f);
 }
 
 static bool tables_ok(const sd_kalman_tables_t *t) {
@@ -275,16 +401,15 @@ static bool tables_ok(const sd_kalman_tables_t *t) {
               all_within(t->innovation, gains, 1.0f, 1e3f) && all_within(t->single_sd, gains, 0.0f, 1e6f) &&
               all_within(t->mean_sd, gains, 0.0f, 1e6f) && all_within(t->pattern_sd, gains, 0.0f, 1e6f) &&
               all_within(t->load_sd_nm, gains, 0.0f, 1e6f);
-    for (uint32_t which = 0; ok && (which < 3u); ++which) {
-        ok = all_within(t->known[which], 2u * n, -1e5f, 1e5f) && all_within(t->known_per_bar[which], 2u * n, -1e5f, 1e5f);
-    }
+    for (uint32_t which = 0; ok && (which < 3u); ++which) { ok = all_within(t->known[which], 2u * n, -1e5f, 1e5f); }
+    for (uint32_t m = 0; ok && (m < t->modes); ++m) { ok = mode_ok(&t->mode[m]); }
     return ok && all_within(t->pool, sd_kalman_pool_used(t), -1e6f, 1e6f);
 }
 
 sd_result_t sd_kalman_init(sd_kalman_t *self, const sd_kalman_tables_t *tables) {
     if (!tables_ok(tables)) { return SD_ERR_CONFIG; }
     memset(self, 0, sizeof *self);
-    self->intake_bar = 1.0f;
+    sd_kalman_set_intake(self, 1.0f);
     sd_kalman_restart(self);
     return SD_OK;
 }

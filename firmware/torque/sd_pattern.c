@@ -8,23 +8,18 @@
 #define SPREAD_MIN  0.05f  /* of u, relative: below it one speed only was seen */
 #define MOTORED_SD  0.03f  /* of the motored torque, relative, while the speeds do not tell */
 
-_Static_assert(sizeof(sd_pattern_t) == 2916, "without pointers, the same size on every target");
-
-static bool has_tooth(const sd_kalman_tables_t *t, uint32_t k) {
-    const uint32_t from = 3u * (t->coefficients - 1u), row = sd_kalman_pool_used(t) / (2u * t->positions);
-    return t->pool[k * row + from] != 0.0f; /* gains are zero where no tooth is */
-}
+_Static_assert(sizeof(sd_pattern_t) == 3060, "without pointers, the same size on every target");
 
 static uint32_t teeth_of_cycle(const sd_kalman_tables_t *t) {
     uint32_t present = 0;
-    for (uint32_t k = 0; k < t->positions; ++k) { present += has_tooth(t, k) ? 2u : 0u; }
+    for (uint32_t k = 0; k < t->positions; ++k) { present += sd_kalman_has_tooth(t, k) ? 2u : 0u; }
     return present;
 }
 
 static float mean_product(const sd_kalman_tables_t *t, const float *a, const float *b) {
     float sum = 0.0f, count = 0.0f;
     for (uint32_t k = 0; k < t->positions; ++k) {
-        if (has_tooth(t, k)) { sum += a[k] * b[k]; count += 1.0f; }
+        if (sd_kalman_has_tooth(t, k)) { sum += a[k] * b[k]; count += 1.0f; }
     }
     return sum / count;
 }
@@ -32,9 +27,9 @@ static float mean_product(const sd_kalman_tables_t *t, const float *a, const flo
 static void remove_mean(const sd_kalman_tables_t *t, float *values) {
     float sum = 0.0f, count = 0.0f;
     for (uint32_t k = 0; k < t->positions; ++k) {
-        if (has_tooth(t, k)) { sum += values[k]; count += 1.0f; }
+        if (sd_kalman_has_tooth(t, k)) { sum += values[k]; count += 1.0f; }
     }
-    for (uint32_t k = 0; k < t->positions; ++k) { values[k] = has_tooth(t, k) ? values[k] - sum / count : 0.0f; }
+    for (uint32_t k = 0; k < t->positions; ++k) { values[k] = sd_kalman_has_tooth(t, k) ? values[k] - sum / count : 0.0f; }
 }
 
 /* The trend a_1 k + a_2 k^2 from the differences between the two revolutions. */
@@ -42,7 +37,7 @@ static void find_trend(const sd_pattern_t *self, const sd_kalman_tables_t *t, fl
     const float n = (float)t->positions;
     float count = 0.0f, k_sum = 0.0f, d_sum = 0.0f, kk = 0.0f, kd = 0.0f;
     for (uint32_t k = 0; k < t->positions; ++k) {
-        if (!has_tooth(t, k)) { continue; }
+        if (!sd_kalman_has_tooth(t, k)) { continue; }
         const float at = (float)k - 0.5f * n, d = self->cycle_rad[k + t->positions] - self->cycle_rad[k];
         count += 1.0f; k_sum += at; d_sum += d; kk += at * at; kd += at * d;
     }
@@ -111,14 +106,22 @@ static bool end_cycle(sd_pattern_t *self, const sd_kalman_tables_t *t) {
     return true;
 }
 
-static float ripple(const sd_kalman_tables_t *t, float intake_bar) {
-    float square = 0.0f;
+/* Rms of the motored torque; *free has no other. */
+static float ripple(const sd_kalman_t *free, const sd_kalman_tables_t *t) {
+    float square = 1e-6f;
     for (uint32_t k = 0; k < 2u * t->positions; ++k) {
-        const float torque = t->known[0][k] + intake_bar * t->known_per_bar[0][k];
-        square += torque * torque;
+        const float torque = sd_kalman_torque(free, t, k);
+        square += torque * torque / (float)(2u * t->positions);
     }
-    square = square / (float)(2u * t->positions) + 1e-6f;
     return square * sd_rsqrt_f32(square);
+}
+
+/* The prediction begins anew; the modes swing on. */
+static void restart_free(sd_pattern_t *self) {
+    const sd_kalman_t before = self->free;
+    sd_kalman_restart(&self->free);
+    memcpy(self->free.twist_rad, before.twist_rad, sizeof before.twist_rad);
+    memcpy(self->free.swing_rad, before.swing_rad, sizeof before.swing_rad);
 }
 
 /* From tooth 0: the free prediction starts with no lateness. */
@@ -129,12 +132,13 @@ static void begin_cycle(sd_pattern_t *self, const sd_kalman_tables_t *t, const s
         self->constant_nm = 0.0f;
         self->guessed = 1;
     }
-    sd_kalman_restart(&self->free);
+    restart_free(self);
+    sd_kalman_set_intake(&self->free, tooth->intake_bar);
+    self->ripple_nm = ripple(&self->free, t);
     self->free.running = 1;
     self->free.energy_j = self->energy_j;
     self->free.coefficient_nm[0] = self->constant_nm;
-    self->free.intake_bar = tooth->intake_bar;
-    self->ripple_nm = ripple(t, tooth->intake_bar);
+    self->free.lateness_s = sd_kalman_late(&self->free, t, 0) * sd_rsqrt_f32(2.0f * self->energy_j / t->inertia_tooth_kgm2[0]);
     self->cycle_rad[0] = 0.0f;
     self->teeth = 1;
     self->following = 1;
@@ -147,8 +151,7 @@ static void follow(sd_pattern_t *self, const sd_kalman_tables_t *t, const sd_kal
     sd_kalman_step(&self->free, t, &predicted, &unused);
     if (self->free.running == 0u) { sd_pattern_pause(self); return; }
     const uint32_t k = tooth->cycle_position;
-    const float square = 2.0f * self->free.energy_j / t->inertia_tooth_kgm2[k % t->positions];
-    self->cycle_rad[k] = -self->free.lateness_s * square * sd_rsqrt_f32(square);
+    self->cycle_rad[k] = sd_kalman_late(&self->free, t, k);
     self->teeth++;
 }
 
@@ -171,6 +174,25 @@ bool sd_pattern_step(sd_pattern_t *self, const sd_kalman_tables_t *t, const sd_k
     return changed;
 }
 
+bool sd_pattern_take_zero(sd_pattern_t *self, const sd_kalman_tables_t *t, const sd_firing_t *firing, float charge_bar,
+                          float speed_radps) {
+    const float u = W_REF_RADPS * W_REF_RADPS / (speed_radps * speed_radps), weight = u * u;
+    if ((firing->index >= t->firings) || !(charge_bar > 0.05f) || !(weight < 1e4f)) { return false; }
+    self->sums.zero[firing->index] += weight * firing->raw_nm / charge_bar;
+    self->sums.zero_u2[firing->index] += weight;
+    return firing->index == (t->firings - 1u);
+}
+
+void sd_pattern_zeros(const sd_pattern_t *self, const sd_kalman_tables_t *t, float *zero_nm_per_bar) {
+    float mean = 0.0f;
+    memset(zero_nm_per_bar, 0, SD_KALMAN_FIRINGS_MAX * sizeof *zero_nm_per_bar);
+    for (uint32_t i = 0; i < t->firings; ++i) {
+        if (!(self->sums.zero_u2[i] > 0.0f)) { return; }
+        mean += self->sums.zero[i] / self->sums.zero_u2[i] / (float)t->firings;
+    }
+    for (uint32_t i = 0; i < t->firings; ++i) { zero_nm_per_bar[i] = self->sums.zero[i] / self->sums.zero_u2[i] - mean; }
+}
+
 void sd_pattern_pause(sd_pattern_t *self) {
     self->following = 0;
     self->guessed = 0;
@@ -188,9 +210,11 @@ sd_result_t sd_pattern_resume(sd_pattern_t *self, const sd_kalman_tables_t *tabl
     }
     if (!(sums->cycles >= 0.0f) || !(sums->uu >= 0.0f) || !(sums->square >= 0.0f)) { return SD_ERR_CONFIG; }
     for (uint32_t k = 0; k < tables->positions; ++k) {
-        if (!has_tooth(tables, k) && (sums->late[k] != 0.0f)) { return SD_ERR_CONFIG; }
+        if (!sd_kalman_has_tooth(tables, k) && (sums->late[k] != 0.0f)) { return SD_ERR_CONFIG; }
     }
     self->sums = *sums;
+    sd_kalman_restart(&self->free);
+    self->ripple_nm = ripple(&self->free, tables);
     if (sums->cycles < (float)SD_PATTERN_CYCLES_MIN) { return SD_OK; }
     solve(self, tables, tables->inertia_mean_kgm2 * W_REF_RADPS * W_REF_RADPS * sums->cycles / sums->u);
     return SD_OK;

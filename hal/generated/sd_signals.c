@@ -119,7 +119,7 @@ const sd_signal_info_t sd_parameter_infos[SD_PARAMETER_COUNT] = {
     { "firing.pattern", "deg", 0.0f, 1.0f, 0.02f, SD_RATE_EDGE, SD_OWNER_FIRING },
     { "firing.load_walk", "Nm", 0.001f, 1000.0f, 0.1f, SD_RATE_EDGE, SD_OWNER_FIRING },
     { "firing.rough_walk", "Nm", 0.0f, 1000.0f, 3.0f, SD_RATE_EDGE, SD_OWNER_FIRING },
-    { "firing.change", "Nm", 0.01f, 10000.0f, 20.0f, SD_RATE_EDGE, SD_OWNER_FIRING },
+    { "firing.change", "Nm", 0.01f, 10000.0f, 10.0f, SD_RATE_EDGE, SD_OWNER_FIRING },
     { "firing.shape_sd", "", 0.0f, 1.0f, 0.0015f, SD_RATE_EDGE, SD_OWNER_FIRING },
     { "firing.reject", "deg", 0.01f, 10.0f, 1.5f, SD_RATE_EDGE, SD_OWNER_FIRING },
     { "firing.settle", "cycles", 1.0f, 200.0f, 3.0f, SD_RATE_EDGE, SD_OWNER_FIRING },

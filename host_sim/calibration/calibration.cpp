@@ -70,7 +70,7 @@ sd_cylinder_map_t page_map(const EngineFile &engine, const sd_calibration_t &c) 
 void page_filter(const EngineFile &engine, const std::string &tune_name, sd_calibration_t &c) {
     const auto known = known_torque(engine, c.parameters);
     if (!known || c.parameters.firing_enabled < 0.5f) return;
-    const KalmanTables made = kalman_tables(engine, *known, kalman_tune(c.parameters));
+    const KalmanTables made = kalman_tables(engine, *known, kalman_tune(engine, c.parameters));
     double radius = made.radius_between;
     for (const PeriodicGains &gains : made.gains) radius = std::max(radius, gains.radius);
     if (!(radius < 1)) {
@@ -103,14 +103,15 @@ sd_parameters_t resolve(const EngineFile &engine, sd_parameters_t tune) {
     return tune;
 }
 
+double reciprocating_inertia_kgm2(const EngineFile &engine, std::size_t lane, double alpha) {
+    const double r = engine.stroke_m / 2, l = engine.rod_m, a = alpha - engine.firing_tdc_deg[lane] * kRadPerDeg;
+    const double arm = r * std::sin(a) * (1 + r * std::cos(a) / std::sqrt(l * l - std::pow(r * std::sin(a), 2)));
+    return engine.reciprocating_mass_kg * arm * arm;
+}
+
 double crank_inertia_kgm2(const EngineFile &engine, double alpha) {
-    const double r = engine.stroke_m / 2, l = engine.rod_m;
     double inertia = engine.inertia_kgm2;
-    for (double tdc_deg : engine.firing_tdc_deg) {
-        const double a = alpha - tdc_deg * kRadPerDeg;
-        const double arm = r * std::sin(a) * (1 + r * std::cos(a) / std::sqrt(l * l - std::pow(r * std::sin(a), 2)));
-        inertia += engine.reciprocating_mass_kg * arm * arm;
-    }
+    for (std::size_t lane = 0; lane < engine.firing_tdc_deg.size(); ++lane) inertia += reciprocating_inertia_kgm2(engine, lane, alpha);
     return inertia;
 }
 

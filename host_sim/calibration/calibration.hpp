@@ -19,6 +19,9 @@ sd_parameters_t read_tune(TomlFile &tune, const sd_parameters_t *otherwise = nul
 /// (equations of document 004; Kiencke-Nielsen). alpha in rad, 0 = firing TDC of the first cylinder.
 double crank_inertia_kgm2(const EngineFile &engine, double alpha);
 
+/// The part of it that one entry of firing_order moves.
+double reciprocating_inertia_kgm2(const EngineFile &engine, std::size_t lane, double alpha);
+
 /// The parameters with what they leave to the engine filled in: torque.harmonics, torque.torque_base.
 sd_parameters_t resolve(const EngineFile &engine, sd_parameters_t tune);
 

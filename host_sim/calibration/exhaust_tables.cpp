@@ -4,42 +4,23 @@
 #include <algorithm>
 #include <cmath>
 
+#include "calibration/pulse.hpp"
+#include "calibration/slider_crank.hpp"
+
 namespace sixdeg {
 namespace {
 
 constexpr double kR = 287, kGamma = 1.34, kAmbientPa = 101300;
-constexpr double kChargeK = 335, kStoichiometric = 14.6, kHeatJpkg = 42.7e6,
-                 kHeatKept = 0.75;              // typical of a diesel
+constexpr double kCp = kGamma * kR / (kGamma - 1), kCv = kCp - kR;
+constexpr double kChargeK = 335, kStoichiometric = 14.6;
 constexpr double kCoolingWpk = 4, kWallK = 500; // of the manifold
 constexpr double kStepDeg = 0.25, kRadPerDeg = M_PI / 180;
-constexpr int kCycles = 4; // until the manifold repeats itself
+constexpr int kCycles = 6, kFirings = 3; // until the manifold repeats itself, and the cylinder's rest
 
 double psi(double z) { // over z = upstream/downstream pressure
     const double choke = std::pow((kGamma + 1) / 2, kGamma / (kGamma - 1)), r = 1 / std::clamp(z, 1.0, choke);
     return std::sqrt(2 * kGamma / (kGamma - 1) *
                      (std::pow(r, 2 / kGamma) - std::pow(r, (kGamma + 1) / kGamma)));
-}
-
-struct Piston {
-    explicit Piston(const EngineFile &e)
-        : area(M_PI / 4 * e.bore_m * e.bore_m), crank(e.stroke_m / 2), rod(e.rod_m),
-          clearance(area * e.stroke_m / (e.compression_ratio - 1)) {}
-    double volume(double theta) const {
-        const double s = crank * std::sin(theta);
-        return clearance + area * (crank * (1 - std::cos(theta)) + rod - std::sqrt(rod * rod - s * s));
-    }
-    double area, crank, rod, clearance;
-};
-
-/// Pressure when the exhaust valve opens: polytropic compression, heat at once, polytropic expansion.
-double opening_pressure(const Piston &piston, const EngineFile &engine, double fuel_kg, double intake_pa) {
-    constexpr double kCompress = 1.35, kExpand = 1.30, kBurnRad = 0.3;
-    const double v0 = piston.volume(kRadPerDeg * engine.intake_close_deg), v1 = piston.volume(kBurnRad),
-                 v2 = piston.volume(kRadPerDeg * engine.exhaust_open_deg);
-    const double cv = kR / (kExpand - 1);
-    const double burned =
-        intake_pa * std::pow(v0 / v1, kCompress) + kHeatKept * fuel_kg * kHeatJpkg / cv * kR / v1;
-    return burned * std::pow(v1 / v2, kExpand);
 }
 
 struct Gas { // of an open cylinder; entropy stays, so pressure follows mass and volume
@@ -51,42 +32,52 @@ struct Gas { // of an open cylinder; entropy stays, so pressure follows mass and
     }
 };
 
+/// Factors on what the model knows least: charge, turbine area, pressure when the exhaust valve opens.
+struct Trim {
+    double charge = 1, area = 1, heat = 1;
+};
+
 class Blowdown {
   public:
-    Blowdown(const EngineFile &engine, double speed, double intake_pa, double lambda)
+    Blowdown(const EngineFile &engine, double speed, double intake_pa, double lambda, const Trim &trim)
         : engine_(engine), exhaust_(*engine.exhaust), open_rad_(kRadPerDeg * engine.exhaust_open_deg),
           piston_(engine), speed_(speed),
-          trapped_(exhaust_.flow_factor * intake_pa * piston_.volume(kRadPerDeg * engine.intake_close_deg) /
+          area_(trim.area * exhaust_.turbine_area_m2.at(speed)), heat_(trim.heat),
+          trapped_(trim.charge * exhaust_.flow_factor * intake_pa * piston_.volume(kRadPerDeg * engine.intake_close_deg) /
                    (kR * kChargeK)),
-          fuel_(trapped_ * lambda / (1 + kStoichiometric - lambda)),
-          opening_pa_(opening_pressure(piston_, engine, fuel_, intake_pa)), manifold_k_(700),
+          lambda_(lambda), intake_pa_(intake_pa), rest_(0.05 * trapped_),
           share_(std::size_t(2 * engine.wheel.positions), 0.0),
           gas_(engine.firing_tdc_deg.size(), Gas{trapped_, kAmbientPa, piston_.volume(M_PI)}) {}
 
     ExhaustPoint run() {
+        constexpr double kStartK = 700;
+        kg_ = 1.2 * kAmbientPa * exhaust_.manifold_m3 / (kR * kStartK);
+        joule_ = kg_ * kCv * kStartK;
         const int steps = int(std::lround(720 / kStepDeg));
-        kg_ = 1.2 * kAmbientPa * exhaust_.manifold_m3 / (kR * manifold_k_);
-        for (int i = 0; i < kCycles * steps; ++i) {
-            step(i % steps, i >= (kCycles - 1) * steps);
-            if (i % steps == steps - 1 && i < (kCycles - 1) * steps) new_temperature();
+        for (int cycle = 0; cycle < kCycles; ++cycle) {
+            if (cycle < kFirings) fire();
+            for (int i = 0; i < steps; ++i) step(i, cycle == kCycles - 1);
         }
-        double passed = 0;
-        for (double &s : share_) passed += s = std::max(s, 0.0); // what flows back is left out
-        for (double &s : share_) s /= passed;
-        const double charge = trapped_ + fuel_, flow = charge * double(gas_.size()) * speed_ / (4 * M_PI);
-        const double transport = (exhaust_.pipe_m3 + exhaust_.mixing_m3) * kAmbientPa / (kR * manifold_k_);
-        const double area = exhaust_.turbine_area_m2.at(speed_);
+        for (double &s : share_) s = std::max(s, 0.0) / (trapped_ + fuel_); // what flows back is left out
+        const double kelvin = sum_k_ / steps, ambient_kg_per_m3 = kAmbientPa / (kR * kelvin);
         return {share_,
-                charge,
-                area * std::sqrt(kR * manifold_k_) / exhaust_.manifold_m3,
-                kAmbientPa * exhaust_.manifold_m3 / (kR * manifold_k_),
+                trapped_ + fuel_,
+                area_ * std::sqrt(kR * kelvin) / exhaust_.manifold_m3,
+                ambient_kg_per_m3 * exhaust_.manifold_m3,
                 sum_kg_ / steps,
-                transport,
-                transport / flow + exhaust_.dead_time_s,
-                trapped_};
+                ambient_kg_per_m3 * (exhaust_.pipe_m3 + exhaust_.mixing_m3),
+                trapped_,
+                {speed_, intake_pa_, lambda_, trapped_ - rest_, sum_pa_ / steps, kelvin}};
     }
 
   private:
+    /// What stays in a cylinder is burned already: only the rest of the charge is air for fuel.
+    void fire() {
+        fuel_ = (trapped_ - rest_) * lambda_ / (1 + kStoichiometric - lambda_);
+        opening_pa_ =
+            heat_ * exhaust_opening_pa(engine_, {intake_pa_ / 1e5, speed_, kStoichiometric * fuel_ / trapped_});
+    }
+
     /// Positions are counted from the first at or after TDC, and hold what passes in the pitch that ends
     /// there.
     std::size_t share_index(double theta) const {
@@ -103,18 +94,19 @@ class Blowdown {
     }
 
     void step(int index, bool measured) {
-        const double h = kStepDeg * kRadPerDeg, dt = h / speed_, inflow = pass_valves(index, h, dt, measured);
-        const double z = pressure() / kAmbientPa;
-        const double out =
-            exhaust_.turbine_area_m2.at(speed_) * pressure() / std::sqrt(kR * manifold_k_) * psi(z) * dt;
-        kg_ += inflow - out;
-        if (measured) sum_kg_ += kg_;
+        const double h = kStepDeg * kRadPerDeg, dt = h / speed_, kelvin = manifold_k();
+        const double out = area_ * pressure() / std::sqrt(kR * kelvin) *
+                           psi(pressure() / kAmbientPa) * dt;
+        pass_valves(index, h, dt, measured);
+        kg_ -= out;
+        joule_ -= out * kCp * kelvin + kCoolingWpk * (kelvin - kWallK) * dt;
+        if (measured) sum_kg_ += kg_, sum_k_ += manifold_k(), sum_pa_ += pressure();
     }
 
-    double pressure() const { return kg_ * kR * manifold_k_ / exhaust_.manifold_m3; }
+    double manifold_k() const { return joule_ / (kg_ * kCv); }
+    double pressure() const { return kR / kCv * joule_ / exhaust_.manifold_m3; }
 
-    double pass_valves(int index, double h, double dt, bool measured) {
-        double inflow = 0;
+    void pass_valves(int index, double h, double dt, bool measured) {
         for (std::size_t i = 0; i < gas_.size(); ++i) {
             double theta = index * h - engine_.firing_tdc_deg[i] * kRadPerDeg;
             if (theta < 0) theta += 4 * M_PI;
@@ -126,45 +118,71 @@ class Blowdown {
             gas_[i].change(gas_[i].kg, volume);
             const double passed = through_valve(gas_[i], area, dt);
             gas_[i].change(gas_[i].kg - passed, volume);
-            inflow += passed;
-            heat_ += passed * gas_[i].kelvin(), flowed_ += passed;
+            kg_ += passed;
+            joule_ += passed * kCp * (passed > 0 ? gas_[i].kelvin() : manifold_k());
+            if (i == 0) rest_ = gas_[i].kg; // the last one stands
             if (measured && i == 0) share_[share_index(theta)] += passed;
         }
-        return inflow;
     }
 
     /// No more than evens the pressures out, so that long steps cannot overshoot.
     double through_valve(const Gas &gas, double area, double dt) const {
         const bool forward = gas.pa >= pressure();
         const double up = std::max(gas.pa, pressure()), down = std::min(gas.pa, pressure());
-        const double t = forward ? gas.kelvin() : manifold_k_;
+        const double t = forward ? gas.kelvin() : manifold_k();
         const double even = gas.kg * (1 - std::pow(down / up, 1 / kGamma)) / 2;
         return std::min(area * up / std::sqrt(kR * t) * psi(up / down) * dt, even) * (forward ? 1 : -1);
-    }
-
-    void new_temperature() {
-        const double cp = kGamma * kR / (kGamma - 1), per_cycle_s = 4 * M_PI / speed_;
-        const double kg = flowed_, in = heat_ / flowed_, loss = kCoolingWpk * per_cycle_s / (kg * cp);
-        const double before = manifold_k_;
-        manifold_k_ = (in + loss * kWallK) / (1 + loss);
-        kg_ *= before / manifold_k_;
-        heat_ = flowed_ = 0;
     }
 
     const EngineFile &engine_;
     const ExhaustSystem &exhaust_;
     double open_rad_;
-    Piston piston_;
-    double speed_, trapped_, fuel_, opening_pa_, manifold_k_;
+    SliderCrank piston_;
+    double speed_, area_, heat_, trapped_, lambda_, intake_pa_, rest_, fuel_ = 0, opening_pa_ = 0;
     std::vector<double> share_;
     std::vector<Gas> gas_;
-    double kg_ = 0, sum_kg_ = 0, heat_ = 0, flowed_ = 0;
+    double kg_ = 0, joule_ = 0, sum_kg_ = 0, sum_k_ = 0, sum_pa_ = 0; // of the manifold
 };
 
 } // namespace
 
+namespace {
+
+/// Trim at one reading: the model is run until it reads the same.
+Trim trim_at(const EngineFile &engine, const ExhaustReading &r) {
+    Trim trim;
+    for (int i = 0; i < 3; ++i) {
+        const ExhaustReading model = Blowdown(engine, r.speed_radps, r.intake_pa, r.lambda, trim).run().reading;
+        trim.charge *= r.air_kg * engine.exhaust->flow_factor / model.air_kg;
+        trim.heat *= r.kelvin / model.kelvin;
+        trim.area *= model.pressure_pa / r.pressure_pa;
+    }
+    return trim;
+}
+
+} // namespace
+
+// Each factor is the exponential of a plane over speed, intake pressure and lambda, laid through the readings.
+TrimmedExhaust::TrimmedExhaust(const EngineFile &engine) : engine_(engine) {
+    const auto &readings = engine.exhaust->readings;
+    if (readings.empty()) return;
+    Eigen::MatrixXd at(readings.size(), 4), log_trim(readings.size(), 3);
+    for (Eigen::Index i = 0; i < at.rows(); ++i) {
+        const ExhaustReading &r = readings[std::size_t(i)];
+        const Trim trim = trim_at(engine, r);
+        at.row(i) << 1, r.speed_radps, r.intake_pa, r.lambda;
+        log_trim.row(i) << std::log(trim.charge), std::log(trim.area), std::log(trim.heat);
+    }
+    plane_ = at.colPivHouseholderQr().solve(log_trim);
+}
+
+ExhaustPoint TrimmedExhaust::point(double speed_radps, double intake_pa, double lambda) const {
+    const Eigen::RowVector3d f = (Eigen::RowVector4d(1, speed_radps, intake_pa, lambda) * plane_).array().exp();
+    return Blowdown(engine_, speed_radps, intake_pa, lambda, {f(0), f(1), f(2)}).run();
+}
+
 ExhaustPoint exhaust_point(const EngineFile &engine, double speed_radps, double intake_pa, double lambda) {
-    return Blowdown(engine, speed_radps, intake_pa, lambda).run();
+    return TrimmedExhaust(engine).point(speed_radps, intake_pa, lambda);
 }
 
 namespace {
@@ -173,12 +191,13 @@ constexpr double kRpm[SD_AFR_SPEEDS] = {800, 1700, 3000, 4800}, kBar[SD_AFR_PRES
                  kLambda[SD_AFR_LAMBDAS] = {0.25, 0.75};
 constexpr double kMassCharges = 12; // the manifold never holds the gas of so many cylinders
 
-sd_afr_node_t page_node(const ExhaustPoint &point, int open_position) {
+/// The firmware knows one charge a bar of intake pressure; what it really is here goes into the shares.
+sd_afr_node_t page_node(const ExhaustPoint &point, int open_position, double charge_factor) {
     sd_afr_node_t node{};
     const auto cycle = point.share.size();
     for (std::size_t k = 0; k < std::min<std::size_t>(SD_AFR_OPEN, cycle); ++k)
         node.share[k] =
-            std::uint16_t(std::lround(65535 * point.share[(std::size_t(open_position) + k) % cycle]));
+            std::uint16_t(std::lround(65535 * charge_factor * point.share[(std::size_t(open_position) + k) % cycle]));
     node.rate_hz = float(point.rate_hz);
     node.z0_kg = float(point.z0_kg);
     node.transport_kg = float(point.transport_kg);
@@ -193,20 +212,22 @@ sd_afr_grid_t afr_grid(const EngineFile &engine) {
     grid.present = 1;
     const int open = int(std::floor(engine.exhaust_open_deg / 360 * engine.wheel.positions));
     grid.open_position = std::uint16_t(open);
-    ExhaustPoint point;
+    const TrimmedExhaust exhaust(engine);
+    const double at_bar = kBar[SD_AFR_PRESSURES / 2];
+    grid.air_kg_per_bar =
+        float(exhaust.point(kRpm[SD_AFR_SPEEDS / 2] * M_PI / 30, at_bar * 1e5, kLambda[0]).air_kg / at_bar);
     for (int s = 0; s < SD_AFR_SPEEDS; ++s) {
         for (int p = 0; p < SD_AFR_PRESSURES; ++p) {
             for (int l = 0; l < SD_AFR_LAMBDAS; ++l) {
-                point = exhaust_point(engine, kRpm[s] * M_PI / 30, kBar[p] * 1e5, kLambda[l]);
-                grid.node[s][p][l] = page_node(point, open);
+                const ExhaustPoint point = exhaust.point(kRpm[s] * M_PI / 30, kBar[p] * 1e5, kLambda[l]);
+                grid.node[s][p][l] = page_node(point, open, point.air_kg / (double(grid.air_kg_per_bar) * kBar[p]));
+                grid.mass_base_kg = std::max(grid.mass_base_kg, float(kMassCharges * point.charge_kg));
             }
         }
     }
     for (int s = 0; s < SD_AFR_SPEEDS; ++s) grid.speed_radps[s] = float(kRpm[s] * M_PI / 30);
     std::copy(std::begin(kBar), std::end(kBar), grid.pressure_bar);
     std::copy(std::begin(kLambda), std::end(kLambda), grid.lambda);
-    grid.air_kg_per_bar = float(point.air_kg / kBar[SD_AFR_PRESSURES - 1]);
-    grid.mass_base_kg = float(kMassCharges * point.charge_kg);
     grid.dead_s = float(engine.exhaust->dead_time_s);
     grid.tau1_s = float(engine.exhaust->uego_tau_s[0]);
     grid.tau2_s = float(engine.exhaust->uego_tau_s[1]);

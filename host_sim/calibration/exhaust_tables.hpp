@@ -5,6 +5,8 @@
 #include <array>
 #include <vector>
 
+#include <Eigen/Dense>
+
 #include "common/engine_file.hpp"
 extern "C" {
 #include "sd_afr.h"
@@ -14,19 +16,30 @@ namespace sixdeg {
 
 /// One operating point of the AFR blocks (firmware/afr).
 struct ExhaustPoint {
-    std::vector<double> share; ///< Of a cylinder's gas, by wheel position from firing TDC on, over a cycle; sum 1.
+    std::vector<double> share; ///< Of a cylinder's gas, by wheel position from firing TDC on, over a cycle; the rest stays.
     double charge_kg = 0;      ///< Of one cylinder and cycle, fuel included.
     double rate_hz = 0;        ///< Turbine area sqrt(R T)/manifold volume.
     double z0_kg = 0;          ///< In the manifold at ambient pressure.
     double mean_kg = 0;        ///< In the manifold, mean over the cycle.
     double transport_kg = 0;   ///< Gas between turbine and sensor.
-    double delay_s = 0;        ///< Turbine to sensor, dead time included.
-    double air_kg = 0;         ///< Of the charge.
+    double air_kg = 0;         ///< Of the charge, with what stayed from the last.
+    ExhaustReading reading{};  ///< What a test bench would read here.
 };
 
-/// Periodic flow at a constant speed, with fuel for `lambda` of document 004 in the exhaust. engine.exhaust is set.
-ExhaustPoint exhaust_point(const EngineFile &engine, double speed_radps, double intake_pa,
-                           double lambda);
+/// The model, trimmed to the readings of the engine file. engine.exhaust is set; the engine must outlive it.
+class TrimmedExhaust {
+  public:
+    explicit TrimmedExhaust(const EngineFile &engine);
+    /// Periodic flow at a constant speed, with fuel for `lambda` of document 004 in the exhaust.
+    ExhaustPoint point(double speed_radps, double intake_pa, double lambda) const;
+
+  private:
+    const EngineFile &engine_;
+    Eigen::Matrix<double, 4, 3> plane_ = Eigen::Matrix<double, 4, 3>::Zero();
+};
+
+/// One point of it.
+ExhaustPoint exhaust_point(const EngineFile &engine, double speed_radps, double intake_pa, double lambda);
 
 /// The grid for the calibration page; not present without engine.exhaust.
 sd_afr_grid_t afr_grid(const EngineFile &engine);

@@ -20,7 +20,7 @@ void predict_variance(const ToothModel &model, const ToothNoise &noise, int k, M
     predict_error(model, k, p);
     p(2, 2) += noise.constant_walk * noise.constant_walk;
     const int first = 3 + int(model.inject_at.size());
-    for (int j = first; j < p.rows(); ++j) p(j, j) += noise.basis_walk * noise.basis_walk;
+    for (int j = first; j < 2 + model.torques(); ++j) p(j, j) += noise.basis_walk * noise.basis_walk;
 }
 
 void inject(const ToothModel &model, const ToothNoise &noise, int k, MatrixXd &p) {
@@ -34,13 +34,14 @@ MatrixXd response(const ToothModel &model, const MatrixXd &gain, int from, int c
     const int firings = int(model.read_at.size());
     MatrixXd read = MatrixXd::Zero(cycles, firings);
     MatrixXd error = -gain.row(from).transpose();
+    const Eigen::RowVectorXd h = seen(model);
     for (int step = 1; step <= (cycles - 1) * model.cycle(); ++step) {
         const int k = (from + step) % model.cycle(), cycle = (from + step) / model.cycle();
         predict_error(model, k, error);
         for (int i = 0; i < firings; ++i) {
             if (model.read_at[std::size_t(i)] == k) read(cycle, i) = error(3 + i);
         }
-        if (present(model, k)) error -= gain.row(k).transpose() * error(0, 0);
+        if (present(model, k)) error -= (gain.row(k).transpose() * (h * error)).eval();
         if (k == 0 && error.squaredNorm() < 1e-20 * gain.squaredNorm()) break; // it has died out
     }
     return read.colwise() - read.rowwise().mean();
@@ -49,6 +50,7 @@ MatrixXd response(const ToothModel &model, const MatrixXd &gain, int from, int c
 /// Variance of the firings where they are read, with the walk and without timing errors, under given gains.
 double load_variance(const ToothModel &model, const ToothNoise &noise, const MatrixXd &gain) {
     constexpr int kCycles = 40;
+    const Eigen::RowVectorXd h = seen(model);
     MatrixXd p = MatrixXd::Zero(model.states(), model.states());
     double sum = 0;
     for (int step = 0; step < kCycles * model.cycle(); ++step) {
@@ -58,8 +60,8 @@ double load_variance(const ToothModel &model, const ToothNoise &noise, const Mat
             if (model.read_at[i] == k && step >= (kCycles - 1) * model.cycle()) sum += p(3 + int(i), 3 + int(i));
         }
         if (!present(model, k)) continue;
-        p -= (gain.row(k).transpose() * p.row(0)).eval();
-        p -= (p.col(0) * gain.row(k)).eval();
+        p -= (gain.row(k).transpose() * (h * p)).eval();
+        p -= (p * h.transpose() * gain.row(k)).eval();
     }
     return sum / double(model.read_at.size());
 }
@@ -91,20 +93,41 @@ void find_deviations(const ToothModel &model, int mean_cycles, PeriodicGains &ga
 
 } // namespace
 
+ToothMode tooth_mode(double turn_rad, double damping, const Eigen::RowVectorXd &compliance) {
+    const double root = std::sqrt(1 - damping * damping), decay = std::exp(-damping * turn_rad);
+    const double b = decay * std::sin(root * turn_rad) / root;
+    return {decay * std::cos(root * turn_rad) + damping * b, b, damping, compliance};
+}
+
 double ToothModel::pitch() const { return 2 * M_PI / positions; }
 
 void predict_error(const ToothModel &model, int k, Eigen::Ref<MatrixXd> error) {
     const double d = model.pitch(), j = model.inertia_ratio[std::size_t(k % model.positions)];
-    const auto x = error.bottomRows(error.rows() - 2);
+    const auto x = error.middleRows(2, model.torques());
     error.row(0) -= d / j * (error.row(1) + d * model.moment.row(k) * x);
     error.row(1) += d * model.mean.row(k) * x;
+    for (std::size_t i = 0; i < model.modes.size(); ++i) {
+        const ToothMode &mode = model.modes[i];
+        auto q = error.row(model.mode_at(i)), v = error.row(model.mode_at(i) + 1);
+        const Eigen::RowVectorXd held = model.mean.row(k).cwiseProduct(mode.compliance) * x, away = q - held;
+        q = held + mode.a * away + mode.b * v;
+        v = (mode.a * v - mode.b * (away + 2 * mode.damping * v)).eval();
+    }
+}
+
+Eigen::RowVectorXd seen(const ToothModel &model) {
+    Eigen::RowVectorXd h = Eigen::RowVectorXd::Zero(model.states());
+    h(0) = 1;
+    for (std::size_t i = 0; i < model.modes.size(); ++i) h(model.mode_at(i)) = -1;
+    return h;
 }
 
 double cycle_radius(const ToothModel &model, const MatrixXd &gain) {
     MatrixXd map = MatrixXd::Identity(model.states(), model.states());
+    const Eigen::RowVectorXd h = seen(model);
     for (int k = 0; k < model.cycle(); ++k) {
         predict_error(model, k, map);
-        if (present(model, k)) map -= (gain.row(k).transpose() * map.row(0)).eval();
+        if (present(model, k)) map -= (gain.row(k).transpose() * (h * map)).eval();
     }
     return map.eigenvalues().cwiseAbs().maxCoeff();
 }
@@ -115,13 +138,14 @@ PeriodicGains design_gains(const ToothModel &model, const ToothNoise &noise, int
     PeriodicGains gains;
     gains.gain = MatrixXd::Zero(model.cycle(), model.states());
     MatrixXd p = MatrixXd::Identity(model.states(), model.states());
+    const Eigen::RowVectorXd h = seen(model);
     for (int cycle = 0; cycle < kMostCycles; ++cycle) {
         double change = 0, teeth = 0, innovation = 0;
         for (int k = 0; k < model.cycle(); ++k) {
             predict_variance(model, noise, k, p);
             if (present(model, k)) {
-                const VectorXd column = p.col(0);
-                const double s = column(0) + r;
+                const VectorXd column = p * h.transpose();
+                const double s = h * column + r;
                 change = std::max(change, (column / s - gains.gain.row(k).transpose()).cwiseAbs().maxCoeff());
                 gains.gain.row(k) = column.transpose() / s;
                 p -= column * column.transpose() / s;

@@ -4,22 +4,36 @@
 // Everything is normalised at one speed w: angles in rad, energies and torques over J_mean w^2. From tooth k - 1 to
 // k, with pitch d, j = J_interval / J_mean and the interval's mean and moment of the basis (sd_kalman.h),
 //     phi += -(d/j) (eps + d moment . x),   eps += d mean . x,   z = phi + v
-// and each firing's coefficient gets new variance shortly before its TDC: nobody knows how the next one will burn.
+// A mode's twist q of the wheel, and its rate over its frequency v, add to what is seen (z = phi - sum of q + v); with
+// A = [0 1; -1 -2 damping] and the twist F that the torques hold, (q - F, v) <- exp(A w_m d / w) (q - F, v).
+// And each firing's coefficient gets new variance shortly before its TDC: nobody knows how the next one will burn.
 #pragma once
 #include <Eigen/Core>
 #include <vector>
 
 namespace sixdeg {
 
+/// A mode of the crank at one speed, a pitch long.
+struct ToothMode {
+    double a, b, damping;            ///< exp(A w_m d / w) = a I + b A.
+    Eigen::RowVectorXd compliance;   ///< [m] twist of the wheel that the torques of an interval hold, normalised.
+};
+
+/// From the angle of the undamped vibration over a pitch.
+ToothMode tooth_mode(double turn_rad, double damping, const Eigen::RowVectorXd &compliance);
+
 struct ToothModel {
     int positions = 60;                 ///< A revolution, N.
     std::vector<bool> present;          ///< [N]
     std::vector<double> inertia_ratio;  ///< [N] J_interval that ends at position k, over J_mean.
     Eigen::MatrixXd mean, moment;       ///< [2 N][m] of the basis; column 0 is the constant torque.
+    std::vector<ToothMode> modes;
     std::vector<int> inject_at, read_at; ///< Cycle position for coefficients 1, 2 ...; empty: no firings.
 
     int cycle() const { return 2 * positions; }
-    int states() const { return int(mean.cols()) + 2; }
+    int torques() const { return int(mean.cols()); }
+    int mode_at(std::size_t i) const { return 2 + torques() + 2 * int(i); } ///< Index of its twist.
+    int states() const { return mode_at(modes.size()); } ///< phi, eps, x, then q and v of each mode.
     double pitch() const;
 };
 
@@ -32,7 +46,7 @@ struct ToothNoise {
 };
 
 struct PeriodicGains {
-    Eigen::MatrixXd gain;  ///< [2 N][m + 2]; zero where no tooth is.
+    Eigen::MatrixXd gain;  ///< [2 N][states]; zero where no tooth is.
     double radius;         ///< Largest eigenvalue, by magnitude, of the error's map over a cycle.
     double innovation;     ///< Its rms over edge_rad.
     /// Of a firing less the mean of all firings of its cycle, rms over the cylinders, per rad of timing error: one
@@ -47,6 +61,9 @@ PeriodicGains design_gains(const ToothModel &model, const ToothNoise &noise, int
 
 /// Largest eigenvalue, by magnitude, of the error's map over a cycle for any gains.
 double cycle_radius(const ToothModel &model, const Eigen::MatrixXd &gain);
+
+/// What of the state a tooth edge shows.
+Eigen::RowVectorXd seen(const ToothModel &model);
 
 /// Step of the error's prediction into cycle position k, rows of `error` (any number of columns).
 void predict_error(const ToothModel &model, int k, Eigen::Ref<Eigen::MatrixXd> error);

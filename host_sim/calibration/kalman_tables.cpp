@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "calibration/calibration.hpp"
+#include "calibration/crank_modes.hpp"
 #include "common/error.hpp"
 
 namespace sixdeg {
@@ -15,7 +16,7 @@ constexpr double kRadPerDeg = M_PI / 180, kRadpsPerRpm = M_PI / 30;
 /// A firing's coefficient is free from here on, and read where its pulse is long over.
 constexpr double kInjectDeg = -12, kReadDeg = 300;
 /// On rough roads a firing may change by this much more: what it lacks must not be taken for load, which may change too.
-constexpr double kRoughChange = 2;
+constexpr double kRoughChange = 4;
 
 struct Interval {
     double mean = 0, moment = 0, point = 0;
@@ -50,35 +51,71 @@ int position_after(const EngineFile &engine, std::size_t firing, double deg) {
 /// The constant inertia that takes as long over the interval before tooth k. Its difference from J in the middle is a
 /// few parts in 1e5, which at 3000 rpm is as much energy as 0.4 Nm give in a firing interval.
 double interval_inertia(const EngineFile &engine, int k) {
-    const auto root = [&](double s) { return std::sqrt(crank_inertia_kgm2(engine, tooth_angle(engine, k - 1 + s))); };
+    const auto root = [&](double s) { return std::sqrt(turning_inertia_kgm2(engine, tooth_angle(engine, k - 1 + s))); };
     return std::pow((root(0) + 4 * root(0.5) + root(1)) / 6, 2);
 }
 
 void fill_angles(const EngineFile &engine, const KnownTorque &torque, sd_kalman_tables_t &t) {
     for (int k = 0; k < t.positions; ++k) {
-        t.inertia_tooth_kgm2[k] = float(crank_inertia_kgm2(engine, tooth_angle(engine, k)));
+        t.inertia_tooth_kgm2[k] = float(turning_inertia_kgm2(engine, tooth_angle(engine, k)));
         t.inertia_interval_kgm2[k] = float(interval_inertia(engine, k));
     }
-    const auto fill = [&](const TorqueOverAngle &known, float (*table)[2 * SD_KALMAN_POSITIONS_MAX]) {
-        for (int k = 0; k < 2 * t.positions; ++k) {
+    for (int k = 0; k < 2 * t.positions; ++k) {
+        Interval sum;
+        for (const TorqueOverAngle &known : torque.motored) {
             const Interval at = over_interval(engine, known, k);
-            table[0][k] = float(at.mean), table[1][k] = float(at.moment), table[2][k] = float(at.point);
+            sum.mean += at.mean, sum.moment += at.moment, sum.point += at.point;
         }
-    };
-    fill(torque.motored_per_bar, t.known_per_bar);
-    fill(torque.motored, t.known);
-    for (std::size_t i = 0; i < t.firings; ++i) t.read_position[i] = std::uint16_t(position_after(engine, i, kReadDeg));
+        t.known[0][k] = float(sum.mean), t.known[1][k] = float(sum.moment), t.known[2][k] = float(sum.point);
+    }
+    for (std::size_t i = 0; i < t.cylinders; ++i) {
+        t.read_position[i] = std::uint16_t(position_after(engine, i, kReadDeg));
+        t.close_position[i] = std::uint16_t(position_after(engine, i, engine.intake_close_deg));
+    }
+}
+
+/// Modes do not go with the Fourier basis, which does not know whose torque it is.
+std::vector<CrankMode> modes_of(const EngineFile &engine, const KnownTorque &torque) {
+    return torque.firings ? crank_modes(engine, SD_KALMAN_MODES_MAX) : std::vector<CrankMode>{};
+}
+
+sd_kalman_mode_t mode_table(const CrankMode &mode) {
+    sd_kalman_mode_t t{float(mode.frequency_radps), float(mode.damping), float(mode.constant_radpnm), {}, float(mode.spring_nmprad),
+                       float(mode.damper_nmprad)};
+    std::copy(mode.cylinder_radpnm.begin(), mode.cylinder_radpnm.end(), t.cylinder_radpnm);
+    return t;
+}
+
+/// Twist of the wheel that the interval's mean known torques hold: rad, and rad a w^2 for the torque of the reciprocating
+/// masses, -J'/2 w^2.
+std::pair<double, double> held_by_known(const EngineFile &engine, const KnownTorque &torque, const CrankMode &mode, int k) {
+    double known = 0, ripple = 0;
+    for (std::size_t i = 0; i < mode.cylinder_radpnm.size(); ++i) {
+        const auto inertia = [&](int at) { return reciprocating_inertia_kgm2(engine, i, tooth_angle(engine, at)); };
+        known += mode.cylinder_radpnm[i] * over_interval(engine, torque.motored[i], k).mean;
+        ripple -= mode.cylinder_radpnm[i] * (inertia(k) - inertia(k - 1)) / 2 / (2 * M_PI / engine.wheel.positions);
+    }
+    return {known, ripple};
 }
 
 void fill_pool(const EngineFile &engine, const KnownTorque &torque, const std::vector<PeriodicGains> &gains,
                sd_kalman_tables_t &t) {
     float *to = t.pool;
-    for (int k = 0; k < 2 * t.positions; ++k) {
+    const auto modes = modes_of(engine, torque);
+    const auto put = [&](const std::vector<TorqueOverAngle> &torques, int k) {
         std::vector<Interval> at;
-        for (const TorqueOverAngle &f : torque.basis) at.push_back(over_interval(engine, f, k));
+        for (const TorqueOverAngle &f : torques) at.push_back(over_interval(engine, f, k));
         for (const Interval &f : at) *to++ = float(f.mean);
         for (const Interval &f : at) *to++ = float(f.moment);
         for (const Interval &f : at) *to++ = float(f.point);
+    };
+    for (int k = 0; k < 2 * t.positions; ++k) {
+        put(torque.basis, k);
+        put(torque.motored_per_bar, k);
+        for (const CrankMode &mode : modes) {
+            const auto [known, ripple] = held_by_known(engine, torque, mode, k);
+            *to++ = float(known), *to++ = float(ripple);
+        }
         for (const PeriodicGains &speed : gains) {
             for (int j = 0; j < speed.gain.cols(); ++j) *to++ = float(speed.gain(k, j));
         }
@@ -91,25 +128,30 @@ sd_kalman_tables_t sizes(const EngineFile &engine, const KnownTorque &torque, co
     t.coefficients = std::uint8_t(1 + torque.basis.size());
     t.speeds = std::uint8_t(tune.speeds_rpm.size());
     t.firings = std::uint8_t(torque.firings ? engine.cylinders() : 0);
-    t.sets = t.firings > 0 && tune.rough_walk_nm > 0 ? 2 : 1;
+    t.cylinders = std::uint8_t(engine.cylinders());
+    for (const CrankMode &mode : modes_of(engine, torque)) t.mode[t.modes++] = mode_table(mode);
     t.tick_hz = float(engine.tick_hz);
     t.torque_base_nm = float(tune.torque_base_nm);
     t.shape_sd = float(tune.shape_sd);
     t.reject_rad = float(tune.reject_deg * kRadPerDeg);
     t.settle_teeth = std::uint16_t(std::lround(tune.settle_cycles * 2 * engine.wheel.teeth()));
     t.inertia_mean_kgm2 = float(mean_inertia_kgm2(engine));
+    // Cranks that twist have gains at so many speeds that a second set finds no room.
+    t.sets = t.firings > 0 && tune.rough_walk_nm > 0 ? 2 : 1;
+    if (sd_kalman_pool_used(&t) > SD_KALMAN_POOL) t.sets = 1;
     if (sd_kalman_pool_used(&t) > SD_KALMAN_POOL) {
-        throw InputError(engine.name, "wheel", fmt::format("{} positions with {} coefficients at {} times {} speeds need {} table entries, allowed {}",
-                                                           int(t.positions), int(t.coefficients), int(t.sets), int(t.speeds), sd_kalman_pool_used(&t), SD_KALMAN_POOL));
+        throw InputError(engine.name, "wheel", fmt::format("{} positions with {} coefficients at {} speeds need {} table entries, allowed {}",
+                                                           int(t.positions), int(t.coefficients), int(t.speeds), sd_kalman_pool_used(&t), SD_KALMAN_POOL));
     }
     return t;
 }
 
 /// Designs the gains of each speed, behind those that are there.
-void add_set(const EngineFile &engine, const ToothModel &model, const KalmanTune &tune, KalmanTables &out) {
+void add_set(const EngineFile &engine, const KnownTorque &torque, const KalmanTune &tune, KalmanTables &out) {
     sd_kalman_tables_t &t = out.tables;
     for (std::size_t i = 0; i < tune.speeds_rpm.size(); ++i) {
         const double speed = tune.speeds_rpm[i] * kRadpsPerRpm;
+        const ToothModel model = tooth_model(engine, torque, speed);
         const ToothNoise noise = tooth_noise(engine, tune, speed);
         const std::size_t at = out.gains.size();
         out.gains.push_back(design_gains(model, noise, SD_KALMAN_MEAN));
@@ -119,7 +161,12 @@ void add_set(const EngineFile &engine, const ToothModel &model, const KalmanTune
         t.innovation[at] = float(gains.innovation);
         t.single_sd[at] = float(gains.single_sd), t.mean_sd[at] = float(gains.mean_sd), t.pattern_sd[at] = float(gains.pattern_sd);
         t.load_sd_nm[at] = float(gains.load_sd * mean_inertia_kgm2(engine) * speed * speed);
-        if (i > 0) out.radius_between = std::max(out.radius_between, cycle_radius(model, (out.gains[at - 1].gain + gains.gain) / 2));
+        if (i == 0) continue;
+        for (double share : {0.25, 0.5, 0.75}) {
+            const double between = speed + share * (tune.speeds_rpm[i - 1] * kRadpsPerRpm - speed);
+            const Eigen::MatrixXd mixed = gains.gain + share * (out.gains[at - 1].gain - gains.gain);
+            out.radius_between = std::max(out.radius_between, cycle_radius(tooth_model(engine, torque, between), mixed));
+        }
     }
 }
 
@@ -140,7 +187,7 @@ std::vector<TorqueOverAngle> fourier_basis(int harmonics) {
     return basis;
 }
 
-ToothModel tooth_model(const EngineFile &engine, const KnownTorque &torque) {
+ToothModel tooth_model(const EngineFile &engine, const KnownTorque &torque, double speed_radps) {
     ToothModel model;
     const int n = engine.wheel.positions, m = 1 + int(torque.basis.size());
     model.positions = n;
@@ -160,6 +207,13 @@ ToothModel tooth_model(const EngineFile &engine, const KnownTorque &torque) {
         model.inject_at.push_back(position_after(engine, i, kInjectDeg));
         model.read_at.push_back(position_after(engine, i, kReadDeg));
     }
+    const double scale = mean * speed_radps * speed_radps;
+    for (const CrankMode &mode : modes_of(engine, torque)) {
+        Eigen::RowVectorXd compliance(m);
+        compliance(0) = scale * mode.constant_radpnm;
+        for (int j = 1; j < m; ++j) compliance(j) = scale * mode.cylinder_radpnm[std::size_t(j - 1)];
+        model.modes.push_back(tooth_mode(mode.frequency_radps * model.pitch() / speed_radps, mode.damping, compliance));
+    }
     return model;
 }
 
@@ -173,13 +227,12 @@ KalmanTables kalman_tables(const EngineFile &engine, const KnownTorque &torque, 
     KalmanTables out{sizes(engine, torque, tune), {}, 0};
     sd_kalman_tables_t &t = out.tables;
     fill_angles(engine, torque, t);
-    const ToothModel model = tooth_model(engine, torque);
-    add_set(engine, model, tune, out);
+    add_set(engine, torque, tune, out);
     if (t.sets > 1) {
         KalmanTune rough = tune;
         rough.load_walk_nm = std::max(tune.rough_walk_nm, tune.load_walk_nm);
         rough.firing_change_nm *= kRoughChange;
-        add_set(engine, model, rough, out);
+        add_set(engine, torque, rough, out);
     }
     fill_pool(engine, torque, out.gains, t);
     return out;

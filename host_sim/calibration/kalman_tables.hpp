@@ -18,8 +18,8 @@ using TorqueOverAngle = std::function<double(double)>;
 /// What the filter is told of the engine's torque.
 struct KnownTorque {
     std::vector<TorqueOverAngle> basis;   ///< One for each coefficient but the constant.
-    TorqueOverAngle motored_per_bar;      ///< Nm per bar of intake pressure.
-    TorqueOverAngle motored;              ///< The part that does not scale with it.
+    std::vector<TorqueOverAngle> motored_per_bar; ///< Of each entry of firing_order, Nm per bar of intake pressure.
+    std::vector<TorqueOverAngle> motored;         ///< The part that does not scale with it.
     bool firings = true;                  ///< basis[i] is the pulse of firing_order[i].
 };
 
@@ -27,7 +27,7 @@ struct KnownTorque {
 struct KalmanTune {
     double edge_deg = 0.02;       ///< Timing error of an edge, the timer's rounding not included.
     double load_walk_nm = 0.1;    ///< Change of the constant torque from tooth to tooth.
-    double firing_change_nm = 20; ///< Change of a firing's torque from one cycle to the next.
+    double firing_change_nm = 10; ///< Change of a firing's torque from one cycle to the next.
     double rough_walk_nm = 3;     ///< load_walk_nm of the second set of gains, for rough roads; 0: no second set.
     double basis_walk_nm = 0.2;   ///< Change of other coefficients from tooth to tooth.
     double torque_base_nm = 1500;
@@ -40,13 +40,13 @@ struct KalmanTune {
 struct KalmanTables {
     sd_kalman_tables_t tables;
     std::vector<PeriodicGains> gains; ///< Of each speed of each set.
-    double radius_between = 0;        ///< Largest cycle radius of the gains that lie halfway between two speeds of a set.
+    double radius_between = 0;        ///< Largest cycle radius a quarter, half and three quarters of the way between two speeds of a set.
 };
 
-/// J_mean: what normalised torques are over, times speed squared.
+/// J_mean of all that turns: what normalised torques are over, times speed squared.
 double mean_inertia_kgm2(const EngineFile &engine);
-/// Basis and inertia over the wheel's teeth, without gains.
-ToothModel tooth_model(const EngineFile &engine, const KnownTorque &torque);
+/// Basis and inertia over the wheel's teeth and the crank's modes at a speed, without gains.
+ToothModel tooth_model(const EngineFile &engine, const KnownTorque &torque, double speed_radps);
 ToothNoise tooth_noise(const EngineFile &engine, const KalmanTune &tune, double speed_radps);
 
 /// Throws InputError naming the engine file and `wheel` where the tables do not fit in the firmware's pool.

@@ -16,27 +16,21 @@ std::optional<KnownTorque> known_torque(const EngineFile &engine, const sd_param
         for (double &torque : pulses->back().motored_per_bar) torque *= engine.trapped_factor(lane);
     }
     const auto tdc = [degrees = engine.firing_tdc_deg](std::size_t lane) { return degrees[lane] * M_PI / 180; };
-    const auto sum = [pulses, tdc](std::vector<double> CylinderPulse::*table) {
-        return [pulses, tdc, table](double a) {
-            double torque = 0;
-            for (std::size_t lane = 0; lane < pulses->size(); ++lane) torque += pulse_at((*pulses)[lane].*table, a - tdc(lane));
-            return torque;
-        };
+    const auto each = [pulses, tdc](std::vector<double> CylinderPulse::*table) {
+        std::vector<TorqueOverAngle> torques;
+        for (std::size_t lane = 0; lane < pulses->size(); ++lane)
+            torques.push_back([pulses, tdc, table, lane](double a) { return pulse_at((*pulses)[lane].*table, a - tdc(lane)); });
+        return torques;
     };
     KnownTorque known;
-    known.motored_per_bar = sum(&CylinderPulse::motored_per_bar);
-    known.motored = sum(&CylinderPulse::motored_rest);
+    known.motored_per_bar = each(&CylinderPulse::motored_per_bar);
+    known.motored = each(&CylinderPulse::motored_rest);
     known.firings = parameters.firing_harmonics == 0;
-    if (!known.firings) {
-        known.basis = fourier_basis(int(parameters.firing_harmonics));
-        return known;
-    }
-    for (std::size_t lane = 0; lane < pulses->size(); ++lane)
-        known.basis.push_back([pulses, tdc, lane](double a) { return pulse_at((*pulses)[lane].combustion, a - tdc(lane)); });
+    known.basis = known.firings ? each(&CylinderPulse::combustion) : fourier_basis(int(parameters.firing_harmonics));
     return known;
 }
 
-KalmanTune kalman_tune(const sd_parameters_t &p) {
+KalmanTune kalman_tune(const EngineFile &engine, const sd_parameters_t &p) {
     KalmanTune tune;
     tune.edge_deg = double(p.firing_edge_sd_deg);
     tune.load_walk_nm = double(p.firing_load_walk_nm);
@@ -46,6 +40,12 @@ KalmanTune kalman_tune(const sd_parameters_t &p) {
     tune.reject_deg = double(p.firing_reject_deg);
     tune.shape_sd = double(p.firing_shape_sd);
     tune.settle_cycles = double(p.firing_settle_cycles);
+    if (engine.torsion) {
+        // A mode near an engine order wants gains of its own within a few percent of speed. And what all cylinders share shows
+        // in their differences, by each one's place in the mode: a common torque that settles slowly would spoil them.
+        tune.speeds_rpm = {1000, 1200, 1440, 1730, 2070, 2500, 3000, 3600, 4300, 5200, 6200, 7400};
+        tune.load_walk_nm *= 10;
+    }
     if (p.firing_harmonics > 0) tune.speeds_rpm = {1000}; // one table fits the pool; waveform only
     return tune;
 }

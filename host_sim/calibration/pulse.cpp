@@ -3,6 +3,8 @@
 
 #include <cmath>
 
+#include "calibration/slider_crank.hpp"
+
 namespace sixdeg {
 namespace {
 
@@ -26,17 +28,10 @@ double gamma_of(double t) {
 class Cylinder {
   public:
     Cylinder(const EngineFile &engine, std::size_t lane, const PulseConditions &at, double heat_j)
-        : engine_(engine), intake_(at.intake_bar * 1e5), speed_(at.speed_radps), heat_(heat_j), area_(M_PI / 4 * engine.bore_m * engine.bore_m),
-          clearance_(area_ * engine.stroke_m / (engine.compression_ratio * engine.compression_factor(lane) - 1)) {}
+        : engine_(engine), crank_(engine, engine.compression_factor(lane)), intake_(at.intake_bar * 1e5), speed_(at.speed_radps),
+          heat_(heat_j) {}
 
-    double volume(double a) const {
-        const double r = engine_.stroke_m / 2, l = engine_.rod_m, s = r * std::sin(a);
-        return clearance_ + area_ * (r * (1 - std::cos(a)) + l - std::sqrt(l * l - s * s));
-    }
-    double volume_slope(double a) const {
-        const double r = engine_.stroke_m / 2, l = engine_.rod_m, s = r * std::sin(a);
-        return area_ * (s + s * r * std::cos(a) / std::sqrt(l * l - s * s));
-    }
+    double volume(double a) const { return crank_.volume(a); }
     double closing() const { return engine_.intake_close_deg * kRadPerDeg - 4 * M_PI; } // before TDC
     double opening() const { return engine_.exhaust_open_deg * kRadPerDeg; }
 
@@ -44,7 +39,14 @@ class Cylinder {
         if (a > opening()) return kExchangePerRad * ((a < 2 * M_PI ? kExhaust : intake_) - p);
         const double t = kChargeK * p * volume(a) / (intake_ * volume(closing()));
         const double gamma = gamma_of(t);
-        return ((gamma - 1) * (heat_ * burn_rate(a) - wall_loss(a, p, t)) - gamma * p * volume_slope(a)) / volume(a);
+        return ((gamma - 1) * (heat_ * burn_rate(a) - wall_loss(a, p, t)) - gamma * p * crank_.volume_slope(a)) / volume(a);
+    }
+
+    /// Pressure that the exhaust valve opens at.
+    double pressure_at_opening() const {
+        double a = closing(), p = intake_;
+        while (a < opening() - 1e-9) advance(a, p, std::fmin(a + kFine * kStep, opening()));
+        return p;
     }
 
     /// From intake closing, one cycle round, torque at every point of the table.
@@ -53,24 +55,28 @@ class Cylinder {
         const int first = int(std::ceil(closing() / kStep));
         double a = closing(), p = intake_;
         for (int i = first; i < first + kPulsePoints; ++i) {
-            const double h = (i * kStep - a) / kFine;
-            for (int fine = 0; fine < kFine; ++fine, a += h) {
-                const double middle = p + h / 2 * slope(a, p);
-                p += h * slope(a + h / 2, middle);
-            }
-            table[std::size_t((i + kPulsePoints) % kPulsePoints)] = (p - kCrankcase) * volume_slope(a);
+            advance(a, p, i * kStep);
+            table[std::size_t((i + kPulsePoints) % kPulsePoints)] = (p - kCrankcase) * crank_.volume_slope(a);
         }
         return table;
     }
 
   private:
+    void advance(double &a, double &p, double to) const {
+        const double h = (to - a) / kFine;
+        for (int fine = 0; fine < kFine; ++fine, a += h) {
+            const double middle = p + h / 2 * slope(a, p);
+            p += h * slope(a + h / 2, middle);
+        }
+    }
+
     /// J/rad; Hohenberg: h = 130 V^-0.06 p^0.8 T^-0.4 (c_m + 1.4)^0.8 W/(m2 K), p in bar, c_m the mean piston speed.
     double wall_loss(double a, double p, double t) const {
         const double piston_mps = engine_.stroke_m * speed_ / M_PI;
         const double h = 130 * std::pow(volume(a), -0.06) * std::pow(p / 1e5, 0.8) * std::pow(t, -0.4) *
                          std::pow(piston_mps + 1.4, 0.8);
-        const double liner = 4 * (volume(a) - clearance_) / engine_.bore_m;
-        return h * (2 * area_ + liner) * (t - kWallK) / speed_;
+        const double liner = 4 * (volume(a) - crank_.clearance) / engine_.bore_m;
+        return h * (2 * crank_.area + liner) * (t - kWallK) / speed_;
     }
     double burn_rate(double a) const {
         double rate = 0;
@@ -84,18 +90,27 @@ class Cylinder {
     }
 
     const EngineFile &engine_;
-    double intake_, speed_, heat_, area_, clearance_;
+    SliderCrank crank_;
+    double intake_, speed_, heat_;
 };
+
+double heat_j(const EngineFile &engine, std::size_t lane, const PulseConditions &at) {
+    const Cylinder cylinder(engine, lane, at, 0);
+    const double air = at.intake_bar * 1e5 * cylinder.volume(cylinder.closing()) / (kGasConstant * kChargeK);
+    return at.equivalence_ratio * air * kHeatPerAir;
+}
 
 } // namespace
 
+double exhaust_opening_pa(const EngineFile &engine, const PulseConditions &conditions) {
+    return Cylinder(engine, 0, conditions, heat_j(engine, 0, conditions)).pressure_at_opening();
+}
+
 CylinderPulse cylinder_pulse(const EngineFile &engine, std::size_t lane, const PulseConditions &conditions) {
-    const double pa = conditions.intake_bar * 1e5;
     PulseConditions doubled_intake = conditions;
     doubled_intake.intake_bar *= 2;
     const Cylinder motored(engine, lane, conditions, 0), twice(engine, lane, doubled_intake, 0);
-    const double air = pa * motored.volume(motored.closing()) / (kGasConstant * kChargeK);
-    const auto fired = Cylinder(engine, lane, conditions, conditions.equivalence_ratio * air * kHeatPerAir).torque();
+    const auto fired = Cylinder(engine, lane, conditions, heat_j(engine, lane, conditions)).torque();
     const auto once = motored.torque(), doubled = twice.torque();
     CylinderPulse pulse;
     double mean = 0;

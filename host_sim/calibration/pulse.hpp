@@ -32,6 +32,9 @@ struct PulseConditions {
 /// Entry `lane` of firing_order, with the engine file's belief about its compression.
 CylinderPulse cylinder_pulse(const EngineFile &engine, std::size_t lane, const PulseConditions &conditions = {});
 
+/// Pressure in the first cylinder when its exhaust valve opens.
+double exhaust_opening_pa(const EngineFile &engine, const PulseConditions &conditions);
+
 /// Value of one of the tables at any angle from the cylinder's firing TDC, rad; linear between points.
 double pulse_at(const std::vector<double> &table, double angle_rad);
 

@@ -45,7 +45,10 @@ Json balance_json(const std::optional<BalanceFigures> &balance) {
     if (!balance) return Json();
     return {{"spread_before_percent", balance->spread_before_percent},
             {"cycles_to_3_percent", balance->cycles_to_3_percent},
-            {"residual_percent", balance->residual_percent}};
+            {"largest_spread_percent", balance->largest_spread_percent},
+            {"residual_percent", balance->residual_percent},
+            {"wrong_way_percent", balance->wrong_way_percent},
+            {"gave_up_cycles", balance->gave_up_cycles}};
 }
 
 Json perturbation_json(const Perturbation &p) {
@@ -113,7 +116,10 @@ void print_mixture(const RunResult &nominal, const std::optional<PerturbedRun> &
     afr("true spread", "{:.2f} %", &AfrFigures::spread_percent);
     balance("spread before balancing", "{:.2f} %", &BalanceFigures::spread_before_percent);
     balance("cycles to below 3 %, -1 never", "{:.0f}", &BalanceFigures::cycles_to_3_percent);
+    balance("largest spread since", "{:.2f} %", &BalanceFigures::largest_spread_percent);
     balance("residual", "{:.2f} %", &BalanceFigures::residual_percent);
+    balance("a trim the wrong way", "{:.2f} %", &BalanceFigures::wrong_way_percent);
+    balance("cycles to giving up, -1 never", "{:.0f}", &BalanceFigures::gave_up_cycles);
 }
 
 void print_accuracy(const RunResult &nominal, const std::optional<PerturbedRun> &perturbed) {

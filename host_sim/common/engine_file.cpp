@@ -105,6 +105,9 @@ EngineFile read_engine(TomlFile &file) {
     engine.inertia_kgm2 = file.number("crank.inertia_kgm2", {1e-4, 10, "kg m2"});
     engine.reciprocating_mass_kg = file.number_or("crank.reciprocating_mass_kg", {0, 10, "kg"}, 0);
 
+    engine.dual_mass = read_dual_mass(file);
+    engine.torsion = read_torsion(file, engine.inertia_kgm2, int(engine.firing_order.size()));
+
     engine.wheel = read_wheel(file);
     engine.position_0_deg = file.number("wheel.position_0_deg", {0, 359.999, "deg"});
     const std::string edge = file.text_or("wheel.edge", "falling");

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "common/crank_elasticity.hpp"
 #include "common/exhaust_system.hpp"
 #include "common/toml_file.hpp"
 
@@ -44,6 +45,9 @@ struct EngineFile {
 
     double inertia_kgm2 = 0;          ///< Constant part J0 of the crank train's inertia.
     double reciprocating_mass_kg = 0; ///< Per cylinder, 0 for a constant inertia.
+
+    std::optional<DualMassFlywheel> dual_mass;
+    std::optional<CrankTorsion> torsion;
 
     Wheel wheel;
     double position_0_deg = 0; ///< Crank angle of position 0's edge, [0, 360), 0 = firing TDC of firing_order[0].

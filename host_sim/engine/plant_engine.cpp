@@ -2,7 +2,6 @@
 #include "engine/plant_engine.hpp"
 
 #include <cmath>
-#include <fmt/format.h>
 
 #include "common/files.hpp"
 
@@ -10,7 +9,7 @@ namespace sixdeg {
 namespace {
 
 // Tables and fields that belong to read_engine.
-constexpr const char *kSharedTables[] = {"cylinders", "valves", "combustion", "crank", "wheel", "cam", "timer", "exhaust", "uego"};
+constexpr const char *kSharedTables[] = {"cylinders", "valves", "combustion", "crank", "wheel", "cam", "timer", "exhaust", "uego", "dual_mass", "torsion"};
 
 void read_air(TomlFile &file, PlantEngine &engine) {
     const auto pressure = file.numbers("plant.air.intake_pressure_bar", {0.1, 5, "bar"});
@@ -48,15 +47,6 @@ void read_losses(TomlFile &file, PlantEngine &engine) {
     for (std::size_t i = 0; i < 3; ++i) engine.fmep_pa[i] = kPaPerBar * fmep[i];
 }
 
-void read_dual_mass(TomlFile &file, PlantEngine &engine) {
-    if (!file.has("plant.dual_mass")) return;
-    DualMassFlywheel dual{};
-    dual.secondary_inertia_kgm2 = file.number("plant.dual_mass.secondary_inertia_kgm2", {1e-3, 10, "kg m2"});
-    dual.stiffness_nmprad = file.number("plant.dual_mass.stiffness_nmprad", {10, 1e5, "N m/rad"});
-    dual.damping_nmsprad = file.number("plant.dual_mass.damping_nmsprad", {0, 1000, "N m s/rad"});
-    engine.dual_mass = dual;
-}
-
 void read_exhaust(TomlFile &file, PlantEngine &engine) {
     PlantExhaust &e = engine.exhaust;
     const std::string at = "plant.exhaust.";
@@ -73,28 +63,6 @@ void read_exhaust(TomlFile &file, PlantEngine &engine) {
     e.turbine_swallow_drop = file.number_or(at + "turbine_swallow_drop", {0, 0.5, ""}, 0.1);
     e.egr_area_m2 = 1e-6 * file.number_or(at + "egr_area_mm2", {0, 5000, "mm2"}, 0);
     e.intake_m3 = 1e-3 * file.number_or(at + "intake_l", {0.2, 100, "L"}, 3);
-}
-
-void read_torsion(TomlFile &file, PlantEngine &engine) {
-    if (!file.has("plant.torsion")) return;
-    CrankTorsion t{};
-    t.section_stiffness_nmprad = file.number("plant.torsion.section_stiffness_nmprad", {1e4, 1e8, "N m/rad"});
-    t.front_inertia_kgm2 = file.number("plant.torsion.front_inertia_kgm2", {1e-5, 5, "kg m2"});
-    t.throw_inertia_kgm2 = file.number("plant.torsion.throw_inertia_kgm2", {1e-5, 5, "kg m2"});
-    t.damping_ratio = file.number_or("plant.torsion.damping_ratio", {0, 0.5, ""}, 0.02);
-    t.modes = int(file.integer_or("plant.torsion.modes", 1, 3, 1));
-    const std::string at = file.text_or("plant.torsion.wheel_at", "front");
-    if (at != "front" && at != "flywheel")
-        file.fail("plant.torsion.wheel_at", "'" + at + "' is not \"front\" or \"flywheel\"");
-    t.wheel_at_front = at == "front";
-    const double parts = t.front_inertia_kgm2 + engine.shared.cylinders() * t.throw_inertia_kgm2;
-    if (parts >= engine.shared.inertia_kgm2) {
-        file.fail("plant.torsion.throw_inertia_kgm2",
-                  fmt::format("with the front end makes {:g} kg m2 and leaves nothing of crank.inertia_kgm2 "
-                              "to the flywheel",
-                              parts));
-    }
-    engine.torsion = t;
 }
 
 } // namespace
@@ -124,8 +92,9 @@ PlantEngine read_plant_engine(const std::string &name, const std::string &text) 
     read_losses(file, engine);
     engine.driveline_inertia_kgm2 = file.number_or("plant.driveline.inertia_kgm2", {0, 100, "kg m2"}, 0);
     read_exhaust(file, engine);
-    read_dual_mass(file, engine);
-    read_torsion(file, engine);
+    engine.dual_mass = engine.shared.dual_mass;
+    engine.torsion = engine.shared.torsion;
+    if (engine.torsion) engine.torsion_modes = int(file.integer_or("plant.torsion.modes", 1, 3, 1));
     file.finish();
     return engine;
 }

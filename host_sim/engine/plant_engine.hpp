@@ -18,24 +18,6 @@ struct PulseShape {
     double share; ///< Of the cycle's heat; the shares of all pulses add up to 1.
 };
 
-/// Dual-mass flywheel: the crank carries its primary mass (in crank.inertia_kgm2), the load acts on the
-/// secondary.
-struct DualMassFlywheel {
-    double secondary_inertia_kgm2;
-    double stiffness_nmprad;
-    double damping_nmsprad;
-};
-
-/// Elastic crank: front end, one throw a cylinder and the flywheel on equal shaft sections. See
-/// docs/plant.md.
-struct CrankTorsion {
-    double section_stiffness_nmprad;
-    double front_inertia_kgm2, throw_inertia_kgm2; ///< Parts of crank.inertia_kgm2; the rest is the flywheel.
-    double damping_ratio;                          ///< Of each mode, [0, 1).
-    int modes;                                     ///< How many elastic modes are kept, 1 to 3.
-    bool wheel_at_front;                           ///< Where the toothed wheel sits: front end or flywheel.
-};
-
 /// What the exhaust side has beyond the shared [exhaust].
 struct PlantExhaust {
     std::vector<double> runner_m3; ///< By physical cylinder: gas that mixes between valve and manifold; empty none.
@@ -63,8 +45,9 @@ struct PlantEngine {
     double wall_factor;            ///< On Eichelberg's coefficient; 0 is adiabatic.
     double fmep_pa[3];             ///< Friction mean effective pressure: c0 + c1 n + c2 n^2, n in 1000 rpm.
     double driveline_inertia_kgm2; ///< Rigid with the crank (with the secondary mass if there is one).
-    std::optional<DualMassFlywheel> dual_mass;
-    std::optional<CrankTorsion> torsion;
+    std::optional<DualMassFlywheel> dual_mass; ///< As in shared, or what the scenario makes of it.
+    std::optional<CrankTorsion> torsion;       ///< The same.
+    int torsion_modes = 1;                     ///< How many of its elastic modes are kept, 1 to 3.
 
     CrankSlider slider(double compression_ratio) const {
         return {shared.bore_m, shared.stroke_m, shared.rod_m, compression_ratio};

@@ -23,7 +23,7 @@ CrankElasticity::CrankElasticity(const PlantEngine &engine) : engine_(engine) {
     // Eigenvectors come mass-normalised and ascending; the first is the rigid crank.
     const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> solver(
         stiffness, inertia.asDiagonal().toDenseMatrix());
-    for (int m = 1; m <= std::min(t.modes, nodes - 1); ++m) {
+    for (int m = 1; m <= std::min(engine.torsion_modes, nodes - 1); ++m) {
         const Eigen::VectorXd shape = solver.eigenvectors().col(m);
         Mode mode{std::sqrt(solver.eigenvalues()[m]),
                   shape[t.wheel_at_front ? 0 : nodes - 1],

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Prints how the AFR blocks do on the simulated engine: the figures of docs/afr.md, by its definitions.
-// Nothing is asserted. afr_bench [SEEDS], 100 by default.
+// Nothing is asserted. afr_bench [SEEDS], 100 by default; afr_bench readings: exhaust.reading of the engine file.
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -19,7 +19,8 @@ constexpr double kStepShare = 0.05; // settled within this share of the step
 struct Case {
     const char *name;
     double rpm, bmep_bar, tau1_ms, tau2_ms, noise;
-    int cycles; // to settle in
+    int cycles;           // to settle in
+    double intake_bar = 0; // 0: the engine file's
 };
 
 /// A run of the plant with a fuel step on cylinder 1 (0: none) and what the calibration makes of it.
@@ -38,6 +39,7 @@ struct Run {
         Scenario s = read_scenario(file, SD_ENGINES);
         s.engine.shared.exhaust->uego_tau_s[0] = 1e-3 * c.tau1_ms;
         s.engine.shared.exhaust->uego_tau_s[1] = 1e-3 * c.tau2_ms;
+        if (c.intake_bar > 0) s.engine.intake_pressure_pa = Profile({0.0}, {1e5 * c.intake_bar});
         if (!changes.empty()) s.engine.exhaust.runner_m3 = {4e-5, 1.2e-4, 1e-4, 6e-5};
         trace = afr_trace(s);
         engine = s.engine.shared;
@@ -196,9 +198,23 @@ void chain() {
     row("D (oscillators), C, B, A", AfrMethod::oscillator);
 }
 
+/// What test bench instruments read on the simulated engine, to their accuracy, as entries of its file.
+void readings() {
+    for (double rpm : {900.0, 1800.0, 2800.0, 4200.0}) {
+        for (const auto &[intake_bar, bmep_bar] : {std::pair{1.05, 3.0}, std::pair{1.2, 9.0}, std::pair{1.6, 9.0}}) {
+            const ExhaustReading r = Run({"", rpm, bmep_bar, 30, 15, 0, 0, intake_bar}, 0).trace.reading;
+            fmt::print("  {{ rpm = {:.0f}, intake_bar = {:.2f}, lambda = {:.2f}, air_mg = {:.0f}, "
+                       "pressure_bar = {:.2f}, temperature_k = {:.0f} }},\n",
+                       r.speed_radps * 30 / M_PI, r.intake_pa / 1e5, r.lambda, r.air_kg * 1e6, r.pressure_pa / 1e5,
+                       5 * std::round(r.kelvin / 5));
+        }
+    }
+}
+
 } // namespace
 
 int main(int argc, char **argv) {
+    if (argc > 1 && std::string(argv[1]) == "readings") return readings(), 0;
     const int seeds = argc > 1 ? std::max(1, std::atoi(argv[1])) : 100;
     fmt::print("joint filter, +20 % on cylinder 1, {} seeds; points are 0.01 of the mean lambda\n"
                "{:<28}{:>6}{:>8}{:>8}{:>8}{:>8}{:>8}{:>9}{:>8}{:>8}{:>8}{:>8}\n",
@@ -209,7 +225,13 @@ int main(int argc, char **argv) {
                           Case{"1500/9 nominal 0.2 %", 1500, 9, 30, 15, 0.002, 2},
                           Case{"1500/9 fast 0.5 %", 1500, 9, 15, 5, 0.005, 2},
                           Case{"2500/9 nominal 0.5 %", 2500, 9, 30, 15, 0.005, 8},
-                          Case{"2500/9 fast 0.5 %", 2500, 9, 15, 5, 0.005, 4}})
+                          Case{"2500/9 fast 0.5 %", 2500, 9, 15, 5, 0.005, 4},
+                          Case{"1000/3 nominal 0.5 %", 1000, 3, 30, 15, 0.005, 4, 1.1},
+                          Case{"1500/9 nominal 0.5 %", 1500, 9, 30, 15, 0.005, 4, 1.1},
+                          Case{"1500/9 nominal 0.2 %", 1500, 9, 30, 15, 0.002, 2, 1.1},
+                          Case{"1500/9 fast 0.5 %", 1500, 9, 15, 5, 0.005, 2, 1.1},
+                          Case{"2500/9 nominal 0.5 %", 2500, 9, 30, 15, 0.005, 8, 1.1},
+                          Case{"2500/9 fast 0.5 %", 2500, 9, 15, 5, 0.005, 4, 1.1}})
         accuracy(c, seeds);
     ghosts();
     chain();

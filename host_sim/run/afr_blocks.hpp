@@ -65,15 +65,16 @@ template <class V> class AfrBlocks {
         must(V::exhaust_init(&exhaust_, &e));
         // Lags stepped from their own ends lead by half a position each, the mean over a position lags by
         // half.
-        const double lead = setup.method == AfrMethod::joint      ? 1.5
-                            : setup.method == AfrMethod::true_gas ? 0
-                                                                  : 0.5;
-        const double delay =
-            setup.method == AfrMethod::true_gas
-                ? 0
-                : point.delay_s / trace.step_s + error.delay_deg / 360 * engine.wheel.positions;
-        const sd_exhaust_point_t p{share_.data(), float(charge), float(point.rate_hz * (1 + error.turbine)),
-                                   float(point.z0_kg), float(std::fmax(delay + lead, 0))};
+        const double lead = setup.method == AfrMethod::joint ? 1.5 : 0.5;
+        const bool at_manifold = setup.method == AfrMethod::true_gas;
+        const double wait =
+            engine.exhaust->dead_time_s / trace.step_s + error.delay_deg / 360 * engine.wheel.positions + lead;
+        const sd_exhaust_point_t p{share_.data(),
+                                   float(charge),
+                                   float(point.rate_hz * (1 + error.turbine)),
+                                   float(point.z0_kg),
+                                   at_manifold ? 0.0f : float(point.transport_kg),
+                                   at_manifold ? 0.0f : float(std::fmax(wait, 0))};
         must(V::exhaust_set(&exhaust_, &p, float(trace.step_s)));
         init_chain();
         init_joint();

@@ -8,23 +8,10 @@
 namespace sixdeg {
 namespace {
 
-constexpr std::size_t kMeanOf = 4; // cycles
 constexpr double kBalancedPercent = 3;
 
 double mean_of(const std::vector<double> &x) {
     return std::accumulate(x.begin(), x.end(), 0.0) / double(x.size());
-}
-
-double spread_percent(const std::vector<double> &x) {
-    const auto [low, high] = std::minmax_element(x.begin(), x.end());
-    return 100 * (*high - *low) / mean_of(x);
-}
-
-double distance_percent(const std::vector<double> &x) {
-    const double mean = mean_of(x);
-    double sum = 0;
-    for (double v : x) sum += std::abs(v - mean);
-    return 100 * sum / mean / double(x.size());
 }
 
 std::size_t farthest(const std::vector<double> &x) {
@@ -38,13 +25,19 @@ std::size_t farthest(const std::vector<double> &x) {
 
 } // namespace
 
-void AfrScore::cycle(const std::vector<double> &truth, const std::vector<double> &estimate, double stated_sd,
-                     bool valid, bool balancing) {
-    if (balancing && !balancing_) since_ = spread_.size(), ever_ = true;
-    balancing_ = balancing;
-    spread_.push_back(spread_percent(truth));
-    distance_.push_back(distance_percent(truth));
-    if (!valid) return;
+double spread_percent(const std::vector<double> &x) {
+    const auto [low, high] = std::minmax_element(x.begin(), x.end());
+    return 100 * (*high - *low) / mean_of(x);
+}
+
+double distance_percent(const std::vector<double> &x) {
+    const double mean = mean_of(x);
+    double sum = 0;
+    for (double v : x) sum += std::abs(v - mean);
+    return 100 * sum / mean / double(x.size());
+}
+
+void AfrScore::cycle(const std::vector<double> &truth, const std::vector<double> &estimate, double stated_sd) {
     kept_.push_back({truth, estimate, stated_sd});
     if (kept_.size() > keep_) kept_.pop_front();
 }
@@ -70,21 +63,6 @@ std::optional<AfrFigures> AfrScore::estimate() const {
     f.rms_points = std::sqrt(f.rms_points);
     for (double b : bias) f.bias_points = std::max(f.bias_points, std::abs(b));
     return f;
-}
-
-std::optional<BalanceFigures> AfrScore::balance() const {
-    if (!ever_ || since_ < kMeanOf || spread_.size() < since_ + kMeanOf) return std::nullopt;
-    const auto mean_from = [](const std::vector<double> &x, std::size_t at, std::size_t count) {
-        return std::accumulate(x.begin() + long(at), x.begin() + long(at + count), 0.0) / double(count);
-    };
-    BalanceFigures b{mean_from(spread_, since_ - kMeanOf, kMeanOf), -1, 0};
-    for (std::size_t at = since_; at + kMeanOf <= spread_.size() && b.cycles_to_3_percent < 0; ++at) {
-        if (mean_from(spread_, at, kMeanOf) < kBalancedPercent)
-            b.cycles_to_3_percent = double(at + kMeanOf - since_);
-    }
-    const std::size_t last = std::min(keep_, spread_.size() - since_);
-    b.residual_percent = mean_from(distance_, distance_.size() - last, last);
-    return b;
 }
 
 } // namespace sixdeg

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The estimate of each cylinder's mixture, and the fuel balance, against the plant's own. Figures:
-// docs/afr.md.
+// The estimate of each cylinder's mixture against the plant's own. Figures: docs/afr.md.
 #pragma once
 #include <cstddef>
 #include <deque>
@@ -20,22 +19,17 @@ struct AfrFigures {
                                    ///< 0 when balanced.
 };
 
-/// From the last time the trims were allowed.
-struct BalanceFigures {
-    double spread_before_percent; ///< True, mean of the 4 cycles before.
-    double cycles_to_3_percent;   ///< Until the true spread, mean of 4 cycles, is first below 3 %; -1 never.
-    double residual_percent; ///< Mean over the last cycles of a cylinder's distance from the mean of all.
-};
+/// Of values of all cylinders: largest less smallest, and the mean distance from their mean, percent of that mean.
+double spread_percent(const std::vector<double> &x);
+double distance_percent(const std::vector<double> &x);
 
 class AfrScore {
   public:
     explicit AfrScore(std::size_t keep) : keep_(keep) {}
 
     /// One cycle of the firmware; lambda by physical cylinder.
-    void cycle(const std::vector<double> &truth, const std::vector<double> &estimate, double stated_sd,
-               bool valid, bool balancing);
+    void cycle(const std::vector<double> &truth, const std::vector<double> &estimate, double stated_sd);
     std::optional<AfrFigures> estimate() const;
-    std::optional<BalanceFigures> balance() const;
 
   private:
     struct Cycle {
@@ -44,10 +38,6 @@ class AfrScore {
     };
     std::size_t keep_;
     std::deque<Cycle> kept_;
-    std::vector<double> spread_,
-        distance_;          ///< True, percent, of all cycles: largest less smallest; mean from the mean.
-    std::size_t since_ = 0; ///< Index in spread_ where the trims were allowed last.
-    bool balancing_ = false, ever_ = false;
 };
 
 } // namespace sixdeg

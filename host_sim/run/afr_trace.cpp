@@ -7,6 +7,41 @@
 
 namespace sixdeg {
 
+namespace {
+
+/// Slow instruments on the exhaust.
+class BenchInstruments {
+  public:
+    explicit BenchInstruments(int cylinders) : cylinders_(cylinders) {}
+    void step(const Plant &plant) {
+        const double dt = plant.truth().time_s - last_s_;
+        last_s_ = plant.truth().time_s;
+        if (seconds_ < 0) { // the first call only starts the clock
+            seconds_ = 0;
+            return;
+        }
+        const exhaust::ExhaustModel &e = *plant.exhaust();
+        seconds_ += dt, pascal_ += e.pressure_pa() * dt, kelvin_ += e.manifold().temperature_k() * dt;
+        lambda_ += (1 - e.manifold().air_fraction()) * dt, kg_ += e.flows().turbine * dt;
+        radians_ += plant.truth().speed_radps * dt;
+    }
+    ExhaustReading read(const Plant &plant) const {
+        const double charges = radians_ / (4 * kPi) * cylinders_;
+        return {radians_ / seconds_,
+                plant.intake_pressure_pa(),
+                lambda_ / seconds_,
+                kg_ / charges - plant.commanded_fuel_kg(),
+                pascal_ / seconds_,
+                kelvin_ / seconds_};
+    }
+
+  private:
+    int cylinders_;
+    double last_s_ = 0, seconds_ = -1, pascal_ = 0, kelvin_ = 0, lambda_ = 0, kg_ = 0, radians_ = 0;
+};
+
+} // namespace
+
 AfrTrace afr_trace(Scenario scenario) {
     const EngineFile &engine = scenario.engine.shared;
     if (!scenario.uego) scenario.uego.emplace();
@@ -18,11 +53,13 @@ AfrTrace afr_trace(Scenario scenario) {
     const double pitch = 2 * kPi / engine.wheel.positions, from = engine.position_0_deg * kRadPerDeg;
     const double start_s = plant.truth().time_s;
     double sum = 0, count = 0, last_s = start_s;
+    BenchInstruments instruments(engine.cylinders());
     long at = long(std::floor((plant.truth().angle_rad - from) / pitch + 1e-9)) + 1;
     trace.first_cycle_position =
         std::size_t((at % trace.cycle_positions + trace.cycle_positions) % trace.cycle_positions);
     plant.watch_steps([&] {
         sum += plant.uego_lambda(), ++count;
+        if (plant.truth().angle_rad > 2 * kPi * double(scenario.cycles)) instruments.step(plant);
         if (plant.truth().angle_rad < from + double(at) * pitch - 1e-9) return;
         trace.sensor.push_back(sum / count);
         trace.gas.push_back(1 - plant.exhaust()->manifold().air_fraction());
@@ -39,6 +76,7 @@ AfrTrace afr_trace(Scenario scenario) {
     }
     trace.step_s = (last_s - start_s) / double(trace.sensor.size());
     trace.intake_pa = plant.intake_pressure_pa();
+    trace.reading = instruments.read(plant);
     return trace;
 }
 

@@ -23,7 +23,7 @@ class Run {
           score_(int(calibration.parameters.torque_harmonics), plant_.model().tables().steps, kScoredCycles),
           waveform_(kWaveformHarmonics, plant_.model().tables().steps, kScoredCycles),
           cylinder_score_(scenario.engine.shared.cylinders(), kScoredCycles), firing_(scenario.engine.shared),
-          misfire_(scenario.engine.shared), afr_score_(kScoredCycles) {
+          misfire_(scenario.engine.shared), afr_score_(kScoredCycles), balance_score_(kScoredCycles) {
         plant_.record_steps(&steps_);
         ecu_.record_answers(&heard_);
     }
@@ -40,7 +40,7 @@ class Run {
         result_.misfire = misfire_.result();
         result_.sync_losses = said_.sync_losses();
         result_.unanswered = answers_.missing();
-        if (plant_.exhaust()) result_.afr = afr_score_.estimate(), result_.balance = afr_score_.balance();
+        if (plant_.exhaust()) result_.afr = afr_score_.estimate(), result_.balance = balance_score_.result();
         if (scenario_.speed_mode == SpeedMode::prescribed) return result_;
         result_.torque = score_.result();
         result_.waveform = waveform_.result();
@@ -102,14 +102,22 @@ class Run {
         if (!scenario_.balance_on_s.empty()) {
             for (int cylinder : order) plant_.set_fuel_trim(cylinder, 1 + double(s.balance_trim[cylinder - 1]));
         }
-        if (!plant_.exhaust()) return;
-        std::vector<double> truth(order.size()), estimate(order.size());
+        if (plant_.exhaust()) score_mixture(time_s);
+    }
+
+    void score_mixture(double time_s) {
+        const sd_signals_t &s = said_.signals();
+        const auto &order = scenario_.engine.shared.firing_order;
+        BalanceCycle b{std::vector<double>(order.size()), {}, {}, balancing(time_s), said_.health(SD_OWNER_BALANCE) == SD_INVALID};
+        std::vector<double> estimate;
         for (std::size_t lane = 0; lane < order.size(); ++lane) {
-            const auto i = std::size_t(order[lane] - 1);
-            truth[i] = plant_.exhaust()->lambda_of(int(lane));
-            estimate[i] = double(s.afr_cylinder_burned[i]);
+            b.lambda[std::size_t(order[lane] - 1)] = plant_.exhaust()->lambda_of(int(lane));
+            b.trim.push_back(double(s.balance_trim[lane]));
+            b.injector.push_back(plant_.injector_factor(int(lane) + 1));
+            estimate.push_back(double(s.afr_cylinder_burned[lane]));
         }
-        afr_score_.cycle(truth, estimate, double(s.afr_cylinder_sd[0]), said_.health(SD_OWNER_AFR) == SD_VALID, balancing(time_s));
+        balance_score_.cycle(b);
+        if (said_.health(SD_OWNER_AFR) == SD_VALID) afr_score_.cycle(b.lambda, estimate, double(s.afr_cylinder_sd[0]));
     }
 
     /// Whatever has no answer by now will get none.
@@ -183,6 +191,7 @@ class Run {
     FiringScore firing_;
     MisfireScore misfire_;
     AfrScore afr_score_;
+    BalanceScore balance_score_;
     std::size_t firings_ = 0;
     std::vector<Sent> sent_;
     std::vector<sd_event_t> heard_;

@@ -7,6 +7,7 @@
 
 #include "replay/ecu_bench.hpp"
 #include "run/afr_score.hpp"
+#include "run/balance_score.hpp"
 #include "run/cylinder_score.hpp"
 #include "run/firing_score.hpp"
 #include "run/misfire_score.hpp"

@@ -19,8 +19,10 @@ class CombustionPlan {
     /// `fuel_kg` and demand `bmep_pa`. Call once a cycle for each lane, cycles ascending.
     Charge draw(int lane, std::int64_t cycle, double time_s, double fuel_kg, double bmep_pa);
 
-  private:
+    /// What a cylinder's injector gives at a time, of what it is told.
     double fuel_factor(int cylinder, double time_s) const;
+
+  private:
     double burned_fraction(int lane, std::int64_t cycle);
     const Scenario &scenario_;
     std::vector<RandomStream> cyclic_, misfire_;

@@ -62,6 +62,8 @@ class Plant {
     double intake_pressure_pa() const { return scenario_.engine.intake_pressure_pa.at(demand_pa_); }
     /// Fuel commanded at the last intake closing, kg a stroke, before trims and spread.
     double commanded_fuel_kg() const { return commanded_fuel_kg_; }
+    /// What the injector of a physical cylinder gives now, of what it is told.
+    double injector_factor(int cylinder) const { return plan_.fuel_factor(cylinder, model_.truth().time_s); }
     bool stalled() const { return stop_.has_value(); }
     const EngineModel &model() const { return model_; }
     const exhaust::ExhaustModel *exhaust() const { return exhaust_ ? &*exhaust_ : nullptr; }
@@ -74,6 +76,7 @@ class Plant {
         double angle_deg, time_s, speed_radps;
     };
     void pre_roll();
+    void fill_intake();
     void advance();
     void handle_events();
     void step_exhaust(double dt_s);

@@ -118,6 +118,13 @@ void read_cylinders(TomlFile &file, Scenario &s) {
     s.cyclic_duration_cov = 0.01 * file.number_or("cyclic.duration_cov_percent", {0, 30, "%"}, 0);
 }
 
+/// What really stands in the engine: the shared fields are what was drawn.
+void read_elastic(TomlFile &file, Scenario &s) {
+    const double factor = 1 + file.number_or("elastic.stiffness_percent", {-50, 50, "%"}, 0) / 100;
+    if (s.engine.dual_mass) s.engine.dual_mass->stiffness_nmprad *= factor;
+    if (s.engine.torsion) s.engine.torsion->section_stiffness_nmprad *= factor;
+}
+
 void read_misfires(TomlFile &file, Scenario &s) {
     const int n = s.engine.shared.cylinders();
     for (std::size_t i = 0; i < file.array_size("misfires.event"); ++i) {
@@ -189,6 +196,7 @@ Scenario read_scenario(TomlFile &file, const std::filesystem::path &folder) {
     read_run(file, s);
     read_speed(file, s);
     read_load(file, s);
+    read_elastic(file, s);
     read_cylinders(file, s);
     read_misfires(file, s);
     read_encoder(file, s);

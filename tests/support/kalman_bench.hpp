@@ -49,8 +49,9 @@ inline KnownTorque known_torque() {
     for (std::size_t lane = 0; lane < 4; ++lane) known.basis.push_back([=](double a) { return pulse_of(lane, a) / mean; });
     TorqueSignal motored;
     motored.fuel = {0, 0, 0, 0};
-    known.motored_per_bar = [=](double a) { return motored.raw(a); };
-    known.motored = [](double) { return 0.0; };
+    const auto none = [](double) { return 0.0; };
+    known.motored_per_bar = {[=](double a) { return motored.raw(a); }, none, none, none};
+    known.motored = {none, none, none, none};
     return known;
 }
 
@@ -95,7 +96,8 @@ struct Bench {
         for (; k < cycles * kCycle; ++k) {
             if (k % kPositions >= 58) continue;
             if (before_tooth) before_tooth();
-            const std::int64_t tick = std::llround((edges.at(k) + 1) * double(tables.tick_hz));
+            const double early_s = earlier_s ? earlier_s(k) : 0;
+            const std::int64_t tick = std::llround((edges.at(k) - early_s + 1) * double(tables.tick_hz));
             tooth.cycle_position = std::uint16_t(k % kCycle);
             tooth.advance = std::uint16_t(k - last_k);
             tooth.period_ticks = std::uint32_t(tick - last_tick);
@@ -110,6 +112,7 @@ struct Bench {
     Edges edges;
     sd_kalman_t filter;
     sd_kalman_tooth_t tooth{};
+    std::function<double(int)> earlier_s; ///< By which the edge at a position comes early.
     std::function<void()> before_tooth, on_tooth;
     std::function<void(const sd_kalman_tooth_t &)> take; ///< Instead of the filter.
     std::vector<Firing> firings;

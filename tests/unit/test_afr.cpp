@@ -61,7 +61,8 @@ TEST(AfrModel, CalibrationsOwnExhaustIsNearThePlants) {
     EXPECT_NEAR(s.point.mean_kg / plant_kg, 1, 0.04);
     double sum = 0;
     for (double share : s.point.share) sum += share;
-    EXPECT_NEAR(sum, 1, 1e-9);
+    EXPECT_GT(sum, 0.9); // the rest fills the clearance
+    EXPECT_LT(sum, 0.97);
 }
 
 // Document 004's claim, 4 cycles to a 20 % band (4 points of a 19 point step), for block A on the true gas.
@@ -105,7 +106,7 @@ double observer_radius(double gain_air, double gain_cylinder) {
     std::copy(psi.begin(), psi.end(), e.psi);
     const std::vector<float> share(s.point.share.begin(), s.point.share.end());
     const sd_exhaust_point_t p{share.data(), float(s.point.charge_kg), float(s.point.rate_hz),
-                               float(s.point.z0_kg), 0};
+                               float(s.point.z0_kg), 0, 0};
     sd_exhaust_f32_t gas;
     must(sd_exhaust_init_f32(&gas, &e));
     must(sd_exhaust_set_f32(&gas, &p, float(s.trace.step_s)));

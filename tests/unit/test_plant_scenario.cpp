@@ -122,19 +122,19 @@ TEST(PlantEngineFile, EveryErrorNamesFieldAndRange) {
         {"[plant.wall]", "[plant.walls]", "plant.walls.factor: is not a known field"},
         {"[plant.wall]", "[plant.driveline]\ninertia_kgm2 = -1\n[plant.wall]",
          "plant.driveline.inertia_kgm2: -1 is outside [0, 100] kg m2"},
-        {"[plant.wall]", "[plant.dual_mass]\n[plant.wall]",
-         "plant.dual_mass.secondary_inertia_kgm2: is missing; allowed range [0.001, 10] kg m2"},
-        {"[plant.wall]", "[plant.torsion]\nsection_stiffness_nmprad = 1\n[plant.wall]",
-         "plant.torsion.section_stiffness_nmprad: 1 is outside [10000, 1e+08] N m/rad"},
+        {"[plant.wall]", "[dual_mass]\n[plant.wall]",
+         "dual_mass.secondary_inertia_kgm2: is missing; allowed range [0.001, 10] kg m2"},
+        {"[plant.wall]", "[torsion]\nsection_stiffness_nmprad = 1\n[plant.wall]",
+         "torsion.section_stiffness_nmprad: 1 is outside [10000, 1e+08] N m/rad"},
         {"[plant.wall]",
-         "[plant.torsion]\nsection_stiffness_nmprad = 1e6\nfront_inertia_kgm2 = 0.1\nthrow_inertia_kgm2 = "
+         "[torsion]\nsection_stiffness_nmprad = 1e6\nfront_inertia_kgm2 = 0.1\nthrow_inertia_kgm2 = "
          "0.05\n[plant.wall]",
-         "plant.torsion.throw_inertia_kgm2: with the front end makes 0.3 kg m2 and leaves nothing of "
+         "torsion.throw_inertia_kgm2: with the front end makes 0.3 kg m2 and leaves nothing of "
          "crank.inertia_kgm2 to the flywheel"},
         {"[plant.wall]",
-         "[plant.torsion]\nsection_stiffness_nmprad = 1e6\nfront_inertia_kgm2 = 0.01\nthrow_inertia_kgm2 = "
+         "[torsion]\nsection_stiffness_nmprad = 1e6\nfront_inertia_kgm2 = 0.01\nthrow_inertia_kgm2 = "
          "0.01\nwheel_at = \"rear\"\n[plant.wall]",
-         "plant.torsion.wheel_at: 'rear' is not \"front\" or \"flywheel\""},
+         "torsion.wheel_at: 'rear' is not \"front\" or \"flywheel\""},
     };
     for (const auto &[from, to, line] : all) {
         EXPECT_EQ(message([&] { read_plant_engine("e.toml", changed(from, to)); }), "e.toml: " + line);

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 #include <memory>
+#include <vector>
 
 #include "calibration/calibration.hpp"
 #include "common/random.hpp"
@@ -24,36 +25,42 @@ constexpr double kTickHz = 1e6;
 /// Events on their way to the ecu, some of them changed, lost, doubled or made up; what comes back is checked.
 class Chaos {
   public:
-    Chaos(const Scenario &scenario, std::uint64_t seed) : random_(seed, 99) {
+    /// harm: 1, or 0 for a chain without fault.
+    Chaos(const Scenario &scenario, std::uint64_t seed, double harm = 1) : random_(seed, 99), harm_(harm) {
         const sd_calibration_t page = calibrate(scenario.engine.shared, read_tune(*std::make_unique<TomlFile>("t", "")), "t");
         EXPECT_EQ(SD_OK, sd_ecu_init(ecu_.get(), &page));
     }
 
     void edge(const EncoderEdge &edge, double intake_bar, double fuel_mg) {
         now_s_ = edge.time_s + shift_s_;
-        if (random_.chance(1e-4)) rest();
-        if (random_.chance(3e-5)) send(SD_EVENT_GAP, 0, 0);
-        if (random_.chance(1e-3)) wild();
-        if (random_.chance(2e-4)) blind_until_s_ = now_s_ + random_.uniform(); // a sensor that says nothing
+        if (happens(1e-4)) rest();
+        if (happens(3e-5)) send(SD_EVENT_GAP, 0, 0);
+        if (happens(1e-3)) wild();
+        if (happens(2e-4)) blind_until_s_ = now_s_ + random_.uniform(); // a sensor that says nothing
         if (now_s_ >= blind_until_s_ && now_s_ >= next_sample_s_) {
             next_sample_s_ = now_s_ + 0.01;
             sample(SD_INPUT_AIR_INTAKE_PRESSURE, intake_bar);
             sample(SD_INPUT_FUEL_INJECTED, fuel_mg);
         }
-        if (random_.chance(lost_ > 0 ? 0.7 : 1e-3)) { // a burst of lost edges
+        if (happens(lost_ > 0 ? 0.7 : 1e-3)) { // a burst of lost edges
             lost_ = 1;
             return;
         }
         lost_ = 0;
-        if (random_.chance(5e-4)) send(SD_EVENT_CRANK_EDGE, 0, 0, now_s_ - 1e-4 * random_.uniform());
+        if (happens(5e-4)) send(SD_EVENT_CRANK_EDGE, 0, 0, now_s_ - 1e-4 * random_.uniform());
         send(edge.kind == EdgeKind::crank ? SD_EVENT_CRANK_EDGE : SD_EVENT_CAM_EDGE, 0, 0);
-        if (random_.chance(2e-4)) send(SD_EVENT_CAM_EDGE, 0, 0); // of no cam
-        if (random_.chance(1e-2)) send(SD_EVENT_TIME, 0, 0);
+        if (happens(2e-4)) send(SD_EVENT_CAM_EDGE, 0, 0); // of no cam
+        if (happens(1e-2)) send(SD_EVENT_TIME, 0, 0);
     }
 
+    void tell(sd_input_t input, double value) { sample(std::uint16_t(input), value); }
+
+    std::vector<int> inhibits; ///< Of each firing.
     std::size_t firings = 0, judged = 0, false_alarms = 0, valid_false_alarms = 0, values = 0;
 
   private:
+    bool happens(double p) { return random_.chance(harm_ * p); }
+
     /// The crank stands, then turns at once: a stall and a restart.
     void rest() {
         const double pause_s = 3 * random_.uniform();
@@ -96,6 +103,7 @@ class Chaos {
         std::memcpy(&value, &answer.value, sizeof value);
         ASSERT_TRUE(std::isfinite(value)) << sd_signal_infos[answer.channel].name;
         ++values;
+        if (answer.channel == SD_SIGNAL_MISFIRE_INHIBIT) inhibits.push_back(int(value));
         if (answer.channel != SD_SIGNAL_MISFIRE_VERDICT) return;
         ++firings;
         judged += value < float(SD_NOT_JUDGED);
@@ -105,6 +113,7 @@ class Chaos {
     }
 
     RandomStream random_;
+    double harm_;
     std::unique_ptr<sd_ecu_t> ecu_ = std::make_unique<sd_ecu_t>();
     std::unique_ptr<sd_inproc_t> wire_ = std::make_unique<sd_inproc_t>();
     sd_port_t ecu_side_ = sd_inproc_ecu_side(wire_.get()), host_side_ = sd_inproc_host_side(wire_.get());
@@ -132,6 +141,34 @@ TEST(MisfireChaos, NeverNaNAndNeverAValidMisfireOfAHealthyEngine) {
     EXPECT_LE(false_alarms, judged / 1000);
     EXPECT_GT(judged, firings / 2) << "silence is no answer";
     EXPECT_GT(firings, 5000u);
+}
+
+/// The controller says that it shifts, then that the tank is nearly empty; both by slow signals through the stream.
+TEST(MisfireInhibits, AGearShiftAndAnEmptyTankThatTheEcuIsToldOf) {
+    TomlFile file("s.toml", "engine = \"diesel_22.toml\"\n[run]\ncycles = 150\n[speed]\nrpm = 1500\n[load]\nbmep_bar = 4\n");
+    const Scenario scenario = read_scenario(file, SD_ENGINES);
+    Plant plant(scenario, 1);
+    Chaos drive(scenario, 1, 0);
+    EncoderEdge edge;
+    std::vector<int> cycle_of; // of each firing
+    while (plant.next_edge(edge)) {
+        const int cycle = int(edge.time_s * 12.5);
+        if (cycle >= 40 && cycle < 60) drive.tell(SD_INPUT_DRIVELINE_SHIFT, 1);
+        if (cycle == 60) drive.tell(SD_INPUT_DRIVELINE_SHIFT, 0);
+        if (cycle == 80 || cycle == 130) drive.tell(SD_INPUT_FUEL_LEVEL, cycle == 80 ? 3 : 50);
+        drive.edge(edge, plant.intake_pressure_pa() / 1e5, plant.commanded_fuel_kg() * 1e6);
+        while (cycle_of.size() < drive.inhibits.size()) cycle_of.push_back(cycle);
+    }
+    ASSERT_GT(cycle_of.size(), 500u);
+    for (std::size_t i = 0; i < cycle_of.size(); ++i) {
+        const int cycle = cycle_of[i], inhibit = drive.inhibits[i];
+        if (cycle > 20 && cycle < 39) { EXPECT_EQ(0, inhibit) << cycle; }
+        if (cycle > 41 && cycle < 59) { EXPECT_EQ(SD_INHIBIT_SHIFT, inhibit) << cycle; }
+        if (cycle == 61) { EXPECT_EQ(SD_INHIBIT_HOLD, inhibit) << "two cycles after"; }
+        if (cycle > 64 && cycle < 79) { EXPECT_EQ(0, inhibit) << cycle; }
+        if (cycle > 81 && cycle < 129) { EXPECT_EQ(SD_INHIBIT_LEVEL, inhibit) << "a level holds until another is told, " << cycle; }
+        if (cycle > 131) { EXPECT_EQ(0, inhibit) << cycle; }
+    }
 }
 
 } // namespace

@@ -273,8 +273,8 @@ static void read_firing(sd_kalman_t *self, const sd_kalman_tables_t *t, uint32_t
     const float slower = t->speed_radps[0] / speed, shape = t->shape_sd * all * ((slower < 1.0f) ? slower : 1.0f);
     const float shrink = (float)SD_KALMAN_MEAN / (float)count; /* variance, taken as independent until it is full */
     const float load = (self->set > 0u) ? blend(t->load_sd_nm, at) : 0.0f;
-    firing->noise_nm = scale * single * root(fresh);
-    firing->sd_nm = root(firing->noise_nm * firing->noise_nm + scale * scale * stays * stays * fixed + shape * shape + load * load);
+    firing->noise_nm = scale * single * ((fresh > design * design) ? root(fresh) : design);
+    firing->sd_nm = root(scale * scale * single * single * fresh + scale * scale * stays * stays * fixed + shape * shape + load * load);
     firing->mean_sd_nm = root(scale * scale * (mean * mean * fresh * shrink + stays * stays * fixed) + shape * shape);
 }
 

@@ -110,7 +110,7 @@ typedef struct sd_firing {
     float   torque_nm;  ///< Mean combustion torque over the 180 deg after its TDC.
     float   sd_nm;      ///< Standard deviation of that less the mean of all cylinders: timing noise as met, shape_sd, and
                         ///< with the gains for rough roads what the load's walk gives.
-    float   noise_nm;   ///< Its part from timing errors that are new at each edge.
+    float   noise_nm;   ///< From timing errors that are new at each edge: as met, and no less than the gains were made for.
     float   mean_nm;    ///< Of this cylinder's last SD_KALMAN_MEAN cycles, fewer after a start.
     float   mean_sd_nm;
 } sd_firing_t;

@@ -30,6 +30,7 @@ static void walk_kalman(sd_page_walk_t *walk, sd_kalman_tables_t *t) {
     if ((t->positions == 0u) || (t->positions > SD_KALMAN_POSITIONS_MAX)) { return; } /* none, or init will refuse it */
     sd_page_u8(walk, &t->coefficients);
     sd_page_u8(walk, &t->speeds);
+    sd_page_u8(walk, &t->sets);
     sd_page_u8(walk, &t->firings);
     sd_page_u8(walk, &t->cylinders);
     sd_page_u8(walk, &t->modes);
@@ -48,11 +49,8 @@ static void walk_kalman(sd_page_walk_t *walk, sd_kalman_tables_t *t) {
         walk_floats(walk, (float *)&t->mode[m], sizeof t->mode[m] / sizeof(float)); /* floats without gaps */
     }
     walk_floats(walk, t->speed_radps, SD_KALMAN_SPEEDS_MAX);
-    walk_floats(walk, t->noise_rad, SD_KALMAN_SPEEDS_MAX);
-    walk_floats(walk, t->innovation, SD_KALMAN_SPEEDS_MAX);
-    walk_floats(walk, t->single_sd, SD_KALMAN_SPEEDS_MAX);
-    walk_floats(walk, t->mean_sd, SD_KALMAN_SPEEDS_MAX);
-    walk_floats(walk, t->pattern_sd, SD_KALMAN_SPEEDS_MAX);
+    float *const of_gains[] = { t->noise_rad, t->innovation, t->single_sd, t->mean_sd, t->pattern_sd, t->load_sd_nm };
+    for (uint32_t i = 0; i < sizeof of_gains / sizeof of_gains[0]; ++i) { walk_floats(walk, of_gains[i], SD_KALMAN_GAINS_MAX); }
     const uint32_t used = sd_kalman_pool_used(t);
     walk_floats(walk, t->pool, (used <= SD_KALMAN_POOL) ? used : 0u);
 }

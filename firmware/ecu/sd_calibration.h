@@ -30,7 +30,7 @@ typedef struct sd_calibration {
     sd_parameters_t parameters;
 } sd_calibration_t;
 
-#define SD_CALIBRATION_BYTES_MAX 81920u
+#define SD_CALIBRATION_BYTES_MAX 131072u
 
 /// Writes the page to `bytes` (room for SD_CALIBRATION_BYTES_MAX); returns its size.
 uint32_t sd_calibration_encode(const sd_calibration_t *calibration, uint8_t *bytes);

@@ -109,6 +109,8 @@ sd_result_t sd_ecu_init(sd_ecu_t *self, const sd_calibration_t *calibration) {
     self->balance = balance;
     if (has_filter) {
         self->filter = filter;
+        self->rough = filter;
+        self->rough.set = 1;
         sd_pattern_init(&self->pattern, &self->calibration.kalman);
     }
     return SD_OK;
@@ -255,6 +257,8 @@ static void on_crank_edge(sd_ecu_t *self, const sd_port_t *port, uint32_t tick) 
         lose_angle(self, SD_WHY_NO_SYNC);
     } else if (tooth.edge_class != SD_EDGE_SPURIOUS) {
         on_tooth(self, port, &tooth);
+    } else {
+        sd_ecu_firing_spurious(self);
     }
     sd_ecu_publish(self, port, tick, SD_RATE_EDGE);
 }

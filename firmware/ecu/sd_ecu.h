@@ -21,6 +21,7 @@
 #include "sd_balance_zero.h"
 #include "sd_calibration.h"
 #include "sd_learned.h"
+#include "sd_road.h"
 
 /// Latest reading of a sampled sensor.
 typedef struct sd_sample {
@@ -40,6 +41,9 @@ typedef struct sd_ecu {
     sd_crank_t       crank;
     sd_torque_t      torque;      ///< Which one: torque.fixed_point.
     sd_kalman_t      filter;      ///< On tooth times; runs when the page has its tables.
+    sd_kalman_t      rough;       ///< The same with the gains for rough roads, where the page has them.
+    sd_road_t        road;
+    uint8_t          on_rough;    ///< 1: what is said of firings comes from `rough`.
     sd_pattern_t     pattern;     ///< Of the wheel, learned in fuel cut.
     sd_misfire_t     misfire;
     float    fuel_mg[SD_CYLINDERS_MAX]; ///< Commanded at the last TDC of each firing; below 0: unknown.

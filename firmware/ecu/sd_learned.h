@@ -5,7 +5,7 @@
 #define SD_LEARNED_H
 #include "sd_pattern.h"
 
-#define SD_LEARNED_BYTES_MAX 1024u
+#define SD_LEARNED_BYTES_MAX 1280u
 
 /// Writes the page to `bytes` (room for SD_LEARNED_BYTES_MAX); returns its size.
 uint32_t sd_learned_encode(const sd_pattern_sums_t *sums, uint8_t *bytes);

@@ -8,7 +8,7 @@
 #define SPREAD_MIN  0.05f  /* of u, relative: below it one speed only was seen */
 #define MOTORED_SD  0.03f  /* of the motored torque, relative, while the speeds do not tell */
 
-_Static_assert(sizeof(sd_pattern_t) == 2960, "without pointers, the same size on every target");
+_Static_assert(sizeof(sd_pattern_t) == 3060, "without pointers, the same size on every target");
 
 static uint32_t teeth_of_cycle(const sd_kalman_tables_t *t) {
     uint32_t present = 0;
@@ -172,6 +172,25 @@ bool sd_pattern_step(sd_pattern_t *self, const sd_kalman_tables_t *t, const sd_k
     }
     if (tooth->cycle_position == 0u) { begin_cycle(self, t, tooth); }
     return changed;
+}
+
+bool sd_pattern_take_zero(sd_pattern_t *self, const sd_kalman_tables_t *t, const sd_firing_t *firing, float charge_bar,
+                          float speed_radps) {
+    const float u = W_REF_RADPS * W_REF_RADPS / (speed_radps * speed_radps), weight = u * u;
+    if ((firing->index >= t->firings) || !(charge_bar > 0.05f) || !(weight < 1e4f)) { return false; }
+    self->sums.zero[firing->index] += weight * firing->raw_nm / charge_bar;
+    self->sums.zero_u2[firing->index] += weight;
+    return firing->index == (t->firings - 1u);
+}
+
+void sd_pattern_zeros(const sd_pattern_t *self, const sd_kalman_tables_t *t, float *zero_nm_per_bar) {
+    float mean = 0.0f;
+    memset(zero_nm_per_bar, 0, SD_KALMAN_FIRINGS_MAX * sizeof *zero_nm_per_bar);
+    for (uint32_t i = 0; i < t->firings; ++i) {
+        if (!(self->sums.zero_u2[i] > 0.0f)) { return; }
+        mean += self->sums.zero[i] / self->sums.zero_u2[i] / (float)t->firings;
+    }
+    for (uint32_t i = 0; i < t->firings; ++i) { zero_nm_per_bar[i] = self->sums.zero[i] / self->sums.zero_u2[i] - mean; }
 }
 
 void sd_pattern_pause(sd_pattern_t *self) {

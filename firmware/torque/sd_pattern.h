@@ -10,6 +10,10 @@
 ///     pattern + u slope,  u = (w_ref / w)^2,
 /// once the cycles seen span enough speed; until then as a constant, and the confidence says so.
 ///
+/// And the zero of each cylinder: what the filter reads of it without combustion, for a bar of its charge. A compression
+/// or a trapped mass that the calibration has wrong shows there, and would be taken for torque when the engine fires. Only
+/// differences from the mean of all cylinders are kept; a timing error makes a torque of w^2, hence the weight u^2.
+///
 /// Real-time contract: as sd_kalman.h; a cycle's end costs six passes over the teeth. Call sd_pattern_step for each
 /// placed tooth while fuel is cut, sd_pattern_pause once for any other.
 #ifndef SD_PATTERN_H
@@ -24,6 +28,8 @@ typedef struct sd_pattern_sums {
     float late[SD_KALMAN_POSITIONS_MAX];    ///< Sum of L, trend taken out, over cycles.
     float late_u[SD_KALMAN_POSITIONS_MAX];  ///< Sum of u L.
     float square;                           ///< Sum over cycles of the mean over teeth of L^2.
+    float zero[SD_KALMAN_FIRINGS_MAX];      ///< Sum of u^2 (reading of cylinder i over its charge), Nm/bar,
+    float zero_u2[SD_KALMAN_FIRINGS_MAX];   ///< and of u^2.
 } sd_pattern_sums_t;
 
 typedef struct sd_pattern {
@@ -46,6 +52,11 @@ void sd_pattern_init(sd_pattern_t *self, const sd_kalman_tables_t *tables);
 sd_result_t sd_pattern_resume(sd_pattern_t *self, const sd_kalman_tables_t *tables, const sd_pattern_sums_t *sums);
 /// A tooth without fuel in any cylinder; late_rad and pattern_rad are not used. Returns true when the pattern changed.
 bool sd_pattern_step(sd_pattern_t *self, const sd_kalman_tables_t *tables, const sd_kalman_tooth_t *tooth);
+/// A firing that the filter read while fuel is cut, its charge and the speed. Returns true when all cylinders have a zero.
+bool sd_pattern_take_zero(sd_pattern_t *self, const sd_kalman_tables_t *tables, const sd_firing_t *firing, float charge_bar,
+                          float speed_radps);
+/// The zeros, Nm/bar by firing: all 0 before every cylinder was read.
+void sd_pattern_zeros(const sd_pattern_t *self, const sd_kalman_tables_t *tables, float *zero_nm_per_bar);
 /// Fuel is back, or the angle is lost: the cycle under way is dropped.
 void sd_pattern_pause(sd_pattern_t *self);
 

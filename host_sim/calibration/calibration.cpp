@@ -73,7 +73,7 @@ sd_cylinder_map_t page_map(const EngineFile &engine, const sd_calibration_t &c) 
 void page_filter(const EngineFile &engine, const std::string &tune_name, sd_calibration_t &c) {
     const auto known = known_torque(engine, c.parameters);
     if (!known || c.parameters.firing_enabled < 0.5f) return;
-    const KalmanTables made = kalman_tables(engine, *known, kalman_tune(c.parameters));
+    const KalmanTables made = kalman_tables(engine, *known, kalman_tune(engine, c.parameters));
     double radius = made.radius_between;
     for (const PeriodicGains &gains : made.gains) radius = std::max(radius, gains.radius);
     if (!(radius < 1)) {

@@ -30,15 +30,22 @@ std::optional<KnownTorque> known_torque(const EngineFile &engine, const sd_param
     return known;
 }
 
-KalmanTune kalman_tune(const sd_parameters_t &p) {
+KalmanTune kalman_tune(const EngineFile &engine, const sd_parameters_t &p) {
     KalmanTune tune;
     tune.edge_deg = double(p.firing_edge_sd_deg);
     tune.load_walk_nm = double(p.firing_load_walk_nm);
+    tune.rough_walk_nm = double(p.firing_rough_walk_nm);
     tune.firing_change_nm = double(p.firing_change_nm);
     tune.torque_base_nm = double(p.torque_torque_base_nm);
     tune.reject_deg = double(p.firing_reject_deg);
     tune.shape_sd = double(p.firing_shape_sd);
     tune.settle_cycles = double(p.firing_settle_cycles);
+    if (engine.torsion) {
+        // A mode near an engine order wants gains of its own within a few percent of speed. And what all cylinders share shows
+        // in their differences, by each one's place in the mode: a common torque that settles slowly would spoil them.
+        tune.speeds_rpm = {1000, 1200, 1440, 1730, 2070, 2500, 3000, 3600, 4300, 5200, 6200, 7400};
+        tune.load_walk_nm *= 10;
+    }
     if (p.firing_harmonics > 0) tune.speeds_rpm = {1000}; // one table fits the pool; waveform only
     return tune;
 }

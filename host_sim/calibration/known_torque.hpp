@@ -14,6 +14,6 @@ namespace sixdeg {
 std::optional<KnownTorque> known_torque(const EngineFile &engine, const sd_parameters_t &parameters);
 
 /// The filter's part of the parameters.
-KalmanTune kalman_tune(const sd_parameters_t &parameters);
+KalmanTune kalman_tune(const EngineFile &engine, const sd_parameters_t &parameters);
 
 } // namespace sixdeg

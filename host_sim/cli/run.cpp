@@ -43,7 +43,12 @@ struct Inputs {
     std::string tune_name;
     sd_calibration_t calibration;
     std::optional<sd_pattern_sums_t> learned;
+    std::optional<Scenario> lesson; ///< Instead of `learned`: each calibration learns from it by itself.
     Json files;
+
+    std::optional<sd_pattern_sums_t> learned_with(const sd_calibration_t &page) const {
+        return lesson ? run_on_bench(*lesson, page, nullptr).learned : learned;
+    }
 };
 
 /// --set takes fields of both files: those below an owner of firmware parameters are the tune's.
@@ -52,6 +57,18 @@ bool is_parameter(const std::string &assignment) {
     return std::any_of(
         std::begin(sd_parameter_infos), std::end(sd_parameter_infos),
         [&](const sd_signal_info_t &info) { return std::string(info.name).rfind(table + ".", 0) == 0; });
+}
+
+/// A scenario to learn from before the run: on its engine, wheel and seed.
+std::optional<Scenario> read_lesson(const Options &options, const Scenario &run) {
+    const std::filesystem::path path(options.learned);
+    if (path.extension() != ".toml") return std::nullopt;
+    TomlFile file(path);
+    file.set("engine=\"" + std::filesystem::absolute(run.engine_path).string() + "\"");
+    Scenario lesson = read_scenario(file, path.parent_path());
+    lesson.engine = run.engine, lesson.encoder = run.encoder, lesson.seed = run.seed;
+    lesson.trapped_factor = run.trapped_factor, lesson.compression_factor = run.compression_factor;
+    return lesson;
 }
 
 sd_pattern_sums_t read_learned(const std::string &path, Json &files) {
@@ -84,7 +101,9 @@ Inputs read_inputs(const Options &options) {
     inputs.tune_name = tune.name();
     if (!options.tune.empty()) inputs.files[options.tune] = sha256(tune.content());
     inputs.calibration = calibrate(inputs.scenario.engine.shared, inputs.tune, tune.name());
-    if (!options.learned.empty()) inputs.learned = read_learned(options.learned, inputs.files);
+    inputs.lesson = read_lesson(options, inputs.scenario);
+    if (inputs.lesson) inputs.files[options.learned] = sha256(read_file(options.learned));
+    else if (!options.learned.empty()) inputs.learned = read_learned(options.learned, inputs.files);
     return inputs;
 }
 
@@ -129,6 +148,7 @@ Json summarise(const Options &options, const Inputs &inputs, const RunResult &re
     add_figures(summary, result, perturbed);
     const auto bounds = firing_bounds(inputs.scenario, inputs.tune, result);
     summary["misfire"] = misfire_json(result.misfire, separation_bound(inputs.scenario, bounds));
+    if (perturbed) summary["misfire"]["perturbed"] = misfire_json(perturbed->result.misfire, 0);
     summary["firing"] = firing_json(result, bounds);
     if (perturbed) summary["firing"]["perturbed"] = firing_json(perturbed->result, std::nullopt);
     summary["number"] = inputs.calibration.parameters.torque_fixed_point > 0.5f ? "q31" : "f32";
@@ -157,7 +177,8 @@ void print_figures(const Inputs &inputs, const RunResult &result, const std::opt
     if (result.stalled) row("the engine", "stalled");
     print_accuracy(result, perturbed);
     const auto bounds = firing_bounds(inputs.scenario, inputs.tune, result);
-    print_misfire(result.misfire, separation_bound(inputs.scenario, bounds));
+    print_misfire("misfire monitor", result.misfire, separation_bound(inputs.scenario, bounds));
+    if (perturbed) print_misfire("the same, perturbed", perturbed->result.misfire, 0);
     print_firing("single firings over", result, bounds);
     if (perturbed) print_firing("the same, perturbed, over", perturbed->result, std::nullopt);
 }
@@ -167,7 +188,8 @@ PerturbedRun run_perturbed(const Inputs &inputs) {
     const EngineFile &engine = inputs.scenario.engine.shared;
     const Perturbation drawn = draw_perturbation(engine, inputs.scenario.seed);
     const sd_calibration_t page = calibrate(perturbed(engine, drawn), inputs.tune, inputs.tune_name);
-    return {drawn, run_on_bench(inputs.scenario, page, nullptr, inputs.learned ? &*inputs.learned : nullptr)};
+    const auto learned = inputs.learned_with(page);
+    return {drawn, run_on_bench(inputs.scenario, page, nullptr, learned ? &*learned : nullptr)};
 }
 
 void run(const Options &options) {
@@ -187,10 +209,10 @@ void run(const Options &options) {
     const BusChoice bus{options.transport, options.pace, options.start_ecu};
     BusFigures figures;
     RunTables *const rows = tables ? &*tables : nullptr;
+    const auto learned = inputs.learned_with(inputs.calibration);
     const auto start = std::chrono::steady_clock::now();
-    const sd_pattern_sums_t *const learned = inputs.learned ? &*inputs.learned : nullptr;
     const RunResult result = in_process
-                                 ? run_on_bench(inputs.scenario, inputs.calibration, rows, learned, listener)
+                                 ? run_on_bench(inputs.scenario, inputs.calibration, rows, learned ? &*learned : nullptr, listener)
                                  : run_on_bus(bus, inputs.scenario, inputs.calibration, rows, listener, figures);
     const std::chrono::duration<double> since_start = std::chrono::steady_clock::now() - start;
     const double realtime_factor = result.simulated_s / (in_process ? since_start.count() : figures.took_s);
@@ -226,7 +248,7 @@ void add_options(CLI::App *command, const std::shared_ptr<Options> &options) {
         ->check(CLI::Range(std::uint64_t(0), std::uint64_t(1) << 52));
     command->add_option("--out", options->out, "folder for summary.json, teeth.csv and cycles.csv");
     command->add_option("--json", options->json, "the summary alone");
-    command->add_option("--learned", options->learned, "tooth pattern learned before; not over a bus");
+    command->add_option("--learned", options->learned, "what was learned before, or a scenario whose fuel cut is learned from first (by each calibration for itself); not over a bus");
     command->add_option("--learn", options->learn, "where the tooth pattern goes at the end of the run; not over a bus");
     command->add_flag("--nominal", options->nominal, "skip the second run, whose calibration is wrong on purpose; over a bus there is none");
     command->add_option("--record", options->record, "event log of all that goes in and out (docs/log.md)");

@@ -25,7 +25,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct Options {
-    std::string scenario, tune, number, out, figure = "cylinders.imbalance_percent";
+    std::string scenario, tune, number, learned, out, figure = "cylinders.imbalance_percent";
     std::vector<std::string> over, set;
     bool nominal = false;
     unsigned jobs = std::max(1u, std::thread::hardware_concurrency());
@@ -36,6 +36,7 @@ std::vector<std::string> common_arguments(const Options &options) {
     std::vector<std::string> arguments{options.scenario};
     if (!options.tune.empty()) arguments.insert(arguments.end(), {"--tune", options.tune});
     if (!options.number.empty()) arguments.insert(arguments.end(), {"--number", options.number});
+    if (!options.learned.empty()) arguments.insert(arguments.end(), {"--learned", options.learned});
     if (options.nominal) arguments.push_back("--nominal");
     for (const std::string &set : options.set) arguments.insert(arguments.end(), {"--set", set});
     return arguments;
@@ -49,6 +50,7 @@ std::string fingerprint(const Options &options, const std::vector<std::string> &
     const fs::path engine(file.text("engine"));
     if (fs::exists(path.parent_path() / engine)) all += sha256(read_file(path.parent_path() / engine));
     if (!options.tune.empty()) all += sha256(read_file(options.tune));
+    if (!options.learned.empty()) all += sha256(read_file(options.learned));
     for (const std::string &argument : arguments) all += argument + "\n";
     return all;
 }
@@ -177,6 +179,7 @@ void add_sweep(CLI::App &app) {
     command->add_option("--tune", options->tune, "tune file");
     command->add_option("--set", options->set, "key=value, as in run, alike in every cell")->allow_extra_args(false);
     command->add_option("--number", options->number, "f32 or q31")->check(CLI::IsMember({"f32", "q31"}));
+    command->add_option("--learned", options->learned, "as in run, alike in every cell");
     command->add_flag("--nominal", options->nominal, "skip the runs whose calibration is wrong on purpose");
     command->callback([options] { sweep(*options); });
 }

@@ -58,6 +58,7 @@ void EngineModel::start(std::int64_t cycle, int step, double time_s, double spee
     for (int lane = 0; lane < n_; ++lane) {
         const auto l = std::size_t(lane);
         mass_[l] = intake_pa_[l] * volume(lane) / (gas::kR * charge_k_);
+        inhaling_[l] = false;
         for (int twin : {lane, lane + kTwins}) {
             state_.p[twin] = manifold_[twin] = intake_pa_[l];
             closed_[twin] = 0, open_[twin] = exchange_;
@@ -99,6 +100,12 @@ void EngineModel::set_time(double time_s) {
 void EngineModel::set_load(double torque_nm, double slope_nmps) {
     load_nm_ = torque_nm, load_slope_ = slope_nmps, load_time_ = state_.time;
     evaluate_here();
+}
+
+void EngineModel::set_intake_pressure(int lane, double pressure_pa) {
+    const auto l = std::size_t(lane);
+    intake_pa_[l] = pressure_pa;
+    if (inhaling_[l]) manifold_[lane] = manifold_[lane + kTwins] = pressure_pa;
 }
 
 void EngineModel::set_mean_speed(double speed_radps) {
@@ -311,6 +318,7 @@ void EngineModel::apply(const Event &event) {
     const auto l = std::size_t(lane);
     switch (event.kind) {
     case EventKind::intake_close:
+        inhaling_[l] = false;
         state_.p[twin] = state_.p[lane];
         mass_[l] = state_.p[lane] * volume(lane) / (gas::kR * charge_k_);
         for (int i : {lane, twin}) {
@@ -337,6 +345,7 @@ void EngineModel::apply(const Event &event) {
         burns_[l] = false;
         break;
     case EventKind::exchange:
+        inhaling_[l] = true;
         for (int i : {lane, twin}) manifold_[i] = intake_pa_[l];
         finish_cycle(lane);
         break;

@@ -109,7 +109,7 @@ class EngineModel {
     /// Mean speed for the wall's heat transfer coefficient, rad/s.
     void set_mean_speed(double speed_radps);
     /// Manifold pressure that `lane` breathes from now on, Pa; trapped mass follows it.
-    void set_intake_pressure(int lane, double pressure_pa) { intake_pa_[std::size_t(lane)] = pressure_pa; }
+    void set_intake_pressure(int lane, double pressure_pa);
     /// Call when step() reports intake_close of that lane.
     void set_charge(int lane, const Charge &charge);
 
@@ -194,6 +194,7 @@ class EngineModel {
     double closed_[kLanes] = {}, open_[kLanes] = {}, manifold_[kLanes] = {};
     double inverse_mr_[kLanes] = {}, wall_gain_[kLanes] = {};
     std::array<double, kMaxCylinders> intake_pa_{}, mass_{};
+    std::array<bool, kMaxCylinders> inhaling_{}; // from the exchange to intake closing
     std::array<std::array<WiebePulse, 2>, kMaxCylinders> burning_{};
     double released_[kMaxCylinders] = {}; // J, of the cycle under way
     std::array<double, kMaxCylinders> burn_from_{}, burn_to_{};

@@ -20,7 +20,7 @@ std::optional<FiringBounds> firing_bounds(const Scenario &scenario, const sd_par
     const EngineFile &engine = scenario.engine.shared;
     const auto known = known_torque(engine, tune);
     if (!result.firing || !known || !known->firings) return std::nullopt;
-    KalmanTune truth = kalman_tune(tune);
+    KalmanTune truth = kalman_tune(engine, tune);
     truth.edge_deg = scenario.encoder.jitter_deg;
     const double speed = result.firing->mean_radps;
     const ToothModel model = tooth_model(engine, *known, speed);

@@ -48,7 +48,7 @@ void RunTables::edge(const EncoderEdge &truth, double crank_deg, const EcuSaid &
 
 std::string RunTables::cycles_csv() const {
     std::string text = "cycle,cylinder,torque_true_nm,torque_nm,sd_nm,imep_true_bar,misfire_true,misfire_index,misfire_verdict,"
-                       "rpm,health,burned_true,burned,burned_sd,trim,t_s\n";
+                       "rough,rpm,health,burned_true,burned,burned_sd,trim,t_s\n";
     const auto out = std::back_inserter(text);
     for (const CycleTruth &truth : truths_) {
         const auto &order = engine_.firing_order;
@@ -65,6 +65,8 @@ std::string RunTables::cycles_csv() const {
             fmt::format_to(out, "{:.4f},{},", verdict->second, verdict->first);
         else
             text += ",,";
+        if (heard) fmt::format_to(out, "{}", int(said->second.signals.firing_rough));
+        text += ',';
         if (heard) fmt::format_to(out, "{:.3f}", said->second.signals.cycle_speed_rpm);
         fmt::format_to(out, ",{},", health_name(heard ? said->second.health : std::uint8_t(SD_INVALID)));
         if (truth.exhaust_lambda != 0) fmt::format_to(out, "{:.5f}", truth.exhaust_lambda);

@@ -79,11 +79,7 @@ void Plant::pre_roll() {
     const double speed = scenario_.speed_radps.at(0);
     demand_pa_ = scenario_.bmep_pa.at(0);
     mean_speed_ = speed;
-    for (int lane = 0; lane < scenario_.engine.shared.cylinders(); ++lane) {
-        const int cylinder = scenario_.engine.shared.firing_order[std::size_t(lane)];
-        model_.set_intake_pressure(lane, scenario_.engine.intake_pressure_pa.at(demand_pa_) *
-                                             scenario_.trapped_factor[std::size_t(cylinder - 1)]);
-    }
+    fill_intake();
     model_.start(-kPreRollCycles, step, 0, speed);
     model_.prescribe_speed(speed, 0);
     if (exhaust_) exhaust_->start(kStartAirFraction);
@@ -107,6 +103,14 @@ void Plant::pre_roll() {
     wheel_.seek(sensor_.angle_deg);
     next_cam_deg_ = scenario_.engine.shared.cam_edge_deg;
     while (next_cam_deg_ + scenario_.encoder.cam_retard_deg.at(0) <= sensor_.angle_deg) next_cam_deg_ += 720;
+}
+
+// The manifold's pressure is at once that of the demand, for whoever breathes.
+void Plant::fill_intake() {
+    for (int lane = 0; lane < scenario_.engine.shared.cylinders(); ++lane) {
+        const int cylinder = scenario_.engine.shared.firing_order[std::size_t(lane)];
+        model_.set_intake_pressure(lane, intake_pressure_pa() * scenario_.trapped_factor[std::size_t(cylinder - 1)]);
+    }
 }
 
 bool Plant::next_edge(EncoderEdge &edge) {
@@ -208,9 +212,6 @@ void Plant::set_charge(const Event &event) {
                                      commanded_fuel_kg_ * fuel_trim_[std::size_t(cylinder - 1)], demand_pa_);
     model_.set_charge(event.lane, charge);
     if (exhaust_) exhaust_->charge(event.lane, model_.trapped_kg(event.lane), charge.fuel_kg);
-    // Breathed with the next stroke.
-    model_.set_intake_pressure(event.lane,
-                               intake_pressure_pa() * scenario_.trapped_factor[std::size_t(cylinder - 1)]);
 }
 
 // Torque and speed profiles as straight pieces in time, held by the model until one of them bends.
@@ -259,6 +260,7 @@ void Plant::control() {
         const double wanted = load + (ramp_nm - control_.update(error_j)) / engine.torque_of_mep_nm(1);
         demand_pa_ = std::clamp(wanted, 0.0, kGovernorLimitPa);
     }
+    fill_intake();
     control_time_ = now;
     next_control_rad_ += SpeedControl::kCycleRad;
 }

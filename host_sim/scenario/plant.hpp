@@ -76,6 +76,7 @@ class Plant {
         double angle_deg, time_s, speed_radps;
     };
     void pre_roll();
+    void fill_intake();
     void advance();
     void handle_events();
     void step_exhaust(double dt_s);

@@ -83,6 +83,41 @@ TEST(Pattern, GoesOnFromWhatWasKept) {
     EXPECT_EQ(std::memcmp(&before, &second, sizeof before), 0);
 }
 
+TEST(Pattern, ZerosAreReadingsOverChargeLessTheirMean) {
+    sd_pattern_t pattern = fresh();
+    const sd_kalman_tables_t &tables = pulse_tables().tables;
+    float zero[SD_KALMAN_FIRINGS_MAX];
+    const auto read = [&](std::uint8_t index, float raw_nm, float charge_bar, float speed) {
+        sd_firing_t firing{};
+        firing.index = index, firing.raw_nm = raw_nm;
+        return sd_pattern_take_zero(&pattern, &tables, &firing, charge_bar, speed);
+    };
+    EXPECT_FALSE(read(0, 6, 2, 200));
+    sd_pattern_zeros(&pattern, &tables, zero);
+    EXPECT_EQ(zero[0], 0) << "the others were not read yet";
+    EXPECT_FALSE(read(1, 2, 2, 200));
+    EXPECT_FALSE(read(2, 2, 2, 200));
+    EXPECT_TRUE(read(3, 2, 2, 200));
+    EXPECT_FALSE(read(0, 1e6f, 0, 200)) << "no charge, no zero";
+    EXPECT_FALSE(read(7, 6, 2, 200));
+    sd_pattern_zeros(&pattern, &tables, zero);
+    for (int i = 0; i < 4; ++i) EXPECT_FLOAT_EQ(zero[i], i == 0 ? 1.5f : -0.5f);
+    for (std::uint8_t i = 0; i < 4; ++i) read(i, i == 0 ? 60.f : 0.f, 2, 2000); // at ten times the speed it weighs 1e-4
+    sd_pattern_zeros(&pattern, &tables, zero);
+    EXPECT_NEAR(zero[0], 1.5, 3e-3);
+    // And the filter takes them out by the charge that the cylinder holds.
+    TorqueSignal signal;
+    Bench with(tables, Edges(signal, 0, 0, 1)), without(tables, Edges(signal, 0, 0, 1));
+    with.filter.zero_nm_per_bar[2] = 7;
+    with.tooth.intake_bar = without.tooth.intake_bar = 1.5f;
+    with.run(20), without.run(20);
+    for (std::size_t i = 0; i < with.firings.size(); ++i) {
+        const float zero_nm = with.firings[i].said.index == 2 ? 7 * 1.5f : 0;
+        EXPECT_NEAR(with.firings[i].said.torque_nm, without.firings[i].said.torque_nm - zero_nm, 1e-3);
+        EXPECT_EQ(with.firings[i].said.raw_nm, without.firings[i].said.raw_nm);
+    }
+}
+
 TEST(Pattern, LearnsNothingFromBrokenCycles) {
     sd_pattern_t pattern = fresh();
     sd_kalman_tooth_t tooth{};

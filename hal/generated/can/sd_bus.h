@@ -51,9 +51,11 @@ extern "C" {
 #define SD_BUS_TIME_FRAME_ID (0xa1u)
 #define SD_BUS_INPUT_AIR_INTAKE_PRESSURE_FRAME_ID (0xa8u)
 #define SD_BUS_INPUT_FUEL_INJECTED_FRAME_ID (0xa9u)
-#define SD_BUS_INPUT_EXHAUST_LAMBDA_FRAME_ID (0xaau)
-#define SD_BUS_INPUT_EXHAUST_PRESSURE_FRAME_ID (0xabu)
-#define SD_BUS_INPUT_BALANCE_ENABLE_FRAME_ID (0xacu)
+#define SD_BUS_INPUT_FUEL_LEVEL_FRAME_ID (0xaau)
+#define SD_BUS_INPUT_DRIVELINE_SHIFT_FRAME_ID (0xabu)
+#define SD_BUS_INPUT_EXHAUST_LAMBDA_FRAME_ID (0xacu)
+#define SD_BUS_INPUT_EXHAUST_PRESSURE_FRAME_ID (0xadu)
+#define SD_BUS_INPUT_BALANCE_ENABLE_FRAME_ID (0xaeu)
 #define SD_BUS_EDGE_FRAME_ID (0xb0u)
 #define SD_BUS_CYCLE_1_FRAME_ID (0xb1u)
 #define SD_BUS_CYCLE_2_FRAME_ID (0xb2u)
@@ -74,6 +76,8 @@ extern "C" {
 #define SD_BUS_TIME_LENGTH (8u)
 #define SD_BUS_INPUT_AIR_INTAKE_PRESSURE_LENGTH (8u)
 #define SD_BUS_INPUT_FUEL_INJECTED_LENGTH (8u)
+#define SD_BUS_INPUT_FUEL_LEVEL_LENGTH (8u)
+#define SD_BUS_INPUT_DRIVELINE_SHIFT_LENGTH (8u)
 #define SD_BUS_INPUT_EXHAUST_LAMBDA_LENGTH (8u)
 #define SD_BUS_INPUT_EXHAUST_PRESSURE_LENGTH (8u)
 #define SD_BUS_INPUT_BALANCE_ENABLE_LENGTH (8u)
@@ -97,6 +101,8 @@ extern "C" {
 #define SD_BUS_TIME_IS_EXTENDED (0)
 #define SD_BUS_INPUT_AIR_INTAKE_PRESSURE_IS_EXTENDED (0)
 #define SD_BUS_INPUT_FUEL_INJECTED_IS_EXTENDED (0)
+#define SD_BUS_INPUT_FUEL_LEVEL_IS_EXTENDED (0)
+#define SD_BUS_INPUT_DRIVELINE_SHIFT_IS_EXTENDED (0)
 #define SD_BUS_INPUT_EXHAUST_LAMBDA_IS_EXTENDED (0)
 #define SD_BUS_INPUT_EXHAUST_PRESSURE_IS_EXTENDED (0)
 #define SD_BUS_INPUT_BALANCE_ENABLE_IS_EXTENDED (0)
@@ -119,6 +125,8 @@ extern "C" {
 #define SD_BUS_TIME_CYCLE_TIME_MS (10u)
 #define SD_BUS_INPUT_AIR_INTAKE_PRESSURE_CYCLE_TIME_MS (10u)
 #define SD_BUS_INPUT_FUEL_INJECTED_CYCLE_TIME_MS (10u)
+#define SD_BUS_INPUT_FUEL_LEVEL_CYCLE_TIME_MS (10u)
+#define SD_BUS_INPUT_DRIVELINE_SHIFT_CYCLE_TIME_MS (10u)
 #define SD_BUS_INPUT_EXHAUST_LAMBDA_CYCLE_TIME_MS (10u)
 #define SD_BUS_INPUT_EXHAUST_PRESSURE_CYCLE_TIME_MS (10u)
 #define SD_BUS_INPUT_BALANCE_ENABLE_CYCLE_TIME_MS (10u)
@@ -206,38 +214,40 @@ extern "C" {
 #define SD_BUS_PARAMETER_REQUEST_INDEX_FIRING_EDGE_SD_CHOICE (13u)
 #define SD_BUS_PARAMETER_REQUEST_INDEX_FIRING_PATTERN_CHOICE (14u)
 #define SD_BUS_PARAMETER_REQUEST_INDEX_FIRING_LOAD_WALK_CHOICE (15u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_FIRING_CHANGE_CHOICE (16u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_FIRING_SHAPE_SD_CHOICE (17u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_FIRING_REJECT_CHOICE (18u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_FIRING_SETTLE_CHOICE (19u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_WORK_PER_FUEL_CHOICE (20u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_CYCLIC_CHOICE (21u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_Z_FALSE_CHOICE (22u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_Z_MISSED_CHOICE (23u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_DEFINITION_CHOICE (24u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_PARTIAL_CHOICE (25u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_FUEL_MIN_CHOICE (26u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_TORQUE_MIN_CHOICE (27u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_SPEED_CHANGE_CHOICE (28u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_START_CHOICE (29u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_HOLD_CHOICE (30u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_CONTINUOUS_CHOICE (31u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_EMISSION_CHOICE (32u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_CATALYST_CHOICE (33u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_EMISSION_WINDOWS_CHOICE (34u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_CATALYST_WINDOWS_CHOICE (35u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_NOISE_CHOICE (36u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_DRIFT_CHOICE (37u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_JUMP_CHOICE (38u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_DRIFT_SLOW_CHOICE (39u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_SLOW_ABOVE_CHOICE (40u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_STOICHIOMETRIC_CHOICE (41u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_SOURCE_CHOICE (42u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_GAIN_CHOICE (43u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_RATE_CHOICE (44u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_LIMIT_CHOICE (45u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_SD_MAX_CHOICE (46u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_HOLD_CHOICE (47u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_FIRING_ROUGH_WALK_CHOICE (16u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_FIRING_CHANGE_CHOICE (17u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_FIRING_SHAPE_SD_CHOICE (18u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_FIRING_REJECT_CHOICE (19u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_FIRING_SETTLE_CHOICE (20u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_WORK_PER_FUEL_CHOICE (21u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_CYCLIC_CHOICE (22u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_Z_FALSE_CHOICE (23u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_Z_MISSED_CHOICE (24u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_DEFINITION_CHOICE (25u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_PARTIAL_CHOICE (26u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_FUEL_MIN_CHOICE (27u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_FUEL_LEVEL_MIN_CHOICE (28u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_TORQUE_MIN_CHOICE (29u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_SPEED_CHANGE_CHOICE (30u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_START_CHOICE (31u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_HOLD_CHOICE (32u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_CONTINUOUS_CHOICE (33u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_EMISSION_CHOICE (34u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_CATALYST_CHOICE (35u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_EMISSION_WINDOWS_CHOICE (36u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_CATALYST_WINDOWS_CHOICE (37u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_NOISE_CHOICE (38u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_DRIFT_CHOICE (39u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_JUMP_CHOICE (40u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_DRIFT_SLOW_CHOICE (41u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_SLOW_ABOVE_CHOICE (42u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_STOICHIOMETRIC_CHOICE (43u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_SOURCE_CHOICE (44u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_GAIN_CHOICE (45u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_RATE_CHOICE (46u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_LIMIT_CHOICE (47u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_SD_MAX_CHOICE (48u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_HOLD_CHOICE (49u)
 #define SD_BUS_PARAMETER_REQUEST_INDEX_ALL_CHOICE (255u)
 
 #define SD_BUS_PARAMETER_COMMAND_READ_CHOICE (0u)
@@ -261,38 +271,40 @@ extern "C" {
 #define SD_BUS_PARAMETER_INDEX_FIRING_EDGE_SD_CHOICE (13u)
 #define SD_BUS_PARAMETER_INDEX_FIRING_PATTERN_CHOICE (14u)
 #define SD_BUS_PARAMETER_INDEX_FIRING_LOAD_WALK_CHOICE (15u)
-#define SD_BUS_PARAMETER_INDEX_FIRING_CHANGE_CHOICE (16u)
-#define SD_BUS_PARAMETER_INDEX_FIRING_SHAPE_SD_CHOICE (17u)
-#define SD_BUS_PARAMETER_INDEX_FIRING_REJECT_CHOICE (18u)
-#define SD_BUS_PARAMETER_INDEX_FIRING_SETTLE_CHOICE (19u)
-#define SD_BUS_PARAMETER_INDEX_MISFIRE_WORK_PER_FUEL_CHOICE (20u)
-#define SD_BUS_PARAMETER_INDEX_MISFIRE_CYCLIC_CHOICE (21u)
-#define SD_BUS_PARAMETER_INDEX_MISFIRE_Z_FALSE_CHOICE (22u)
-#define SD_BUS_PARAMETER_INDEX_MISFIRE_Z_MISSED_CHOICE (23u)
-#define SD_BUS_PARAMETER_INDEX_MISFIRE_DEFINITION_CHOICE (24u)
-#define SD_BUS_PARAMETER_INDEX_MISFIRE_PARTIAL_CHOICE (25u)
-#define SD_BUS_PARAMETER_INDEX_MISFIRE_FUEL_MIN_CHOICE (26u)
-#define SD_BUS_PARAMETER_INDEX_MISFIRE_TORQUE_MIN_CHOICE (27u)
-#define SD_BUS_PARAMETER_INDEX_MISFIRE_SPEED_CHANGE_CHOICE (28u)
-#define SD_BUS_PARAMETER_INDEX_MISFIRE_START_CHOICE (29u)
-#define SD_BUS_PARAMETER_INDEX_MISFIRE_HOLD_CHOICE (30u)
-#define SD_BUS_PARAMETER_INDEX_MISFIRE_CONTINUOUS_CHOICE (31u)
-#define SD_BUS_PARAMETER_INDEX_MISFIRE_EMISSION_CHOICE (32u)
-#define SD_BUS_PARAMETER_INDEX_MISFIRE_CATALYST_CHOICE (33u)
-#define SD_BUS_PARAMETER_INDEX_MISFIRE_EMISSION_WINDOWS_CHOICE (34u)
-#define SD_BUS_PARAMETER_INDEX_MISFIRE_CATALYST_WINDOWS_CHOICE (35u)
-#define SD_BUS_PARAMETER_INDEX_AFR_NOISE_CHOICE (36u)
-#define SD_BUS_PARAMETER_INDEX_AFR_DRIFT_CHOICE (37u)
-#define SD_BUS_PARAMETER_INDEX_AFR_JUMP_CHOICE (38u)
-#define SD_BUS_PARAMETER_INDEX_AFR_DRIFT_SLOW_CHOICE (39u)
-#define SD_BUS_PARAMETER_INDEX_AFR_SLOW_ABOVE_CHOICE (40u)
-#define SD_BUS_PARAMETER_INDEX_AFR_STOICHIOMETRIC_CHOICE (41u)
-#define SD_BUS_PARAMETER_INDEX_BALANCE_SOURCE_CHOICE (42u)
-#define SD_BUS_PARAMETER_INDEX_BALANCE_GAIN_CHOICE (43u)
-#define SD_BUS_PARAMETER_INDEX_BALANCE_RATE_CHOICE (44u)
-#define SD_BUS_PARAMETER_INDEX_BALANCE_LIMIT_CHOICE (45u)
-#define SD_BUS_PARAMETER_INDEX_BALANCE_SD_MAX_CHOICE (46u)
-#define SD_BUS_PARAMETER_INDEX_BALANCE_HOLD_CHOICE (47u)
+#define SD_BUS_PARAMETER_INDEX_FIRING_ROUGH_WALK_CHOICE (16u)
+#define SD_BUS_PARAMETER_INDEX_FIRING_CHANGE_CHOICE (17u)
+#define SD_BUS_PARAMETER_INDEX_FIRING_SHAPE_SD_CHOICE (18u)
+#define SD_BUS_PARAMETER_INDEX_FIRING_REJECT_CHOICE (19u)
+#define SD_BUS_PARAMETER_INDEX_FIRING_SETTLE_CHOICE (20u)
+#define SD_BUS_PARAMETER_INDEX_MISFIRE_WORK_PER_FUEL_CHOICE (21u)
+#define SD_BUS_PARAMETER_INDEX_MISFIRE_CYCLIC_CHOICE (22u)
+#define SD_BUS_PARAMETER_INDEX_MISFIRE_Z_FALSE_CHOICE (23u)
+#define SD_BUS_PARAMETER_INDEX_MISFIRE_Z_MISSED_CHOICE (24u)
+#define SD_BUS_PARAMETER_INDEX_MISFIRE_DEFINITION_CHOICE (25u)
+#define SD_BUS_PARAMETER_INDEX_MISFIRE_PARTIAL_CHOICE (26u)
+#define SD_BUS_PARAMETER_INDEX_MISFIRE_FUEL_MIN_CHOICE (27u)
+#define SD_BUS_PARAMETER_INDEX_MISFIRE_FUEL_LEVEL_MIN_CHOICE (28u)
+#define SD_BUS_PARAMETER_INDEX_MISFIRE_TORQUE_MIN_CHOICE (29u)
+#define SD_BUS_PARAMETER_INDEX_MISFIRE_SPEED_CHANGE_CHOICE (30u)
+#define SD_BUS_PARAMETER_INDEX_MISFIRE_START_CHOICE (31u)
+#define SD_BUS_PARAMETER_INDEX_MISFIRE_HOLD_CHOICE (32u)
+#define SD_BUS_PARAMETER_INDEX_MISFIRE_CONTINUOUS_CHOICE (33u)
+#define SD_BUS_PARAMETER_INDEX_MISFIRE_EMISSION_CHOICE (34u)
+#define SD_BUS_PARAMETER_INDEX_MISFIRE_CATALYST_CHOICE (35u)
+#define SD_BUS_PARAMETER_INDEX_MISFIRE_EMISSION_WINDOWS_CHOICE (36u)
+#define SD_BUS_PARAMETER_INDEX_MISFIRE_CATALYST_WINDOWS_CHOICE (37u)
+#define SD_BUS_PARAMETER_INDEX_AFR_NOISE_CHOICE (38u)
+#define SD_BUS_PARAMETER_INDEX_AFR_DRIFT_CHOICE (39u)
+#define SD_BUS_PARAMETER_INDEX_AFR_JUMP_CHOICE (40u)
+#define SD_BUS_PARAMETER_INDEX_AFR_DRIFT_SLOW_CHOICE (41u)
+#define SD_BUS_PARAMETER_INDEX_AFR_SLOW_ABOVE_CHOICE (42u)
+#define SD_BUS_PARAMETER_INDEX_AFR_STOICHIOMETRIC_CHOICE (43u)
+#define SD_BUS_PARAMETER_INDEX_BALANCE_SOURCE_CHOICE (44u)
+#define SD_BUS_PARAMETER_INDEX_BALANCE_GAIN_CHOICE (45u)
+#define SD_BUS_PARAMETER_INDEX_BALANCE_RATE_CHOICE (46u)
+#define SD_BUS_PARAMETER_INDEX_BALANCE_LIMIT_CHOICE (47u)
+#define SD_BUS_PARAMETER_INDEX_BALANCE_SD_MAX_CHOICE (48u)
+#define SD_BUS_PARAMETER_INDEX_BALANCE_HOLD_CHOICE (49u)
 #define SD_BUS_PARAMETER_INDEX_ALL_CHOICE (255u)
 
 #define SD_BUS_PARAMETER_RESULT_OK_CHOICE (0u)
@@ -306,6 +318,8 @@ extern "C" {
 #define SD_BUS_TIME_NAME "time"
 #define SD_BUS_INPUT_AIR_INTAKE_PRESSURE_NAME "input_air_intake_pressure"
 #define SD_BUS_INPUT_FUEL_INJECTED_NAME "input_fuel_injected"
+#define SD_BUS_INPUT_FUEL_LEVEL_NAME "input_fuel_level"
+#define SD_BUS_INPUT_DRIVELINE_SHIFT_NAME "input_driveline_shift"
 #define SD_BUS_INPUT_EXHAUST_LAMBDA_NAME "input_exhaust_lambda"
 #define SD_BUS_INPUT_EXHAUST_PRESSURE_NAME "input_exhaust_pressure"
 #define SD_BUS_INPUT_BALANCE_ENABLE_NAME "input_balance_enable"
@@ -350,6 +364,10 @@ extern "C" {
 #define SD_BUS_INPUT_AIR_INTAKE_PRESSURE_VALUE_NAME "value"
 #define SD_BUS_INPUT_FUEL_INJECTED_TICK_NAME "tick"
 #define SD_BUS_INPUT_FUEL_INJECTED_VALUE_NAME "value"
+#define SD_BUS_INPUT_FUEL_LEVEL_TICK_NAME "tick"
+#define SD_BUS_INPUT_FUEL_LEVEL_VALUE_NAME "value"
+#define SD_BUS_INPUT_DRIVELINE_SHIFT_TICK_NAME "tick"
+#define SD_BUS_INPUT_DRIVELINE_SHIFT_VALUE_NAME "value"
 #define SD_BUS_INPUT_EXHAUST_LAMBDA_TICK_NAME "tick"
 #define SD_BUS_INPUT_EXHAUST_LAMBDA_VALUE_NAME "value"
 #define SD_BUS_INPUT_EXHAUST_PRESSURE_TICK_NAME "tick"
@@ -472,6 +490,7 @@ extern "C" {
 #define SD_BUS_FIRING_FIRING_SD_NAME "firing_sd"
 #define SD_BUS_FIRING_FIRING_MEAN_NAME "firing_mean"
 #define SD_BUS_FIRING_FIRING_MEAN_SD_NAME "firing_mean_sd"
+#define SD_BUS_FIRING_FIRING_ROUGH_NAME "firing_rough"
 #define SD_BUS_FIRING_MISFIRE_INDEX_NAME "misfire_index"
 #define SD_BUS_FIRING_MISFIRE_LIMIT_NAME "misfire_limit"
 #define SD_BUS_FIRING_MISFIRE_VERDICT_NAME "misfire_verdict"
@@ -730,6 +749,56 @@ struct sd_bus_input_fuel_injected_t {
      * The controller's own command, a stroke and cylinder; 0 in fuel cut.
      *
      * Range: 0.0..1000.0 (0..1000 mg)
+     * Scale: 1
+     * Offset: 0
+     */
+    float value;
+};
+
+/**
+ * Signals in message input_fuel_level.
+ *
+ * How full the tank is; needed only for the misfire monitor to keep silent on a nearly empty one.
+ *
+ * All signal values are as on the CAN bus.
+ */
+struct sd_bus_input_fuel_level_t {
+    /**
+     * Range: 0..4294967295 (0..4294967295 tick)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint32_t tick;
+
+    /**
+     * How full the tank is; needed only for the misfire monitor to keep silent on a nearly empty one.
+     *
+     * Range: 0.0..100.0 (0..100 %)
+     * Scale: 1
+     * Offset: 0
+     */
+    float value;
+};
+
+/**
+ * Signals in message input_driveline_shift.
+ *
+ * 1: the controller or the gearbox shifts gear; said again within 0.5 s.
+ *
+ * All signal values are as on the CAN bus.
+ */
+struct sd_bus_input_driveline_shift_t {
+    /**
+     * Range: 0..4294967295 (0..4294967295 tick)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint32_t tick;
+
+    /**
+     * 1: the controller or the gearbox shifts gear; said again within 0.5 s.
+     *
+     * Range: 0.0..1.0 (0..1 -)
      * Scale: 1
      * Offset: 0
      */
@@ -1918,6 +1987,15 @@ struct sd_bus_firing_t {
     float firing_mean_sd;
 
     /**
+     * 1: the road is rough, and all of firing comes from the filter whose gains let the load move.
+     *
+     * Range: 0.0..1.0 (0..1 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    float firing_rough;
+
+    /**
      * Work of the firing over the work expected of its fuel: 1 healthy, 0 a misfire; 0 when not judged.
      *
      * Range: -10.0..10.0 (-10..10 -)
@@ -1945,9 +2023,9 @@ struct sd_bus_firing_t {
     float misfire_verdict;
 
     /**
-     * Why not judged, bits: 1 start, 2 fuel cut or too little fuel, 4 gear shift, 8 no estimate, 16 fuel cut or shift ended a moment ago, 32 a faulty tooth or unknown fuel.
+     * Why not judged, bits: 1 start, 2 fuel cut or too little fuel, 4 gear shift, 8 no estimate, 16 fuel cut or shift ended a moment ago, 32 a faulty tooth or unknown fuel, 64 the tank is nearly empty.
      *
-     * Range: 0.0..63.0 (0..63 -)
+     * Range: 0.0..127.0 (0..127 -)
      * Scale: 1
      * Offset: 0
      */
@@ -3428,6 +3506,240 @@ bool sd_bus_input_fuel_injected_value_is_in_range(float value);
  * @return true if in range, false otherwise.
  */
 bool sd_bus_input_fuel_injected_value_is_in_phys_range(double value);
+
+/**
+ * Pack message input_fuel_level.
+ *
+ * @param[out] dst_p Buffer to pack the message into.
+ * @param[in] src_p Data to pack.
+ * @param[in] size Size of dst_p.
+ *
+ * @return Size of packed data, or negative error code.
+ */
+int sd_bus_input_fuel_level_pack(
+    uint8_t *dst_p,
+    const struct sd_bus_input_fuel_level_t *src_p,
+    size_t size);
+
+/**
+ * Unpack message input_fuel_level.
+ *
+ * @param[out] dst_p Object to unpack the message into.
+ * @param[in] src_p Message to unpack.
+ * @param[in] size Size of src_p.
+ *
+ * @return zero(0) or negative error code.
+ */
+int sd_bus_input_fuel_level_unpack(
+    struct sd_bus_input_fuel_level_t *dst_p,
+    const uint8_t *src_p,
+    size_t size);
+
+/**
+ * Init message fields to default values from input_fuel_level.
+ *
+ * @param[in] msg_p Message to init.
+ *
+ * @return zero(0) on success or (-1) in case of nullptr argument.
+ */
+int sd_bus_input_fuel_level_init(struct sd_bus_input_fuel_level_t *msg_p);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint32_t sd_bus_input_fuel_level_tick_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_input_fuel_level_tick_decode(uint32_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_fuel_level_tick_is_in_range(uint32_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_fuel_level_tick_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_input_fuel_level_value_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_input_fuel_level_value_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_fuel_level_value_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_fuel_level_value_is_in_phys_range(double value);
+
+/**
+ * Pack message input_driveline_shift.
+ *
+ * @param[out] dst_p Buffer to pack the message into.
+ * @param[in] src_p Data to pack.
+ * @param[in] size Size of dst_p.
+ *
+ * @return Size of packed data, or negative error code.
+ */
+int sd_bus_input_driveline_shift_pack(
+    uint8_t *dst_p,
+    const struct sd_bus_input_driveline_shift_t *src_p,
+    size_t size);
+
+/**
+ * Unpack message input_driveline_shift.
+ *
+ * @param[out] dst_p Object to unpack the message into.
+ * @param[in] src_p Message to unpack.
+ * @param[in] size Size of src_p.
+ *
+ * @return zero(0) or negative error code.
+ */
+int sd_bus_input_driveline_shift_unpack(
+    struct sd_bus_input_driveline_shift_t *dst_p,
+    const uint8_t *src_p,
+    size_t size);
+
+/**
+ * Init message fields to default values from input_driveline_shift.
+ *
+ * @param[in] msg_p Message to init.
+ *
+ * @return zero(0) on success or (-1) in case of nullptr argument.
+ */
+int sd_bus_input_driveline_shift_init(struct sd_bus_input_driveline_shift_t *msg_p);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint32_t sd_bus_input_driveline_shift_tick_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_input_driveline_shift_tick_decode(uint32_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_driveline_shift_tick_is_in_range(uint32_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_driveline_shift_tick_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_input_driveline_shift_value_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_input_driveline_shift_value_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_driveline_shift_value_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_driveline_shift_value_is_in_phys_range(double value);
 
 /**
  * Pack message input_exhaust_lambda.
@@ -8678,6 +8990,46 @@ bool sd_bus_firing_firing_mean_sd_is_in_range(float value);
  * @return true if in range, false otherwise.
  */
 bool sd_bus_firing_firing_mean_sd_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_firing_firing_rough_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_firing_firing_rough_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_firing_firing_rough_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_firing_firing_rough_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.

@@ -31,14 +31,16 @@ typedef enum sd_parameter_command {
     SD_PARAMETER_READ           = 0, ///< The working value.
     SD_PARAMETER_READ_REFERENCE = 1,
     SD_PARAMETER_SET            = 2, ///< Makes `value` the working value.
-    SD_PARAMETER_RESTORE        = 3, ///< Makes the reference value the working one.
+    SD_PARAMETER_RESTORE        = 3, ///< Makes the reference value the working one; of SD_PARAMETER_ALL, the whole page.
 } sd_parameter_command_t;
+#define SD_PARAMETER_ALL 255u ///< In place of an index.
 
 typedef enum sd_parameter_result {
     SD_PARAMETER_OK      = 0,
     SD_PARAMETER_UNKNOWN = 1, ///< No such parameter or command; nothing changed.
     SD_PARAMETER_RANGE   = 2, ///< Outside its range, NaN included; nothing changed.
     SD_PARAMETER_REFUSED = 3, ///< In range, but its block cannot run with it; nothing changed.
+    SD_PARAMETER_AT_START = 4, ///< It goes into tables that the host makes, so only a new page changes it; nothing changed.
 } sd_parameter_result_t;
 
 /// One event, 16 bytes.

@@ -10,7 +10,7 @@ enum { SETTLE = 8, SETTLE_SLOW = 200 }; /* cycles */
 #define LAG_LEAD     1.5f /* positions by which the filter's lags lead: docs/afr.md */
 
 sd_result_t sd_afr_init(sd_afr_t *self, const sd_afr_config_t *config, const sd_afr_grid_t *grid) {
-    if ((grid->present == 0u) || !((config->drift > 0.0f) && (config->drift_slow > 0.0f) && (config->slow_above > 0.0f))) {
+    if ((grid->present == 0u) || !((config->drift > 0.0f) && (config->drift_slow > 0.0f) && (config->slow_above > 0.0f) && (config->jump >= 0.0f) && (config->jump <= 1.0f))) {
         return SD_ERR_CONFIG;
     }
     sd_exhaust_config_t exhaust = { .cycle_positions = config->cycle_positions, .cylinders = config->cylinders,
@@ -80,7 +80,7 @@ void sd_afr_cycle(sd_afr_t *self, const sd_afr_grid_t *grid, float speed_radps, 
     if (slow != self->slow) { self->cycles = 0; }
     self->slow = slow;
     const float lambda = (self->mean_lambda > 0.05f) ? self->mean_lambda : 0.05f;
-    sd_afr_joint_set(&self->joint, step_s, lambda * ((slow != 0u) ? self->config.drift_slow : self->config.drift));
+    sd_afr_joint_set(&self->joint, step_s, lambda * ((slow != 0u) ? self->config.drift_slow : self->config.drift), lambda * self->config.jump);
     self->placed = 1;
     if ((self->joint.running != 0u) && (self->cycles < UINT32_MAX)) { self->cycles++; }
 }

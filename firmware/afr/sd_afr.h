@@ -42,6 +42,7 @@ typedef struct sd_afr_config {
     uint16_t firing_position[SD_AFR_CYLINDERS_MAX];
     float    noise_per_rthz;     ///< Of the sensor, of lambda.
     float    drift, drift_slow;  ///< q of the joint filter, of the mean lambda a cycle: usually, and in slow mode.
+    float    jump;               ///< Of the joint filter, of the mean lambda, [0, 1].
     float    slow_above;         ///< Slow mode where speed (rad/s) times the sum of the lags is above this.
 } sd_afr_config_t;
 

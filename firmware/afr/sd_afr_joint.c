@@ -3,7 +3,12 @@
 
 #include <string.h>
 
-enum { REJECTED_IN_ROW_MAX = 60, X = 0 }; /* samples left out in a row after which the estimate must be wrong */
+enum { REJECTED_IN_ROW_MAX = 60, /* samples left out in a row after which the estimate must be wrong */
+       JUMP_HOLD = 120,          /* samples, about a cycle, until the next jump may be seen */
+       X = 0 };
+
+#define MEAN_PACE 0.06f /* the mean of innovations reaches back about 1/this samples */
+#define MEAN_MAX  0.77f /* its square over the innovation's variance: 5 standard deviations of such a mean, sqrt(pace/(2 - pace)) */
 
 static uint32_t states(const sd_afr_joint_t *self) { return self->config.cylinders + 3u; }
 
@@ -20,19 +25,20 @@ sd_result_t sd_afr_joint_init(sd_afr_joint_t *self, const sd_afr_joint_config_t 
     if (!ok) { return SD_ERR_CONFIG; }
     memset(self, 0, sizeof *self);
     self->config = *c;
-    sd_afr_joint_set(self, 1e-3f, c->drift);
+    sd_afr_joint_set(self, 1e-3f, c->drift, 0.0f);
     return SD_OK;
 }
 
 /* 1 - exp(-x), Pade (2, 2) */
 static float move_of(float x) { return x / (1.0f + 0.5f * x + x * x * (1.0f / 12.0f)); }
 
-void sd_afr_joint_set(sd_afr_joint_t *self, float step_s, float drift) {
-    if (!(step_s > 0.0f) || !(step_s <= 0.1f) || !within(drift, 1e-6f, 1.0f)) { return; }
+void sd_afr_joint_set(sd_afr_joint_t *self, float step_s, float drift, float jump) {
+    if (!(step_s > 0.0f) || !(step_s <= 0.1f) || !within(drift, 1e-6f, 1.0f) || !within(jump, 0.0f, 1.0f)) { return; }
     self->move2 = move_of(step_s / self->config.tau2_s);
     self->move1 = move_of(step_s / self->config.tau1_s);
     self->noise_var = self->config.noise_per_rthz * self->config.noise_per_rthz / (2.0f * step_s);
     self->drift_var = drift * drift;
+    self->jump_var = jump * jump;
 }
 
 void sd_afr_joint_restart(sd_afr_joint_t *self) { self->running = 0; }
@@ -45,6 +51,8 @@ static void begin(sd_afr_joint_t *self, float measured) {
     for (uint32_t i = 0; i < n; ++i) { *entry(self, i, i) = self->config.start_sd * self->config.start_sd; }
     self->steps = 0;
     self->rejected_in_row = 0;
+    self->mean_innovation = 0.0f;
+    self->hold = JUMP_HOLD;
     self->running = 1;
 }
 
@@ -94,6 +102,19 @@ static void correct(sd_afr_joint_t *self, const float *k, float error) {
     self->lag1 += k[n + 2u] * error;
 }
 
+/* Innovations that keep to one side: something has moved more than drift allows. Which cylinder is for the samples to say:
+   all states are let go alike, the sensor's too, since they have followed the wrong gas until now. */
+static void watch(sd_afr_joint_t *self, float error, float inverse) {
+    self->mean_innovation += MEAN_PACE * (error - self->mean_innovation);
+    if (self->hold > 0u) { self->hold--; }
+    const float square = self->mean_innovation * self->mean_innovation * inverse;
+    if ((square < MEAN_MAX) || (self->hold > 0u) || !(self->jump_var > 0.0f)) { return; }
+    for (uint32_t i = 0; i < states(self); ++i) { *entry(self, i, i) += self->jump_var; }
+    self->mean_innovation = 0.0f;
+    self->hold = JUMP_HOLD;
+    if (self->jumps < UINT16_MAX) { self->jumps++; }
+}
+
 /* K = P h / (h' P h + R) with h the last state; P -= K h' P. */
 static void update(sd_afr_joint_t *self, float error) {
     const uint32_t n = states(self), s1 = n - 1u;
@@ -115,6 +136,7 @@ static void update(sd_afr_joint_t *self, float error) {
         if (*entry(self, i, i) < 1e-12f) { *entry(self, i, i) = 1e-12f; } /* rounding must not make it negative */
     }
     correct(self, k, error);
+    watch(self, error, inverse);
 }
 
 void sd_afr_joint_step(sd_afr_joint_t *self, const sd_exhaust_now_f32_t *now, float measured, const float *gains) {
@@ -156,6 +178,55 @@ float sd_afr_joint_deviation_variance(const sd_afr_joint_t *self, uint32_t cylin
         }
     }
     return variance;
+}
+
+/* In place, by Gauss and Jordan without pivots: it is positive definite. */
+static void invert(float m[][SD_AFR_CYLINDERS_MAX], uint32_t n) {
+    for (uint32_t k = 0; k < n; ++k) {
+        const float inverse = 1.0f / m[k][k];
+        m[k][k] = 1.0f;
+        for (uint32_t j = 0; j < n; ++j) { m[k][j] *= inverse; }
+        for (uint32_t i = 0; i < n; ++i) {
+            if (i == k) { continue; }
+            const float factor = m[i][k];
+            m[i][k] = 0.0f;
+            for (uint32_t j = 0; j < n; ++j) { m[i][j] -= factor * m[k][j]; }
+        }
+    }
+}
+
+/* W = (P + usual^2 I)^-1, G = W - W 1 1' W / 1' W 1: the mean is free. A cylinder alone off by delta explains
+   (G lambda)_i^2 / G_ii of the weighted square, with delta = (G lambda)_i / G_ii. */
+uint32_t sd_afr_joint_blame(const sd_afr_joint_t *self, bool rich, float usual_sd, float *deviation) {
+    const uint32_t n = self->config.cylinders;
+    *deviation = 0.0f;
+    if ((self->running == 0u) || (n < 2u) || !within(usual_sd, 1e-6f, 1.0f)) { return 0; }
+    sd_afr_joint_t *s = (sd_afr_joint_t *)self; /* entry() only reads here */
+    float w[SD_AFR_CYLINDERS_MAX][SD_AFR_CYLINDERS_MAX], row[SD_AFR_CYLINDERS_MAX], sum = 0.0f, mean = 0.0f;
+    for (uint32_t i = 0; i < n; ++i) {
+        for (uint32_t j = 0; j < n; ++j) { w[i][j] = *entry(s, 1u + i, 1u + j) + ((i == j) ? usual_sd * usual_sd : 0.0f); }
+    }
+    invert(w, n);
+    for (uint32_t i = 0; i < n; ++i) {
+        row[i] = 0.0f;
+        for (uint32_t j = 0; j < n; ++j) { row[i] += w[i][j]; }
+        sum += row[i];
+        mean += row[i] * sd_afr_joint_lambda(self, i);
+    }
+    mean /= sum;
+    uint32_t blamed = 0;
+    float most = 0.0f;
+    for (uint32_t i = 0; i < n; ++i) {
+        float pull = 0.0f;
+        for (uint32_t j = 0; j < n; ++j) { pull += w[i][j] * (sd_afr_joint_lambda(self, j) - mean); }
+        const float own = w[i][i] - row[i] * row[i] / sum;
+        if (((pull > 0.0f) == rich) && (pull * pull > most * own)) {
+            most = pull * pull / own;
+            *deviation = pull / own;
+            blamed = i;
+        }
+    }
+    return blamed;
 }
 
 sd_status_t sd_afr_joint_status(const sd_afr_joint_t *self) {

@@ -9,8 +9,10 @@
 ///     state += K (y - s1)                         where there is a sample
 /// K is either given (fixed gains, one column a position) or found on the way from the filter's own covariance: each
 /// line above touches one row of it, so a step costs some 217 flop for four cylinders instead of the 686 of a full one,
-/// and no gain table. a_i gains variance q^2 once a cycle, where its exhaust begins. Covariance comes with what the
-/// estimate may be trusted for: sd of a cylinder's deviation from the mean.
+/// and no gain table. a_i gains variance q^2 once a cycle, where its exhaust begins. Where innovations keep to one side
+/// by more than 5 of their standard deviations, every state gains jump^2: a small drift for quiet estimates and yet a step
+/// is followed as fast as the noise allows. Covariance comes with what the estimate may be trusted for: sd of a cylinder's
+/// deviation from the mean.
 ///
 /// Float only. Real-time contract: no heap, no globals, no libm; set divides, once a cycle. One writer per state.
 #ifndef SD_AFR_JOINT_H
@@ -32,10 +34,11 @@ typedef struct sd_afr_joint_config {
 typedef struct sd_afr_joint {
     float x, air_fraction[SD_AFR_CYLINDERS_MAX], lag2, lag1;
     float covariance[SD_AFR_STATES_MAX * (SD_AFR_STATES_MAX + 1) / 2]; ///< Lower triangle by rows; x, a_i, s2, s1.
-    float move2, move1, noise_var, drift_var;
+    float move2, move1, noise_var, drift_var, jump_var;
     float innovation, test_ratio;
     sd_afr_joint_config_t config;
-    uint16_t rejected, rejected_in_row;
+    float mean_innovation;      ///< Of the last 16 samples or so.
+    uint16_t rejected, rejected_in_row, jumps, hold; ///< hold: samples until the next jump may be seen.
     uint32_t steps;             ///< Since a start.
     uint8_t  running;
     uint8_t  flowing[SD_AFR_CYLINDERS_MAX]; ///< The cylinder's gas is passing.
@@ -43,8 +46,9 @@ typedef struct sd_afr_joint {
 
 /// SD_OK, or SD_ERR_CONFIG with the state untouched.
 sd_result_t sd_afr_joint_init(sd_afr_joint_t *self, const sd_afr_joint_config_t *config);
-/// Duration of a position, (0, 0.1] s; drift in place of the configured one (slow learning), (0, 1]. Ignored outside.
-void sd_afr_joint_set(sd_afr_joint_t *self, float step_s, float drift);
+/// Duration of a position, (0, 0.1] s; drift in place of the configured one, (0, 1]; jump, [0, 1] of lambda, 0 for none.
+/// Ignored outside.
+void sd_afr_joint_set(sd_afr_joint_t *self, float step_s, float drift, float jump);
 /// The next sample begins anew, all cylinders alike.
 void sd_afr_joint_restart(sd_afr_joint_t *self);
 /// Next position. measured: air fraction, mean of the samples within the position, (-2, 2); anything else (NaN too)
@@ -56,6 +60,11 @@ void sd_afr_joint_move(sd_afr_joint_t *self, uint32_t cylinder, float lambda_cha
 float sd_afr_joint_lambda(const sd_afr_joint_t *self, uint32_t cylinder);
 /// Variance of a cylinder's lambda less the mean of all.
 float sd_afr_joint_deviation_variance(const sd_afr_joint_t *self, uint32_t cylinder);
+/// The cylinder, by firing order, that being rich (or lean) alone explains best how the cylinders differ, weighing what the
+/// samples tell apart well; what all have in common counts for nothing. One that is rich and the one opposite in the firing
+/// order that is lean look nearly alike to a slow sensor: hence the choice. *deviation: by how much of lambda. usual_sd: how
+/// cylinders differ anyway, of lambda, (0, 1]. Once a cycle: it inverts a matrix of all cylinders. 0 and 0 while not running.
+uint32_t sd_afr_joint_blame(const sd_afr_joint_t *self, bool rich, float usual_sd, float *deviation);
 /// Invalid until the first sample; rejected samples degrade it.
 sd_status_t sd_afr_joint_status(const sd_afr_joint_t *self);
 

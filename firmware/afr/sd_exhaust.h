@@ -41,7 +41,8 @@ typedef struct sd_exhaust_point {
     float rate_hz;         ///< Turbine area sqrt(R T)/manifold volume, [0, 1000].
     float z0_kg;           ///< Mass in the manifold at the pressure behind the turbine, (0, mass_base).
     float pipe_kg;         ///< Gas between turbine and sensor, [0, mass_base).
-    float delay_positions; ///< Beside that, at least 0. Beyond the ring the whole delay is cut and said so.
+    float delay_positions; ///< Beside that; below 0 it shortens the pipe's, at most to none. A whole delay beyond the ring is
+                           ///< cut and said so.
 } sd_exhaust_point_t;
 
 #define SD_EXHAUST_DECLARE(N, T)                                                                                       \
@@ -63,7 +64,8 @@ typedef struct sd_exhaust_point {
         T psi[SD_EXHAUST_PSI + 1];                                                                                     \
         T charge;                                                                                                      \
         T late;                             /* fraction of a position in the constant part of the delay, */            \
-        uint32_t wait;                      /* and its whole positions */                                              \
+        uint32_t wait;                      /* and its whole positions; */                                             \
+        T early;                            /* what is below 0 of it, over the ring */                                 \
         sd_gain_##N##_t to_z, rate;         /* M to z/2; M psi to outflow a position */                                \
         sd_gain_##N##_t to_positions;       /* from parts of the ring */                                               \
         float    mass_base_kg;                                                                                         \

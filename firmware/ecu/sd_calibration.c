@@ -30,6 +30,7 @@ static void walk_kalman(sd_page_walk_t *walk, sd_kalman_tables_t *t) {
     if ((t->positions == 0u) || (t->positions > SD_KALMAN_POSITIONS_MAX)) { return; } /* none, or init will refuse it */
     sd_page_u8(walk, &t->coefficients);
     sd_page_u8(walk, &t->speeds);
+    sd_page_u8(walk, &t->sets);
     sd_page_u8(walk, &t->firings);
     sd_page_u8(walk, &t->cylinders);
     sd_page_u8(walk, &t->modes);
@@ -47,8 +48,9 @@ static void walk_kalman(sd_page_walk_t *walk, sd_kalman_tables_t *t) {
     for (uint32_t m = 0; m < SD_KALMAN_MODES_MAX; ++m) {
         walk_floats(walk, (float *)&t->mode[m], sizeof t->mode[m] / sizeof(float)); /* floats without gaps */
     }
-    float *const of_speed[] = { t->speed_radps, t->noise_rad, t->innovation, t->single_sd, t->mean_sd, t->pattern_sd };
-    for (uint32_t i = 0; i < sizeof of_speed / sizeof of_speed[0]; ++i) { walk_floats(walk, of_speed[i], SD_KALMAN_SPEEDS_MAX); }
+    walk_floats(walk, t->speed_radps, SD_KALMAN_SPEEDS_MAX);
+    float *const of_gains[] = { t->noise_rad, t->innovation, t->single_sd, t->mean_sd, t->pattern_sd, t->load_sd_nm };
+    for (uint32_t i = 0; i < sizeof of_gains / sizeof of_gains[0]; ++i) { walk_floats(walk, of_gains[i], SD_KALMAN_GAINS_MAX); }
     const uint32_t used = sd_kalman_pool_used(t);
     walk_floats(walk, t->pool, (used <= SD_KALMAN_POOL) ? used : 0u);
 }
@@ -163,4 +165,14 @@ sd_misfire_config_t sd_calibration_misfire(const sd_calibration_t *calibration) 
                                    .catalyst_exceedances = (uint16_t)p->misfire_catalyst_windows };
     memcpy(config.firing_order, calibration->firing_order, sizeof config.firing_order);
     return config;
+}
+
+void sd_calibration_choose_filter(sd_calibration_t *calibration) {
+    const sd_parameters_t *p = &calibration->parameters;
+    const sd_kalman_choice_t choice = { .torque_base_nm = p->torque_torque_base_nm,
+                                        .shape_sd = p->firing_shape_sd,
+                                        .reject_deg = p->firing_reject_deg,
+                                        .settle_cycles = p->firing_settle_cycles,
+                                        .teeth = (uint8_t)(calibration->positions - calibration->missing_count) };
+    if (calibration->kalman.positions != 0u) { sd_kalman_choose(&calibration->kalman, &choice); }
 }

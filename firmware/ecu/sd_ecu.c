@@ -8,6 +8,7 @@
 
 #define RPM_PER_RADPS 9.5492966f
 #define TINY 1e-30f
+#define NUMBER_MAX 1e9f
 #define RAD_PER_DEG 0.017453293f
 #define TIMER_SD_TICKS 0.28867513f /* of rounding down to a whole tick: 1 / sqrt(12) */
 
@@ -41,18 +42,41 @@ static sd_fourier_estimate_t torque_estimate(const sd_ecu_t *self) {
     return estimate;
 }
 
-static bool cylinders_ok(const sd_calibration_t *calibration) {
+/* A right checksum is no proof of right numbers. What the blocks do not check themselves: */
+
+static bool within(float x, float low, float high) { return (x >= low) && (x <= high); } /* false for NaN */
+
+static bool map_ok(const sd_calibration_t *calibration) {
     const sd_cylinder_map_t *map = &calibration->cylinder_map;
-    bool ok = (calibration->cylinders >= 1u) && (calibration->cylinders <= SD_CYLINDERS_MAX) &&
-              ((map->cylinders == 0u) || (map->cylinders == calibration->cylinders)) &&
-              (map->harmonics <= SD_FOURIER_HARMONICS_MAX);
+    bool ok = ((map->cylinders == 0u) || (map->cylinders == calibration->cylinders)) && (map->harmonics <= SD_FOURIER_HARMONICS_MAX);
+    for (uint32_t i = 0; ok && (i < map->cylinders); ++i) {
+        ok = within(map->offset_nm[i], -NUMBER_MAX, NUMBER_MAX) && within(map->nm_per_bar[i], -NUMBER_MAX, NUMBER_MAX) &&
+             within(map->sd_kgm2[i], 0.0f, NUMBER_MAX);
+        for (uint32_t j = 0; ok && (j <= 2u * map->harmonics); ++j) { ok = within(map->map[i][j], -NUMBER_MAX, NUMBER_MAX); }
+    }
+    return ok;
+}
+
+static bool cylinders_ok(const sd_calibration_t *calibration) {
+    bool ok = (calibration->cylinders >= 1u) && (calibration->cylinders <= SD_CYLINDERS_MAX) && map_ok(calibration);
     for (uint32_t i = 0; ok && (i < calibration->cylinders); ++i) {
-        ok = (calibration->firing_order[i] >= 1u) && (calibration->firing_order[i] <= SD_CYLINDERS_MAX);
+        ok = (calibration->firing_order[i] >= 1u) && (calibration->firing_order[i] <= SD_CYLINDERS_MAX) &&
+             (calibration->firing_position[i] < 2u * calibration->positions);
+    }
+    return ok;
+}
+
+static bool page_ok(const sd_calibration_t *calibration) {
+    const float *parameter = (const float *)&calibration->parameters;
+    bool ok = within(calibration->position_0_deg, 0.0f, 360.0f) && within(calibration->tick_hz, 1e5f, 2e8f) && cylinders_ok(calibration);
+    for (uint32_t i = 0; ok && (i < SD_PARAMETER_COUNT); ++i) {
+        ok = within(parameter[i], sd_parameter_infos[i].low, sd_parameter_infos[i].high);
     }
     return ok;
 }
 
 sd_result_t sd_ecu_init(sd_ecu_t *self, const sd_calibration_t *calibration) {
+    if (!page_ok(calibration)) { return SD_ERR_CONFIG; }
     const sd_crank_config_t crank_config = sd_calibration_crank(calibration);
     const sd_fourier_config_t torque_config = sd_calibration_torque(calibration);
     sd_crank_t crank;
@@ -62,7 +86,6 @@ sd_result_t sd_ecu_init(sd_ecu_t *self, const sd_calibration_t *calibration) {
     sd_afr_t afr;
     sd_balance_t balance;
     const sd_misfire_config_t misfire_config = sd_calibration_misfire(calibration);
-    if (!cylinders_ok(calibration)) { return SD_ERR_CONFIG; }
     if (sd_crank_init(&crank, &crank_config) != SD_OK) { return SD_ERR_CONFIG; }
     const sd_result_t result = (calibration->parameters.torque_fixed_point > 0.5f)
                                    ? sd_fourier_init_q31(&torque.q31, &torque_config)
@@ -74,6 +97,9 @@ sd_result_t sd_ecu_init(sd_ecu_t *self, const sd_calibration_t *calibration) {
     if (has_filter && (sd_kalman_init(&filter, &calibration->kalman) != SD_OK)) { return SD_ERR_CONFIG; }
     if ((sd_ecu_afr_init(&afr, calibration) != SD_OK) || (sd_ecu_balance_init(&balance, calibration) != SD_OK)) { return SD_ERR_CONFIG; }
     memset(self, 0, sizeof *self); /* from here on nothing fails; the struct is too large to be built aside */
+    for (uint32_t owner = 0; owner < SD_OWNER_COUNT; ++owner) {
+        self->status[owner] = (sd_status_t){ .health = SD_INVALID, .why = SD_WHY_NO_SYNC };
+    }
     self->calibration = *calibration;
     self->reference = calibration->parameters;
     self->crank = crank;
@@ -83,6 +109,8 @@ sd_result_t sd_ecu_init(sd_ecu_t *self, const sd_calibration_t *calibration) {
     self->balance = balance;
     if (has_filter) {
         self->filter = filter;
+        self->rough = filter;
+        self->rough.set = 1;
         sd_pattern_init(&self->pattern, &self->calibration.kalman);
     }
     return SD_OK;
@@ -159,7 +187,9 @@ static void end_cycle(sd_ecu_t *self, const sd_port_t *port, uint32_t tick) {
 static void add_to_cycle(sd_ecu_t *self, const sd_tooth_t *tooth) {
     self->cycle_ticks += tooth->period_ticks;
     self->cycle_positions += tooth->advance;
-    if (self->status[SD_OWNER_TORQUE].health != SD_VALID) { self->cycle_clean = 0; }
+    /* What is read at its end has settled by then, or says so itself. */
+    const sd_status_t *torque = &self->status[SD_OWNER_TORQUE];
+    if ((torque->health == (uint8_t)SD_INVALID) || ((torque->why & (uint8_t)~SD_WHY_CONVERGING) != 0u)) { self->cycle_clean = 0; }
 }
 
 /* ---- events ---------------------------------------------------------------------------------------------------- */
@@ -227,6 +257,8 @@ static void on_crank_edge(sd_ecu_t *self, const sd_port_t *port, uint32_t tick) 
         lose_angle(self, SD_WHY_NO_SYNC);
     } else if (tooth.edge_class != SD_EDGE_SPURIOUS) {
         on_tooth(self, port, &tooth);
+    } else {
+        sd_ecu_firing_spurious(self);
     }
     sd_ecu_publish(self, port, tick, SD_RATE_EDGE);
 }
@@ -265,54 +297,6 @@ static void on_gap(sd_ecu_t *self, const sd_port_t *port, uint32_t tick) {
     publish_lost_angle(self, port, tick, SD_WHY_NO_SYNC);
 }
 
-/* ---- parameters ------------------------------------------------------------------------------------------------ */
-
-/* Takes the working page over into the block that owns the parameter. An observer starts afresh and says so. */
-static sd_result_t apply(sd_ecu_t *self, uint8_t owner) {
-    const sd_fourier_config_t torque = sd_calibration_torque(&self->calibration);
-    switch (owner) {
-    case SD_OWNER_CRANK: return sd_crank_set_stall(&self->crank, sd_calibration_crank(&self->calibration).stall_ticks);
-    case SD_OWNER_TORQUE:
-        return fixed_point(self) ? sd_fourier_init_q31(&self->torque.q31, &torque)
-                                 : sd_fourier_init_f32(&self->torque.f32, &torque);
-    case SD_OWNER_AFR: return sd_ecu_afr_init(&self->afr, &self->calibration);
-    case SD_OWNER_BALANCE: return sd_ecu_balance_init(&self->balance, &self->calibration);
-    default: return SD_ERR_CONFIG; /* the other blocks take theirs at the start only */
-    }
-}
-
-static sd_parameter_result_t set_parameter(sd_ecu_t *self, uint32_t index, float value) {
-    const sd_signal_info_t *info = &sd_parameter_infos[index];
-    float *working = &((float *)&self->calibration.parameters)[index];
-    const float before = *working;
-    if (!((value >= info->low) && (value <= info->high))) { return SD_PARAMETER_RANGE; }
-    if (value == before) { return SD_PARAMETER_OK; }
-    *working = value;
-    if (apply(self, info->owner) == SD_OK) { return SD_PARAMETER_OK; }
-    *working = before;
-    return SD_PARAMETER_REFUSED;
-}
-
-static void on_parameter(sd_ecu_t *self, const sd_port_t *port, const sd_event_t *request) {
-    sd_event_t answer = *request;
-    sd_parameter_result_t result = SD_PARAMETER_OK;
-    const uint32_t index = request->channel;
-    if ((index >= SD_PARAMETER_COUNT) || (request->flags > SD_PARAMETER_RESTORE)) {
-        result = SD_PARAMETER_UNKNOWN;
-        answer.value = 0;
-    } else {
-        const float *working = &((const float *)&self->calibration.parameters)[index];
-        const float *reference = &((const float *)&self->reference)[index];
-        float value;
-        memcpy(&value, &request->value, sizeof value);
-        if (request->flags == SD_PARAMETER_SET) { result = set_parameter(self, index, value); }
-        if (request->flags == SD_PARAMETER_RESTORE) { result = set_parameter(self, index, *reference); }
-        memcpy(&answer.value, (request->flags == SD_PARAMETER_READ_REFERENCE) ? reference : working, sizeof answer.value);
-    }
-    answer.flags = (request->flags & 0xffu) | ((uint32_t)result << 8);
-    (void)port->send(port->context, &answer, 1u);
-}
-
 /* ---- the loop -------------------------------------------------------------------------------------------------- */
 
 uint32_t sd_ecu_run(sd_ecu_t *self, const sd_port_t *port) {
@@ -325,7 +309,7 @@ uint32_t sd_ecu_run(sd_ecu_t *self, const sd_port_t *port) {
         case SD_EVENT_TIME:       on_time(self, port, event.tick); break;
         case SD_EVENT_SAMPLE:     on_sample(self, &event); break;
         case SD_EVENT_GAP:        on_gap(self, port, event.tick); break;
-        case SD_EVENT_PARAMETER:  on_parameter(self, port, &event); break;
+        case SD_EVENT_PARAMETER:  sd_ecu_parameter(self, port, &event); break;
         default:                  self->unknown_events++; break;
         }
         handled++;

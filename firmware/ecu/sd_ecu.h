@@ -18,8 +18,10 @@
 #define SD_ECU_H
 #include "hal.h"
 #include "sd_balance.h"
+#include "sd_balance_zero.h"
 #include "sd_calibration.h"
 #include "sd_learned.h"
+#include "sd_road.h"
 
 /// Latest reading of a sampled sensor.
 typedef struct sd_sample {
@@ -39,6 +41,9 @@ typedef struct sd_ecu {
     sd_crank_t       crank;
     sd_torque_t      torque;      ///< Which one: torque.fixed_point.
     sd_kalman_t      filter;      ///< On tooth times; runs when the page has its tables.
+    sd_kalman_t      rough;       ///< The same with the gains for rough roads, where the page has them.
+    sd_road_t        road;
+    uint8_t          on_rough;    ///< 1: what is said of firings comes from `rough`.
     sd_pattern_t     pattern;     ///< Of the wheel, learned in fuel cut.
     sd_misfire_t     misfire;
     float    fuel_mg[SD_CYLINDERS_MAX]; ///< Commanded at the last TDC of each firing; below 0: unknown.
@@ -48,7 +53,9 @@ typedef struct sd_ecu {
     sd_balance_t balance;
     float    burned_sum;          ///< Of the wide-band samples since the last tooth,
     uint32_t burned_count;        ///< and how many.
+    sd_balance_zero_t torque_zero; ///< Survives a loss of sync.
     float    last_trim[SD_BALANCE_CYLINDERS_MAX]; ///< Of the last cycle, by firing order.
+    float    last_variance;       ///< Of a cylinder's mixture, of the mean, last cycle.
     float    last_speed_radps, last_fuel_mg; ///< Of the last cycle, for transients.
     uint32_t burned_seen;         ///< Samples in this cycle.
     sd_sample_t  sample[SD_INPUT_COUNT]; ///< By sd_input_t.
@@ -58,7 +65,7 @@ typedef struct sd_ecu {
     uint32_t cycle_positions;     ///< Placed in it.
     uint16_t cycle_position;      ///< Of the last placed tooth.
     uint8_t  following;           ///< The torque observer follows the teeth.
-    uint8_t  cycle_clean;         ///< Torque was valid all through this cycle so far.
+    uint8_t  cycle_clean;         ///< Nothing was wrong with the torque in this cycle so far, but that it may converge.
     uint32_t unknown_events;      ///< Ignored, wraps.
     uint32_t bad_samples;         ///< Of an unknown sensor, out of range or NaN; ignored, wraps.
     uint32_t unsent_signals;      ///< The port had no room, wraps.

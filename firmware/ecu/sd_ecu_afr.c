@@ -6,26 +6,34 @@
 #define RADPS_PER_RPM   0.10471976f
 #define TRANSIENT_SPEED 0.02f /* share by which a cycle may differ from the last and still be steady */
 #define TRANSIENT_FUEL  0.05f
+#define TORQUE_FOLLOWS  0.3f   /* a cycle: the Fourier observer settles in some 4 */
+#define FOLLOW_LEAST    0.001f
 
 static bool ready(const sd_ecu_t *self) { return self->afr.config.cylinders != 0u; }
 
 sd_result_t sd_ecu_afr_init(sd_afr_t *afr, const sd_calibration_t *c) {
     const sd_parameters_t *p = &c->parameters;
-    memset(afr, 0, sizeof *afr);
-    if (c->afr.present == 0u) { return SD_OK; }
+    if (c->afr.present == 0u) {
+        memset(afr, 0, sizeof *afr);
+        return SD_OK;
+    }
     sd_afr_config_t config = { .cycle_positions = (uint16_t)(2u * c->positions), .cylinders = c->cylinders,
                                .noise_per_rthz = p->afr_noise, .drift = p->afr_drift, .drift_slow = p->afr_drift_slow,
-                               .slow_above = p->afr_slow_above };
+                               .jump = p->afr_jump, .slow_above = p->afr_slow_above };
     for (uint32_t i = 0; i < c->cylinders; ++i) { config.firing_position[i] = c->firing_position[i]; }
     return sd_afr_init(afr, &config, &c->afr);
 }
 
-sd_result_t sd_ecu_balance_init(sd_balance_t *balance, const sd_calibration_t *c) {
+sd_balance_config_t sd_ecu_balance_config(const sd_calibration_t *c) {
     const sd_parameters_t *p = &c->parameters;
+    return (sd_balance_config_t){ .cylinders = c->cylinders, .gain = p->balance_gain,
+                                  .rate = p->balance_rate, .limit = p->balance_limit, .sd_max = p->balance_sd_max,
+                                  .hold_cycles = (uint16_t)p->balance_hold_cycles };
+}
+
+sd_result_t sd_ecu_balance_init(sd_balance_t *balance, const sd_calibration_t *c) {
+    const sd_balance_config_t config = sd_ecu_balance_config(c);
     memset(balance, 0, sizeof *balance);
-    const sd_balance_config_t config = { .cylinders = c->cylinders, .gain = p->balance_gain,
-                                         .rate = p->balance_rate, .limit = p->balance_limit, .sd_max = p->balance_sd_max,
-                                         .hold_cycles = (uint16_t)p->balance_hold_cycles };
     /* One cylinder has nothing to be balanced with. */
     return (config.cylinders < 2u) ? SD_OK : sd_balance_init(balance, &config);
 }
@@ -82,20 +90,57 @@ static void read_afr(sd_ecu_t *self, float speed_radps) {
     }
 }
 
-/* What cylinders deviate by, in firing order, from the source chosen; returns the health of it. */
-static uint8_t deviations(const sd_ecu_t *self, float *deviation, float *sd) {
+/* Torques by firing order, less what is known to be wrong of them; returns their mean. */
+static float cylinder_torques(const sd_ecu_t *self, float *torque_nm) {
     const sd_calibration_t *c = &self->calibration;
-    const float *torque = self->signals.cycle_cylinder_torque_nm, *torque_sd = self->signals.cycle_cylinder_sd_nm;
-    const bool from_torque = c->parameters.balance_source > 1.5f;
+    const float intake_bar = self->sample[SD_INPUT_AIR_INTAKE_PRESSURE].value;
     float mean = 0.0f;
-    for (uint32_t i = 0; i < c->cylinders; ++i) { mean += torque[c->firing_order[i] - 1u] / (float)c->cylinders; }
-    if (from_torque && !(mean > 1.0f)) { return SD_INVALID; } /* Nm: nothing burns */
     for (uint32_t i = 0; i < c->cylinders; ++i) {
-        const uint32_t cylinder = c->firing_order[i] - 1u;
-        deviation[i] = from_torque ? torque[cylinder] / mean - 1.0f : sd_afr_deviation(&self->afr, i);
-        sd[i] = from_torque ? torque_sd[cylinder] / mean : sd_afr_deviation_sd(&self->afr, i);
+        torque_nm[i] = self->signals.cycle_cylinder_torque_nm[c->firing_order[i] - 1u] - sd_balance_zero_nm(&self->torque_zero, i, intake_bar);
+        mean += torque_nm[i] / (float)c->cylinders;
     }
-    return self->status[from_torque ? SD_OWNER_CYLINDER : SD_OWNER_AFR].health;
+    return mean;
+}
+
+/* What cylinders deviate by, in firing order, from the source chosen; returns the health of it. */
+static uint8_t torque_deviations(const sd_ecu_t *self, float *deviation, float *sd) {
+    const sd_calibration_t *c = &self->calibration;
+    float torque[SD_CYLINDERS_MAX] = { 0.0f };
+    const float mean = cylinder_torques(self, torque);
+    if (!(mean > 1.0f)) { return SD_INVALID; } /* Nm: nothing burns */
+    for (uint32_t i = 0; i < c->cylinders; ++i) {
+        deviation[i] = torque[i] / mean - 1.0f;
+        sd[i] = self->signals.cycle_cylinder_sd_nm[c->firing_order[i] - 1u] / mean;
+    }
+    return self->status[SD_OWNER_CYLINDER].health;
+}
+
+static uint8_t mixture_deviations(const sd_ecu_t *self, float *deviation, float *sd) {
+    for (uint32_t i = 0; i < self->calibration.cylinders; ++i) {
+        deviation[i] = sd_afr_deviation(&self->afr, i);
+        sd[i] = sd_afr_deviation_sd(&self->afr, i);
+    }
+    return self->status[SD_OWNER_AFR].health;
+}
+
+/* In fuel cut all cylinders give the same: what differs is an error. */
+static void learn_zero(sd_ecu_t *self, bool steady) {
+    const sd_calibration_t *c = &self->calibration;
+    const sd_sample_t *fuel = &self->sample[SD_INPUT_FUEL_INJECTED];
+    float torque[SD_CYLINDERS_MAX] = { 0.0f };
+    for (uint32_t i = 0; i < c->cylinders; ++i) { torque[i] = self->signals.cycle_cylinder_torque_nm[c->firing_order[i] - 1u]; }
+    const bool motored = steady && (fuel->seen != 0u) && (fuel->value <= 0.0f) && (self->status[SD_OWNER_CYLINDER].health == SD_VALID);
+    sd_balance_zero_step(&self->torque_zero, torque, c->cylinders, self->sample[SD_INPUT_AIR_INTAKE_PRESSURE].value, motored);
+}
+
+/* Share of a change that the mixture's estimate takes up in a cycle: from its variance before and after, and its drift. */
+static float mixture_follows(sd_ecu_t *self, float sd) {
+    const sd_parameters_t *p = &self->calibration.parameters;
+    const float drift = (self->afr.slow != 0u) ? p->afr_drift_slow : p->afr_drift;
+    const float before = self->last_variance + drift * drift;
+    self->last_variance = sd * sd;
+    const float follow = 1.0f - sd * sd / before;
+    return (follow > 1.0f) ? 1.0f : (follow > FOLLOW_LEAST) ? follow : FOLLOW_LEAST;
 }
 
 static void balance(sd_ecu_t *self, uint8_t transient) {
@@ -103,9 +148,12 @@ static void balance(sd_ecu_t *self, uint8_t transient) {
     sd_balance_t *b = &self->balance;
     const bool on = (self->sample[SD_INPUT_BALANCE_ENABLE].value > 0.5f) && (c->parameters.balance_source > 0.5f) && (c->cylinders > 1u);
     if (on) {
-        float deviation[SD_CYLINDERS_MAX], sd[SD_CYLINDERS_MAX];
-        const uint8_t health = deviations(self, deviation, sd);
-        sd_balance_step(b, deviation, sd, health, transient);
+        const bool from_torque = c->parameters.balance_source > 1.5f;
+        float deviation[SD_CYLINDERS_MAX] = { 0.0f }, sd[SD_CYLINDERS_MAX] = { 0.0f };
+        sd_balance_input_t in = { .deviation = deviation, .sd = sd, .follow = TORQUE_FOLLOWS, .told = from_torque ? 0u : 1u, .transient = transient };
+        in.health = from_torque ? torque_deviations(self, deviation, sd) : mixture_deviations(self, deviation, sd);
+        if (!from_torque) { in.follow = mixture_follows(self, sd[0]); }
+        sd_balance_step(b, &in);
     } else {
         sd_balance_restart(b);
     }
@@ -126,8 +174,9 @@ void sd_ecu_afr_cycle(sd_ecu_t *self) {
     const float speed = self->signals.cycle_speed_rpm * RADPS_PER_RPM, fuel = self->sample[SD_INPUT_FUEL_INJECTED].value;
     tell_trims(self);
     read_afr(self, speed);
-    const bool transient = (changed(speed, self->last_speed_radps) > TRANSIENT_SPEED) ||
-                           (changed(fuel, self->last_fuel_mg) > TRANSIENT_FUEL) || (fuel <= 0.0f);
+    const bool steady = changed(speed, self->last_speed_radps) <= TRANSIENT_SPEED;
+    learn_zero(self, steady);
+    const bool transient = !steady || (changed(fuel, self->last_fuel_mg) > TRANSIENT_FUEL) || (fuel <= 0.0f);
     balance(self, transient ? 1u : 0u);
     self->last_speed_radps = speed;
     self->last_fuel_mg = fuel;

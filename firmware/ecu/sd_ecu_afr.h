@@ -4,8 +4,9 @@
 #define SD_ECU_AFR_H
 #include "sd_ecu.h"
 
-/// From the working page. SD_OK without an exhaust: the block stays idle and says so.
+/// From the working page, anew; what fails changes nothing. SD_OK without an exhaust: the block stays idle and says so.
 sd_result_t sd_ecu_afr_init(sd_afr_t *afr, const sd_calibration_t *c);
+sd_balance_config_t sd_ecu_balance_config(const sd_calibration_t *c);
 sd_result_t sd_ecu_balance_init(sd_balance_t *balance, const sd_calibration_t *c);
 /// A reading of the lambda sensor, air to fuel over stoichiometric.
 void sd_ecu_afr_sample(sd_ecu_t *self, float lambda);

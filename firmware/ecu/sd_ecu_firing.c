@@ -2,12 +2,16 @@
 /* The filter on tooth times in the ecu: its inputs, its signals, and when the tooth pattern is learned. */
 #include "sd_ecu_parts.h"
 
+#include <string.h>
+
 #define RAD_PER_DEG 0.017453293f
 #define INTAKE_USUAL_BAR 1.0f
 #define INPUT_OLD_S 0.5f
 #define ZERO_REVOLUTIONS 40u /* without fuel before a cylinder's zero is read: burnt gas is gone, the pattern known, the filter at rest */
 
-static bool has_filter(const sd_ecu_t *self) { return self->calibration.kalman.positions != 0u; }
+static bool has_filter(const sd_ecu_t *self) {
+    return (self->calibration.kalman.positions != 0u) && (self->calibration.parameters.firing_enabled > 0.5f);
+}
 
 /* A sensor that spoke lately. */
 const sd_sample_t *sd_ecu_recent(const sd_ecu_t *self, sd_input_t input, uint32_t tick) {
@@ -49,26 +53,33 @@ static void learn(sd_ecu_t *self, const sd_tooth_t *tooth, const sd_kalman_tooth
     }
 }
 
+static void take_zeros(sd_ecu_t *self) {
+    sd_pattern_zeros(&self->pattern, &self->calibration.kalman, self->filter.zero_nm_per_bar);
+    memcpy(self->rough.zero_nm_per_bar, self->filter.zero_nm_per_bar, sizeof self->rough.zero_nm_per_bar);
+}
+
 /* What cylinders read without fuel is their zero. */
 static void learn_zero(sd_ecu_t *self, const sd_firing_t *firing) {
     const bool rests = self->motored > ZERO_REVOLUTIONS * self->calibration.positions;
     if (!rests || (self->status[SD_OWNER_FIRING].health != SD_VALID)) { return; }
     const float speed = self->signals.crank_speed_rpm * 0.10471976f;
     if (sd_pattern_take_zero(&self->pattern, &self->calibration.kalman, firing, self->filter.charge_bar[firing->index], speed)) {
-        sd_pattern_zeros(&self->pattern, &self->calibration.kalman, self->filter.zero_nm_per_bar);
+        take_zeros(self);
     }
 }
 
 /* A tooth left out, or not sure, spoils the firings under way. */
-static void watch_teeth(sd_ecu_t *self, const sd_tooth_t *tooth, uint16_t rejected_before) {
-    const bool bad = (tooth->health != SD_VALID) || (self->filter.rejected != rejected_before);
+static void watch_teeth(sd_ecu_t *self, const sd_tooth_t *tooth) {
+    const bool bad = (tooth->health != SD_VALID) || (sd_ecu_filter(self)->rejected_in_row != 0u);
     self->firing_doubt = (self->firing_doubt > tooth->advance) ? (uint16_t)(self->firing_doubt - tooth->advance) : 0u;
-    if (bad) { self->firing_doubt = self->calibration.positions; }
+    if (bad && (self->firing_doubt < self->calibration.positions)) { self->firing_doubt = self->calibration.positions; }
 }
+
+void sd_ecu_firing_spurious(sd_ecu_t *self) { self->firing_doubt = (uint16_t)(4u * self->calibration.positions); }
 
 static void judge(sd_ecu_t *self, const sd_tooth_t *tooth) {
     sd_status_t *status = &self->status[SD_OWNER_FIRING];
-    *status = sd_kalman_status(&self->filter, &self->calibration.kalman);
+    *status = sd_kalman_status(sd_ecu_filter(self), &self->calibration.kalman);
     if (self->crank.phase_votes < 2u) { sd_ecu_worst_of(status, SD_INVALID, SD_WHY_NO_PHASE); }
     if (self->firing_doubt > 0u) { sd_ecu_worst_of(status, SD_DEGRADED, SD_WHY_FAULT); }
     if (sd_ecu_recent(self, SD_INPUT_AIR_INTAKE_PRESSURE, tooth->tick) == NULL) {
@@ -79,23 +90,50 @@ static void judge(sd_ecu_t *self, const sd_tooth_t *tooth) {
 void sd_ecu_firing_restart(sd_ecu_t *self) {
     if (!has_filter(self)) { return; }
     sd_kalman_restart(&self->filter);
+    sd_kalman_restart(&self->rough);
+    sd_road_restart(&self->road);
     sd_misfire_start(&self->misfire);
     sd_pattern_pause(&self->pattern);
     self->motored = 0;
+    self->status[SD_OWNER_MISFIRE] = (sd_status_t){ .health = SD_INVALID, .why = SD_WHY_CONVERGING };
+}
+
+const sd_kalman_t *sd_ecu_filter(const sd_ecu_t *self) { return (self->on_rough != 0u) ? &self->rough : &self->filter; }
+
+/* Both filters take the tooth. The road chooses between them, unless one of them had to begin anew. */
+static bool step_filters(sd_ecu_t *self, const sd_kalman_tooth_t *seen, sd_firing_t *firing) {
+    const sd_kalman_tables_t *tables = &self->calibration.kalman;
+    const bool complete = sd_kalman_step(&self->filter, tables, seen, firing);
+    if (tables->sets < 2u) { return complete; }
+    sd_firing_t other;
+    const bool other_complete = sd_kalman_step(&self->rough, tables, seen, &other);
+    const uint8_t smooth = sd_kalman_status(&self->filter, tables).health, rough = sd_kalman_status(&self->rough, tables).health;
+    const bool settled = (smooth == (uint8_t)SD_VALID) && (rough == (uint8_t)SD_VALID);
+    if (!settled) {
+        sd_road_restart(&self->road);
+    } else if (complete && other_complete) {
+        (void)sd_road_step(&self->road, firing, &other);
+    }
+    self->on_rough = (smooth != rough) ? (smooth > rough) : self->road.rough;
+    if (self->on_rough == 0u) { return complete; }
+    *firing = other;
+    return other_complete;
 }
 
 void sd_ecu_firing_tooth(sd_ecu_t *self, const sd_port_t *port, const sd_tooth_t *tooth) {
     if (!has_filter(self)) {
         self->status[SD_OWNER_FIRING] = (sd_status_t){ .health = SD_INVALID, .why = SD_WHY_UNCALIBRATED };
+        self->status[SD_OWNER_MISFIRE] = self->status[SD_OWNER_FIRING];
+        self->signals.firing_waveform_nm = 0.0f;
         return;
     }
     sd_ecu_misfire_tooth(self, tooth);
     const sd_kalman_tooth_t seen = filter_tooth(self, tooth);
-    const uint16_t rejected = self->filter.rejected;
     sd_firing_t firing;
-    const bool complete = sd_kalman_step(&self->filter, &self->calibration.kalman, &seen, &firing);
-    self->signals.firing_waveform_nm = self->filter.torque_nm;
-    watch_teeth(self, tooth, rejected);
+    const bool complete = step_filters(self, &seen, &firing);
+    self->signals.firing_waveform_nm = sd_ecu_filter(self)->torque_nm;
+    watch_teeth(self, tooth);
+    if ((self->filter.teeth == 0u) || (sd_ecu_filter(self)->teeth == 0u)) { sd_misfire_start(&self->misfire); } /* began anew */
     judge(self, tooth);
     learn(self, tooth, &seen);
     if (!complete) { return; }
@@ -105,7 +143,8 @@ void sd_ecu_firing_tooth(sd_ecu_t *self, const sd_port_t *port, const sd_tooth_t
     self->signals.firing_sd_nm = firing.sd_nm;
     self->signals.firing_mean_nm = firing.mean_nm;
     self->signals.firing_mean_sd_nm = firing.mean_sd_nm;
-    sd_ecu_misfire_firing(self, &firing);
+    self->signals.firing_rough = (float)self->on_rough;
+    sd_ecu_misfire_firing(self, &firing, tooth->tick);
     sd_ecu_publish(self, port, tooth->tick, SD_RATE_FIRING);
 }
 
@@ -113,7 +152,7 @@ sd_result_t sd_ecu_resume(sd_ecu_t *self, const sd_pattern_sums_t *learned) {
     if (!has_filter(self) || (sd_pattern_resume(&self->pattern, &self->calibration.kalman, learned) != SD_OK)) {
         return SD_ERR_CONFIG;
     }
-    sd_pattern_zeros(&self->pattern, &self->calibration.kalman, self->filter.zero_nm_per_bar);
+    take_zeros(self);
     self->signals.wheel_learned_cycles = self->pattern.sums.cycles;
     self->signals.wheel_pattern_sd_deg = self->pattern.sd_rad / RAD_PER_DEG;
     return SD_OK;

@@ -11,15 +11,23 @@ void sd_ecu_worst_of(sd_status_t *status, uint8_t health, uint8_t why);
 
 /// The angle was lost or moved: the filter begins anew.
 void sd_ecu_firing_restart(sd_ecu_t *self);
+/// An edge that stands for no tooth was seen. Which of two near each other is the tooth may have been decided wrongly.
+void sd_ecu_firing_spurious(sd_ecu_t *self);
 /// Filter, pattern learning and firing signals, for a placed tooth.
 void sd_ecu_firing_tooth(sd_ecu_t *self, const sd_port_t *port, const sd_tooth_t *tooth);
+
+/// Reads or changes a parameter and sends the answer.
+void sd_ecu_parameter(sd_ecu_t *self, const sd_port_t *port, const sd_event_t *request);
+
+/// The filter that firings are taken from.
+const sd_kalman_t *sd_ecu_filter(const sd_ecu_t *self);
 
 /// Latest reading of a sensor that spoke lately; NULL when it did not.
 const sd_sample_t *sd_ecu_recent(const sd_ecu_t *self, sd_input_t input, uint32_t tick);
 
 /// Keeps the fuel that each firing was commanded.
 void sd_ecu_misfire_tooth(sd_ecu_t *self, const sd_tooth_t *tooth);
-/// Judges a firing that was read and sets its signals.
-void sd_ecu_misfire_firing(sd_ecu_t *self, const sd_firing_t *firing);
+/// Judges a firing that was read at `tick` and sets its signals.
+void sd_ecu_misfire_firing(sd_ecu_t *self, const sd_firing_t *firing, uint32_t tick);
 
 #endif

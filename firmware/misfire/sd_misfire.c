@@ -9,7 +9,13 @@
 #define SCATTER_START 1.0f
 #define SCATTER_MIN 0.01f
 #define SCATTER_MAX 1e6f
-#define LEARN_FIRINGS  64u /* factor and scatter are means of so many, fewer after init */
+#define RHO_MAX        0.9f
+#define OFF_MAX        0.5f /* of a firing, that tells of the next */
+#define RHO_LEARN      128.0f
+#define RHO_CHANCE     0.2f /* a correlation learned from so many firings may be that large by chance */
+#define LEARN_FIRINGS  64u  /* factors are means of so many firings, fewer after init */
+#define LEARN_SCATTER  128u /* the scatter too */
+#define SCATTER_MARGIN 1.05f /* that its deviation, learned, may be short of the true one */
 #define LEARNED_ENOUGH 16u /* firings of a cylinder before its scatter says anything */
 
 static float root(float x) { return (x > 1e-30f) ? x * sd_rsqrt_f32(x) : 0.0f; }
@@ -46,7 +52,7 @@ static bool shifting(const sd_misfire_t *self, const sd_misfire_firing_t *f) {
 }
 
 static uint8_t inhibited(sd_misfire_t *self, const sd_misfire_firing_t *f) {
-    uint32_t why = (f->inhibit != 0u) ? (uint32_t)SD_INHIBIT_OUTSIDE : 0u;
+    uint32_t why = f->inhibit;
     if (!estimate_fit(self, f)) {
         why |= SD_INHIBIT_ESTIMATE;
     } else {
@@ -77,7 +83,7 @@ static sd_spread_t spread_of(const sd_misfire_t *self, float relative_sd) {
 }
 
 static float limit_of(sd_misfire_t *self, sd_spread_t spread) {
-    const float low = self->config.z_missed * spread.missed, gap = self->config.z_false * spread.healthy;
+    const float low = self->config.z_missed * spread.missed, gap = SCATTER_MARGIN * self->config.z_false * spread.healthy;
     self->test_ratio = low + gap;
     if (self->test_ratio > 1.0f) { return low / (low + gap); }
     return clamp(self->config.definition, low, 1.0f - gap);
@@ -91,18 +97,40 @@ static uint8_t verdict_of(const sd_misfire_t *self, float index, float limit, sd
 
 static float weight_of(uint32_t seen) { return 1.0f / (4.0f + (float)seen); }
 
-/* Only a healthy firing near the expectation moves it (and any but a misfire while nothing is known of that cylinder).
- * Scatter is seen above it, where no misfire comes. */
-static void learn(sd_misfire_t *self, const sd_misfire_verdict_t *v, float relative_sd, sd_spread_t spread) {
-    const uint32_t firing = v->firing;
+/* What the last firing tells of this one's error. */
+static float carried(const sd_misfire_t *self) {
+    const float square = self->off_square * self->off_square, product = self->off_product * self->off_product;
+    if (!(product > RHO_CHANCE * RHO_CHANCE * square)) { return 0.0f; }
+    const float sure = 1.0f - RHO_CHANCE * RHO_CHANCE * square / product;
+    return clamp(self->off_product / self->off_square * sure, -RHO_MAX, RHO_MAX) * self->last_off;
+}
+
+static void learn_carry(sd_misfire_t *self, const sd_misfire_verdict_t *v, float off) {
+    const bool healthy = v->verdict == (uint8_t)SD_HEALTHY, misfire = v->verdict == (uint8_t)SD_MISFIRE;
+    const float here = clamp(misfire ? off + 1.0f : off, -OFF_MAX, OFF_MAX);
+    if (healthy && (self->last_off != 0.0f)) {
+        const float weight = 1.0f / RHO_LEARN;
+        self->off_square += weight * (0.5f * (here * here + self->last_off * self->last_off) - self->off_square);
+        self->off_product += weight * (here * self->last_off - self->off_product);
+    }
+    self->last_off = (healthy || misfire) ? here : 0.0f;
+}
+
+/* Scatter is seen above the expectation, where no misfire comes. */
+static void learn_scatter(sd_misfire_t *self, const sd_misfire_verdict_t *v, float relative_sd, sd_spread_t spread) {
     const float off = v->index - 1.0f;
     self->innovation = off;
-    if ((off > 0.0f) && (self->learned[firing] >= LEARNED_ENOUGH)) {
-        const float size = clamp(off, 0.0f, 10.0f * spread.healthy), cyclic = self->config.cyclic;
-        const float seen = (size * size - relative_sd * relative_sd) / (cyclic * cyclic);
-        self->scatter = clamp(self->scatter + weight_of(self->scatter_seen) * (seen - self->scatter), SCATTER_MIN, SCATTER_MAX);
-        if (self->scatter_seen < LEARN_FIRINGS) { self->scatter_seen++; }
-    }
+    if (!(off > 0.0f) || (self->learned[v->firing] < LEARNED_ENOUGH)) { return; }
+    const float size = clamp(off, 0.0f, 10.0f * spread.healthy), cyclic = self->config.cyclic;
+    const float seen = (size * size - relative_sd * relative_sd) / (cyclic * cyclic);
+    self->scatter = clamp(self->scatter + weight_of(self->scatter_seen) * (seen - self->scatter), SCATTER_MIN, SCATTER_MAX);
+    if (self->scatter_seen < LEARN_SCATTER) { self->scatter_seen++; }
+}
+
+/* Only a healthy firing near the expectation moves it (and any but a misfire while nothing is known of that cylinder).
+ * What all firings are off by is the expectation's, so `off` has nothing carried over taken out. */
+static void learn_factor(sd_misfire_t *self, const sd_misfire_verdict_t *v, float off, sd_spread_t spread) {
+    const uint32_t firing = v->firing;
     const bool unknown = self->learned[firing] < LEARNED_ENOUGH;
     const float near = larger(0.25f, 2.0f * spread.healthy); /* an overlooked misfire is not */
     const bool teaches = (off > -near) && (off < near) && (v->verdict == (uint8_t)SD_HEALTHY);
@@ -200,14 +228,18 @@ sd_misfire_verdict_t sd_misfire_judge(sd_misfire_t *self, const sd_misfire_firin
         const float expected = expected_torque(self, f);
         const float relative_sd = clamp(f->torque_sd_nm / expected, 0.0f, 10.0f);
         const sd_spread_t spread = spread_of(self, relative_sd);
-        v.index = clamp(f->torque_nm / expected, -10.0f, 10.0f);
+        const float found = clamp(f->torque_nm / expected, -10.0f, 10.0f);
+        v.index = clamp(found - carried(self), -10.0f, 10.0f);
         v.index_sd = spread.healthy;
         v.limit = limit_of(self, spread);
         v.verdict = verdict_of(self, v.index, v.limit, spread);
-        learn(self, &v, relative_sd, spread);
+        learn_scatter(self, &v, relative_sd, spread);
+        learn_factor(self, &v, found - 1.0f, spread);
+        learn_carry(self, &v, found - 1.0f);
         count(self, &v);
     } else {
         self->rejected = count_up_16(self->rejected);
+        self->last_off = 0.0f;
     }
     report_health(self, f, &v);
     return v;
@@ -217,6 +249,7 @@ void sd_misfire_start(sd_misfire_t *self) {
     self->since_start = 0;
     self->hold = 0;
     self->last_speed_radps = 0.0f;
+    self->last_off = 0.0f;
     memset(self->in_row, 0, sizeof self->in_row);
     self->health = SD_INVALID;
     self->why = SD_WHY_CONVERGING;
@@ -261,19 +294,37 @@ static bool order_ok(const sd_misfire_config_t *c) {
     return seen == (1u << c->cylinders) - 1u;
 }
 
-sd_result_t sd_misfire_init(sd_misfire_t *self, const sd_misfire_config_t *c) {
-    const bool fine = order_ok(c) && in(c->work_per_fuel_jpmg, 1e-3f, 100.0f) && in(c->cyclic, 1e-3f, 0.5f) &&
-                      in(c->z_false, 1.0f, 6.0f) && in(c->z_missed, 1.0f, 6.0f) && in(c->definition, 0.2f, 0.8f) &&
-                      in(c->partial, c->definition, 1.0f) && in(c->fuel_min_mg, 1e-3f, 1e4f) &&
-                      in(c->torque_min_nm, 0.0f, 1e5f) && in(c->speed_change, 1e-3f, 1.0f) &&
-                      (c->continuous_firings >= 2u) && in(c->emission_percent, 1e-3f, 100.0f) &&
-                      in(c->catalyst_percent, 1e-3f, 100.0f) && (c->emission_exceedances >= 1u) &&
-                      (c->catalyst_exceedances >= 1u);
-    if (!fine) { return SD_ERR_CONFIG; }
-    memset(self, 0, sizeof *self);
-    self->config = *c;
+static bool config_ok(const sd_misfire_config_t *c) {
+    return order_ok(c) && in(c->work_per_fuel_jpmg, 1e-3f, 100.0f) && in(c->cyclic, 1e-3f, 0.5f) &&
+           in(c->z_false, 1.0f, 6.0f) && in(c->z_missed, 1.0f, 6.0f) && in(c->definition, 0.2f, 0.8f) &&
+           in(c->partial, c->definition, 1.0f) && in(c->fuel_min_mg, 1e-3f, 1e4f) && in(c->torque_min_nm, 0.0f, 1e5f) &&
+           in(c->speed_change, 1e-3f, 1.0f) && (c->continuous_firings >= 2u) && in(c->emission_percent, 1e-3f, 100.0f) &&
+           in(c->catalyst_percent, 1e-3f, 100.0f) && (c->emission_exceedances >= 1u) && (c->catalyst_exceedances >= 1u);
+}
+
+static void forget(sd_misfire_t *self) {
     self->scatter = SCATTER_START;
+    self->scatter_seen = 0;
+    self->last_off = self->off_square = self->off_product = 0.0f;
+    memset(self->learned, 0, sizeof self->learned);
     for (uint32_t i = 0; i < SD_MISFIRE_CYLINDERS_MAX; ++i) { self->factor[i] = 1.0f; }
     sd_misfire_start(self);
+}
+
+sd_result_t sd_misfire_init(sd_misfire_t *self, const sd_misfire_config_t *c) {
+    if (!config_ok(c)) { return SD_ERR_CONFIG; }
+    memset(self, 0, sizeof *self);
+    self->config = *c;
+    forget(self);
+    return SD_OK;
+}
+
+sd_result_t sd_misfire_configure(sd_misfire_t *self, const sd_misfire_config_t *c) {
+    const sd_misfire_config_t before = self->config;
+    bool ok = config_ok(c) && (c->cylinders == before.cylinders);
+    for (uint32_t i = 0; ok && (i < c->cylinders); ++i) { ok = c->firing_order[i] == before.firing_order[i]; }
+    if (!ok) { return SD_ERR_CONFIG; }
+    self->config = *c;
+    if ((c->work_per_fuel_jpmg != before.work_per_fuel_jpmg) || (c->cyclic != before.cyclic)) { forget(self); }
     return SD_OK;
 }

@@ -7,6 +7,10 @@
 /// the expectation itself may be wrong), within 0.6 to 1.5. No firing is ever compared with its
 /// neighbours, so two cylinders missing together, or all, are seen like one.
 ///
+/// From firing to firing the estimate errs alike, or the other way, where the load moves: what the last firing was off
+/// its level (1, or 0 for a misfire) tells of this one. The index is that of the torque less rho times that, rho the
+/// lag-one correlation of healthy firings, learned; where they are independent it is near 0.
+///
 /// The healthy index scatters by sd_0 (combustion and estimate), that of a misfire by sd_1 (estimate alone):
 ///     sd_0^2 = r cyclic^2 + (torque_sd / expected)^2,   sd_1^2 = max(r - 1, 0) cyclic^2 + (torque_sd / expected)^2
 /// r is learned from the upper half of the scatter, which no misfire reaches. Up to 1 it is combustion; what is beyond
@@ -41,7 +45,7 @@ typedef struct sd_misfire_config {
     float    torque_min_nm;      ///< The same for the expected torque, >= 0.
     float    speed_change;       ///< Change of speed from firing to firing beyond which the gear is being shifted, (0, 1].
     uint16_t start_firings;      ///< Not monitored after a start.
-    uint16_t hold_firings;       ///< Not monitored after fuel cut or a shift.
+    uint16_t hold_firings;       ///< Not monitored after fuel cut or a shift, whoever noticed it.
     uint16_t continuous_firings; ///< Of a cylinder, all misfires, from which it counts as continuous; >= 2.
     float    emission_percent;   ///< Of the firings in 1000 revolutions, [0.001, 100].
     float    catalyst_percent;   ///< Of the firings in 200 revolutions, [0.001, 100].
@@ -53,10 +57,11 @@ typedef struct sd_misfire_config {
 typedef enum sd_inhibit {
     SD_INHIBIT_START    = 1 << 0,
     SD_INHIBIT_FUEL_CUT = 1 << 1, ///< No or hardly any fuel, or too little torque expected.
-    SD_INHIBIT_SHIFT    = 1 << 2, ///< Speed changes as it does in a gear shift.
+    SD_INHIBIT_SHIFT    = 1 << 2, ///< The caller says so, or speed changes as it does in a gear shift.
     SD_INHIBIT_ESTIMATE = 1 << 3, ///< The torque is invalid or no number.
     SD_INHIBIT_HOLD     = 1 << 4, ///< Fuel cut or a shift ended a moment ago.
     SD_INHIBIT_OUTSIDE  = 1 << 5, ///< Asked for by the caller.
+    SD_INHIBIT_LEVEL    = 1 << 6, ///< The caller says that the tank is nearly empty.
 } sd_inhibit_t;
 
 typedef enum sd_verdict { SD_HEALTHY = 0, SD_PARTIAL_BURN = 1, SD_MISFIRE = 2, SD_NOT_JUDGED = 3 } sd_verdict_t;
@@ -72,7 +77,7 @@ typedef enum sd_lamp {
 typedef struct sd_misfire_firing {
     uint8_t index;        ///< In firing order.
     uint8_t health;       ///< sd_health_t of the torque; invalid is not judged.
-    uint8_t inhibit;      ///< Not 0: not judged, for a reason of the caller's, such as a gear shift it knows of.
+    uint8_t inhibit;      ///< Not 0: not judged; sd_inhibit_t bits that the caller knows of.
     float   torque_nm;    ///< Mean combustion torque over the 180 deg after its TDC.
     float   torque_sd_nm; ///< >= 0.
     float   fuel_mg;      ///< Commanded for this firing.
@@ -111,6 +116,8 @@ typedef struct sd_misfire {
     uint16_t in_row[SD_MISFIRE_CYLINDERS_MAX];     ///< Misfires, by firing.
     uint8_t  scatter_seen;                         ///< Firings that the scatter has learned from, up to 64.
     float    scatter;                              ///< r; 1 at init.
+    float    last_off;                             ///< Of the firing before, off its level; 0: unknown.
+    float    off_square, off_product;              ///< Running means, of neighbours both healthy; their ratio is rho.
     float    last_speed_radps, test_ratio, innovation;
     uint16_t hold, since_start;                    ///< Firings left; firings since start, saturating.
     uint16_t rejected, emission_exceeded, catalyst_exceeded;
@@ -123,6 +130,9 @@ typedef struct sd_misfire {
 
 /// SD_OK, or SD_ERR_CONFIG with the state untouched.
 sd_result_t sd_misfire_init(sd_misfire_t *self, const sd_misfire_config_t *config);
+/// Other choices from the next firing on, of the same engine. SD_OK, or SD_ERR_CONFIG with the state untouched. Counts stay,
+/// and what was learned too, unless it was relative to what changes (work_per_fuel_jpmg, cyclic): then as after a start.
+sd_result_t sd_misfire_configure(sd_misfire_t *self, const sd_misfire_config_t *config);
 /// The engine, or the estimator, starts: the next start_firings are not judged. Counts and what was learned stay.
 void sd_misfire_start(sd_misfire_t *self);
 /// Judges a firing; never NaN. An index out of range is counted and not judged.

@@ -5,21 +5,22 @@
 
 #define TWO_PI 6.2831853f
 #define TWIST_MAX_RAD 2.0f /* no flywheel's spring goes so far */
+#define RAD_PER_DEG 0.017453293f
 
 static const float INVERSE[6] = { 1.0f, 0.5f, 1.0f / 3.0f, 0.25f, 0.2f, 1.0f / 6.0f };
 
-_Static_assert(sizeof(sd_kalman_t) == 552, "without pointers, the same size on every target");
+_Static_assert(sizeof(sd_kalman_t) == 556, "without pointers, the same size on every target");
 
 enum { REJECTED_IN_ROW_MAX = 12, /* teeth left out in a row after which the estimate itself must be wrong */
        SPEED_MIN_RADPS = 5 };
 
-/* Where a speed lies among the gain tables: between `at` and the next one, `share` of the way. */
+/* Where a speed lies among the gain tables of the filter's set: between `at` and the next one, `share` of the way. */
 typedef struct sd_between {
     uint32_t at, next;
     float    share;
 } sd_between_t;
 
-static sd_between_t find_speed(const sd_kalman_tables_t *t, float speed) {
+static sd_between_t find_speed(const sd_kalman_t *self, const sd_kalman_tables_t *t, float speed) {
     sd_between_t b = { 0, 0, 0.0f };
     while ((b.at + 1u < t->speeds) && (speed >= t->speed_radps[b.at + 1u])) { b.at++; }
     b.next = b.at;
@@ -27,6 +28,9 @@ static sd_between_t find_speed(const sd_kalman_tables_t *t, float speed) {
         b.next = b.at + 1u;
         b.share = (speed - t->speed_radps[b.at]) / (t->speed_radps[b.next] - t->speed_radps[b.at]);
     }
+    const uint32_t set = (self->set < t->sets) ? self->set : 0u;
+    b.at += set * t->speeds;
+    b.next += set * t->speeds;
     return b;
 }
 
@@ -44,7 +48,7 @@ static uint32_t gains_from(const sd_kalman_tables_t *t) { return modes_from(t) +
 static uint32_t gains_size(const sd_kalman_tables_t *t) { return t->coefficients + 2u + 2u * t->modes; }
 
 static uint32_t row_size(const sd_kalman_tables_t *t) {
-    return gains_from(t) + (uint32_t)t->speeds * gains_size(t);
+    return gains_from(t) + (uint32_t)t->sets * t->speeds * gains_size(t);
 }
 
 uint32_t sd_kalman_pool_used(const sd_kalman_tables_t *tables) { return 2u * tables->positions * row_size(tables); }
@@ -139,15 +143,28 @@ static bool predict(sd_kalman_t *self, const sd_kalman_tables_t *t, uint32_t k) 
     return true;
 }
 
-/* How late a tooth may be: jitter, and what the highest torque does over a mark. */
-static float limit_rad(const sd_kalman_tables_t *t, float scale) {
+static float magnitude(float x) { return (x < 0.0f) ? -x : x; }
+
+static float root(float x) { return (x > 0.0f) ? x * sd_rsqrt_f32(x) : 0.0f; }
+
+/* How late a tooth may be: jitter, and what a torque that nobody expects does over a mark. Once settled, both are known:
+ * the innovation as met, and a firing that comes or fails; its peak is some 4 times its mean. */
+static float limit_rad(const sd_kalman_t *self, const sd_kalman_tables_t *t, sd_between_t at, float scale) {
     const float mark = 3.0f * pitch_of(t);
-    return t->reject_rad + 0.5f * mark * mark * t->torque_base_nm / scale;
+    float jitter = t->reject_rad, torque = t->torque_base_nm;
+    if (self->teeth >= t->settle_teeth) {
+        jitter = 8.0f * blend(t->noise_rad, at) * blend(t->innovation, at) * root(self->noise_ratio);
+        torque *= 0.05f;
+        for (uint32_t j = 0; j < t->coefficients; ++j) {
+            const float peak = 6.0f * magnitude(self->coefficient_nm[j]);
+            torque = (peak > torque) ? peak : torque;
+        }
+    }
+    return jitter + 0.5f * mark * mark * torque / scale;
 }
 
-static bool plausible(sd_kalman_t *self, const sd_kalman_tables_t *t, float scale) {
-    const float late = self->innovation_rad;
-    self->test_ratio = ((late < 0.0f) ? -late : late) / limit_rad(t, scale);
+static bool plausible(sd_kalman_t *self, const sd_kalman_tables_t *t, sd_between_t at, float scale) {
+    self->test_ratio = magnitude(self->innovation_rad) / limit_rad(self, t, at, scale);
     if (!(self->test_ratio > 1.0f)) { self->rejected_in_row = 0; return true; }
     if (self->rejected < UINT16_MAX) { self->rejected++; }
     self->rejected_in_row++;
@@ -186,11 +203,11 @@ static void correct(sd_kalman_t *self, const sd_kalman_tables_t *t, const sd_kal
     const float square = square_speed(self, t, k), slowness = sd_rsqrt_f32(square), speed = square * slowness;
     const float scale = t->inertia_mean_kgm2 * square;
     self->innovation_rad = late_rad(self, t, speed, slowness) - tooth->late_rad;
-    if (!plausible(self, t, scale)) { return; }
     /* Without modes the normalised map is the same at every speed, so every table is stable at any. That of half the speed
      * trusts the state less, which is right while there is little to trust. */
     const bool settled = self->teeth >= t->settle_teeth;
-    const sd_between_t at = find_speed(t, (settled || (t->modes > 0u)) ? speed : 0.5f * speed);
+    const sd_between_t at = find_speed(self, t, (settled || (t->modes > 0u)) ? speed : 0.5f * speed);
+    if (!plausible(self, t, at, scale)) { return; }
     if (settled) { watch_noise(self, t, at); }
     const float *low = gains_of(t, k, at.at), *high = gains_of(t, k, at.next);
     const float r = self->innovation_rad, push = r * scale;
@@ -229,8 +246,6 @@ static bool in_range(const sd_kalman_t *self, const sd_kalman_tables_t *t) {
            (self->lateness_s < 1.0f);
 }
 
-static float root(float x) { return (x > 0.0f) ? x * sd_rsqrt_f32(x) : 0.0f; }
-
 static void remember(sd_kalman_t *self, uint32_t i, float torque_nm) {
     self->ring_nm[i][self->next[i]] = torque_nm;
     self->next[i] = (uint8_t)((self->next[i] + 1u) % SD_KALMAN_MEAN);
@@ -239,7 +254,7 @@ static void remember(sd_kalman_t *self, uint32_t i, float torque_nm) {
 
 static void read_firing(sd_kalman_t *self, const sd_kalman_tables_t *t, uint32_t i, float pattern_rad, sd_firing_t *firing) {
     const float square = 2.0f * self->energy_j / t->inertia_mean_kgm2, speed = root(square);
-    const sd_between_t at = find_speed(t, speed);
+    const sd_between_t at = find_speed(self, t, speed);
     const float scale = t->inertia_mean_kgm2 * square, design = blend(t->noise_rad, at);
     /* Noise as met. A tooth's own error shows in the innovation too, but does not average out. */
     const float total = design * design * self->noise_ratio, fixed = pattern_rad * pattern_rad;
@@ -258,7 +273,9 @@ static void read_firing(sd_kalman_t *self, const sd_kalman_tables_t *t, uint32_t
     /* The faster the engine, the less does the constant torque follow within a cycle what the pulses leave unexplained. */
     const float slower = t->speed_radps[0] / speed, shape = t->shape_sd * all * ((slower < 1.0f) ? slower : 1.0f);
     const float shrink = (float)SD_KALMAN_MEAN / (float)count; /* variance, taken as independent until it is full */
-    firing->sd_nm = root(scale * scale * (single * single * fresh + stays * stays * fixed) + shape * shape);
+    const float load = (self->set > 0u) ? blend(t->load_sd_nm, at) : 0.0f;
+    firing->noise_nm = scale * single * ((fresh > design * design) ? root(fresh) : design);
+    firing->sd_nm = root(scale * scale * single * single * fresh + scale * scale * stays * stays * fixed + shape * shape + load * load);
     firing->mean_sd_nm = root(scale * scale * (mean * mean * fresh * shrink + stays * stays * fixed) + shape * shape);
 }
 
@@ -319,7 +336,7 @@ bool sd_kalman_step(sd_kalman_t *self, const sd_kalman_tables_t *t, const sd_kal
 void sd_kalman_restart(sd_kalman_t *self) {
     const uint16_t rejected = self->rejected;
     const float intake_bar = self->intake_bar;
-    const uint8_t held = self->intake_held;
+    const uint8_t held = self->intake_held, set = self->set;
     float zero[SD_KALMAN_FIRINGS_MAX];
     memcpy(zero, self->zero_nm_per_bar, sizeof zero);
     memset(self, 0, sizeof *self);
@@ -328,6 +345,7 @@ void sd_kalman_restart(sd_kalman_t *self) {
     self->rejected = rejected;
     sd_kalman_set_intake(self, intake_bar);
     self->intake_held = held;
+    self->set = set;
 }
 
 sd_status_t sd_kalman_status(const sd_kalman_t *self, const sd_kalman_tables_t *t) {
@@ -355,7 +373,8 @@ static bool all_within(const float *values, uint32_t count, float from, float to
 static bool sizes_ok(const sd_kalman_tables_t *t) {
     if ((t->positions < 12u) || (t->positions > SD_KALMAN_POSITIONS_MAX) || (t->positions % 2u != 0u)) { return false; }
     if ((t->coefficients < 1u) || (t->coefficients > SD_KALMAN_COEFFICIENTS_MAX)) { return false; }
-    if ((t->speeds < 1u) || (t->speeds > SD_KALMAN_SPEEDS_MAX) || (sd_kalman_pool_used(t) > SD_KALMAN_POOL)) { return false; }
+    if ((t->speeds < 1u) || (t->speeds > SD_KALMAN_SPEEDS_MAX) || (t->sets < 1u) || (t->sets > SD_KALMAN_SETS_MAX)) { return false; }
+    if (sd_kalman_pool_used(t) > SD_KALMAN_POOL) { return false; }
     if ((t->cylinders < 1u) || (t->cylinders > SD_KALMAN_FIRINGS_MAX) || (t->firings > t->cylinders) || (t->firings >= t->coefficients)) { return false; }
     if ((t->modes > SD_KALMAN_MODES_MAX) || ((t->modes > 0u) && (t->firings != t->cylinders))) { return false; }
     for (uint32_t i = 0; i < t->cylinders; ++i) {
@@ -374,16 +393,25 @@ static bool mode_ok(const sd_kalman_mode_t *mode) {
 }
 
 static bool tables_ok(const sd_kalman_tables_t *t) {
-    const uint32_t n = t->positions;
-    bool ok = sizes_ok(t) && all_within(&t->tick_hz, 1u, 1e5f, 2e8f) && all_within(&t->torque_base_nm, 1u, 1e-3f, 2e4f) &&
+    if (!sizes_ok(t)) { return false; }
+    const uint32_t n = t->positions, gains = (uint32_t)t->sets * t->speeds;
+    bool ok = all_within(&t->tick_hz, 1u, 1e5f, 2e8f) && all_within(&t->torque_base_nm, 1u, 1e-3f, 2e4f) &&
               all_within(&t->shape_sd, 1u, 0.0f, 1.0f) && all_within(&t->reject_rad, 1u, 1e-6f, 1.0f) && all_within(&t->inertia_mean_kgm2, 1u, 1e-6f, 10.0f) &&
               all_within(t->inertia_tooth_kgm2, n, 1e-6f, 10.0f) && all_within(t->inertia_interval_kgm2, n, 1e-6f, 10.0f) &&
-              all_within(t->speed_radps, t->speeds, 1.0f, 2000.0f) && all_within(t->noise_rad, t->speeds, 1e-7f, 1.0f) &&
-              all_within(t->innovation, t->speeds, 1.0f, 1e3f) && all_within(t->single_sd, t->speeds, 0.0f, 1e6f) &&
-              all_within(t->mean_sd, t->speeds, 0.0f, 1e6f) && all_within(t->pattern_sd, t->speeds, 0.0f, 1e6f);
+              all_within(t->speed_radps, t->speeds, 1.0f, 2000.0f) && all_within(t->noise_rad, gains, 1e-7f, 1.0f) &&
+              all_within(t->innovation, gains, 1.0f, 1e3f) && all_within(t->single_sd, gains, 0.0f, 1e6f) &&
+              all_within(t->mean_sd, gains, 0.0f, 1e6f) && all_within(t->pattern_sd, gains, 0.0f, 1e6f) &&
+              all_within(t->load_sd_nm, gains, 0.0f, 1e6f);
     for (uint32_t which = 0; ok && (which < 3u); ++which) { ok = all_within(t->known[which], 2u * n, -1e5f, 1e5f); }
     for (uint32_t m = 0; ok && (m < t->modes); ++m) { ok = mode_ok(&t->mode[m]); }
     return ok && all_within(t->pool, sd_kalman_pool_used(t), -1e6f, 1e6f);
+}
+
+void sd_kalman_choose(sd_kalman_tables_t *tables, const sd_kalman_choice_t *choice) {
+    tables->torque_base_nm = choice->torque_base_nm;
+    tables->shape_sd = choice->shape_sd;
+    tables->reject_rad = choice->reject_deg * RAD_PER_DEG;
+    tables->settle_teeth = (uint16_t)(choice->settle_cycles * 2.0f * (float)choice->teeth + 0.5f);
 }
 
 sd_result_t sd_kalman_init(sd_kalman_t *self, const sd_kalman_tables_t *tables) {

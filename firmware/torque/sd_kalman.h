@@ -21,7 +21,9 @@
 ///
 /// K is a table over cycle position and speed, from the periodic Riccati equation (`sixdeg calibrate`), zero where the
 /// wheel has no tooth, linear between speeds and constant beyond them. Until it has settled, the filter takes the gains
-/// of half its speed, which let it move further; not where there are modes, whose swing over a pitch depends on speed.
+/// of half its speed, which let it move further; not where there are modes, whose swing over a pitch depends on speed. A
+/// second set of gains is made for rough roads, where the load walks further from tooth to tooth: a second filter runs with
+/// it beside the first, and sd_road.h chooses.
 ///
 /// Firing torque: x_j as it stands read_position of firing j, a good half turn after its pulse.
 ///
@@ -37,6 +39,8 @@
 #define SD_KALMAN_POSITIONS_MAX    120
 #define SD_KALMAN_SPEEDS_MAX       12
 #define SD_KALMAN_FIRINGS_MAX      8
+#define SD_KALMAN_SETS_MAX         2    ///< Of gains.
+#define SD_KALMAN_GAINS_MAX        (SD_KALMAN_SETS_MAX * SD_KALMAN_SPEEDS_MAX)
 #define SD_KALMAN_MODES_MAX        2
 #define SD_KALMAN_POOL             28000///< Floats for torques and gains: 12 speeds for 8 cylinders with 2 modes.
 
@@ -52,12 +56,13 @@ typedef struct sd_kalman_mode {
 /// Read only. One row of `pool` a cycle position k, angles between the teeth k - 1 and k:
 /// mean[m - 1], moment[m - 1], point[m - 1] of the basis; mean[n], moment[n], point[n] of each cylinder's motored torque,
 /// Nm per bar of its intake pressure; for each mode the twist that its mean known torques hold: rad, and rad a w^2 of
-/// (rad/s)^2; then for each speed K_0, K_1, K_x[m], and K_q, K_v of each mode.
+/// (rad/s)^2; then for each speed of each set K_0, K_1, K_x[m], and K_q, K_v of each mode.
 /// mean: over the interval; moment: of (1 - s) f, s from 0 to 1 over the interval; point: at tooth k.
 typedef struct sd_kalman_tables {
     uint8_t  positions;    ///< Wheel positions a revolution N, even, 12 to 120.
     uint8_t  coefficients; ///< m, 1 to SD_KALMAN_COEFFICIENTS_MAX, x_0 included.
-    uint8_t  speeds;       ///< Gain tables, 1 to SD_KALMAN_SPEEDS_MAX.
+    uint8_t  speeds;       ///< Gain tables of a set, 1 to SD_KALMAN_SPEEDS_MAX.
+    uint8_t  sets;         ///< 1: for smooth roads; 2: for rough ones too.
     uint8_t  firings;      ///< Coefficient 1 + i belongs to firing i; 0 with the Fourier basis. Below m.
     uint8_t  cylinders;    ///< n, 1 to SD_KALMAN_FIRINGS_MAX, in firing order.
     uint8_t  modes;        ///< Up to SD_KALMAN_MODES_MAX; 0 with the Fourier basis.
@@ -66,7 +71,8 @@ typedef struct sd_kalman_tables {
     float    tick_hz;        ///< Capture ticks a second, [1e5, 2e8].
     float    torque_base_nm; ///< Highest |coefficient|, (0, 20000]; beyond it the filter starts anew.
     float    shape_sd;       ///< What is not known of single pulses, as a share of the mean torque, [0, 1], at speed_radps[0].
-    float    reject_rad;     ///< Lateness beyond which a tooth is left out, besides what torque_base_nm explains, > 0.
+    float    reject_rad;     ///< Lateness beyond which a tooth is left out, besides what a torque explains, > 0; once settled
+                             ///< 8 times the innovation as met.
     uint16_t settle_teeth;   ///< Until the estimate counts as converged.
     float    inertia_mean_kgm2;                             ///< (0, 10].
     float    inertia_tooth_kgm2[SD_KALMAN_POSITIONS_MAX];   ///< At position k, (0, 10].
@@ -74,11 +80,13 @@ typedef struct sd_kalman_tables {
     float    known[3][2 * SD_KALMAN_POSITIONS_MAX];         ///< Motored torque beside what scales with intake pressure, Nm: mean, moment, point.
     sd_kalman_mode_t mode[SD_KALMAN_MODES_MAX];
     float    speed_radps[SD_KALMAN_SPEEDS_MAX];             ///< Of the gain tables, ascending, > 0.
-    float    noise_rad[SD_KALMAN_SPEEDS_MAX];               ///< Timing error the gains were made for, > 0.
-    float    innovation[SD_KALMAN_SPEEDS_MAX];              ///< Its expected rms over noise_rad, >= 1.
+    /// Of each speed of each set: the timing error that the gains were made for, > 0, and the expected rms of the
+    /// innovation over that, >= 1.
+    float    noise_rad[SD_KALMAN_GAINS_MAX], innovation[SD_KALMAN_GAINS_MAX];
     /// Standard deviation of a firing less the mean of all cylinders, per rad of timing error, over J_mean w^2: one
     /// firing, errors new at each edge; mean of SD_KALMAN_MEAN cycles, the same; either, errors that stay with a tooth.
-    float    single_sd[SD_KALMAN_SPEEDS_MAX], mean_sd[SD_KALMAN_SPEEDS_MAX], pattern_sd[SD_KALMAN_SPEEDS_MAX];
+    float    single_sd[SD_KALMAN_GAINS_MAX], mean_sd[SD_KALMAN_GAINS_MAX], pattern_sd[SD_KALMAN_GAINS_MAX];
+    float    load_sd_nm[SD_KALMAN_GAINS_MAX]; ///< Of a firing, from the load's walk that the gains were made for, >= 0.
     float    pool[SD_KALMAN_POOL];
 } sd_kalman_tables_t;
 
@@ -100,7 +108,9 @@ typedef struct sd_firing {
     uint8_t index;      ///< In firing order.
     float   raw_nm;     ///< torque_nm before zero_nm_per_bar was taken out.
     float   torque_nm;  ///< Mean combustion torque over the 180 deg after its TDC.
-    float   sd_nm;      ///< Standard deviation of that less the mean of all cylinders: timing noise as met, and shape_sd.
+    float   sd_nm;      ///< Standard deviation of that less the mean of all cylinders: timing noise as met, shape_sd, and
+                        ///< with the gains for rough roads what the load's walk gives.
+    float   noise_nm;   ///< From timing errors that are new at each edge: as met, and no less than the gains were made for.
     float   mean_nm;    ///< Of this cylinder's last SD_KALMAN_MEAN cycles, fewer after a start.
     float   mean_sd_nm;
 } sd_firing_t;
@@ -124,7 +134,19 @@ typedef struct sd_kalman {
     uint16_t rejected, rejected_in_row;
     uint8_t  running;
     uint8_t  intake_held; ///< The last intake pressure was no number in range.
+    uint8_t  set;         ///< Of gains, below tables.sets; 0 after init, the caller's to change between two steps.
 } sd_kalman_t;
+
+/// What the tables hold beside tables. None of it needs a restart.
+typedef struct sd_kalman_choice {
+    float   torque_base_nm, shape_sd; ///< As in sd_kalman_tables_t.
+    float   reject_deg;
+    float   settle_cycles; ///< [0, 200].
+    uint8_t teeth;         ///< That are there, a revolution.
+} sd_kalman_choice_t;
+
+/// Writes them into *tables. What is out of range there, init refuses.
+void sd_kalman_choose(sd_kalman_tables_t *tables, const sd_kalman_choice_t *choice);
 
 /// Floats of `pool` that such tables use.
 uint32_t sd_kalman_pool_used(const sd_kalman_tables_t *tables);

@@ -11,7 +11,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-enum { FRAMES_AT_ONCE = 32 };
+enum { FRAMES_AT_ONCE = 32, FRAMES_A_READ = 4096 }; /* so that no flood of foreign frames keeps a reader for ever */
 
 static int configure(int fd, const char *interface, sd_role_t role) {
     struct ifreq request = { .ifr_mtu = 0 };
@@ -101,7 +101,7 @@ static uint32_t send_events(void *context, const sd_event_t *events, uint32_t co
 /* ---- in -------------------------------------------------------------------------------------------------------- */
 
 int sd_can_read(sd_can_t *self) {
-    for (;;) {
+    for (int frames = 0; frames < FRAMES_A_READ; ++frames) {
         struct canfd_frame raw;
         const ssize_t size = recv(self->fd, &raw, sizeof raw, MSG_DONTWAIT);
         if (size <= 0) { return 0; } /* nothing there, or the interface is down */
@@ -112,6 +112,7 @@ int sd_can_read(sd_can_t *self) {
         if (sd_can_decode(&self->codec, &frame)) { return 1; }
         if (self->codec.in.written - self->codec.in.read > SD_QUEUE_EVENTS / 2u) { return 0; }
     }
+    return 0;
 }
 
 static uint32_t receive_events(void *context, sd_event_t *events, uint32_t room) {

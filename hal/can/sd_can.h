@@ -22,7 +22,7 @@ sd_port_t sd_can_port(sd_can_t *self);
 int  sd_can_wait(sd_can_t *self, int milliseconds);
 /// Sends waiting frames. 1: none is left.
 int  sd_can_flush(sd_can_t *self);
-/// Reads frames until one brings truth (1; codec.truth holds it) or none is left (0). For a tool: its receive only
+/// Reads frames until one brings truth (1; codec.truth holds it) or none is left, or a few thousand are read (0). For a tool: its receive only
 /// hands out what this has read.
 int  sd_can_read(sd_can_t *self);
 

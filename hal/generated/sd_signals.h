@@ -7,17 +7,19 @@
 #include <stdint.h>
 
 /// Changes whenever the table does; calibration pages and logs carry it.
-#define SD_SIGNALS_SIGNATURE 0x6394a362u
+#define SD_SIGNALS_SIGNATURE 0x7b8dce9eu
 
 /// Channel of an SD_EVENT_SAMPLE.
 typedef enum sd_input {
     SD_INPUT_AIR_INTAKE_PRESSURE = 0, ///< Absolute pressure in the intake manifold. [bar]
     SD_INPUT_FUEL_INJECTED = 1, ///< The controller's own command, a stroke and cylinder; 0 in fuel cut. [mg]
-    SD_INPUT_EXHAUST_LAMBDA = 2, ///< Air to fuel, over stoichiometric, as the wide-range oxygen sensor (UEGO) reads it. [-]
-    SD_INPUT_EXHAUST_PRESSURE = 3, ///< Absolute pressure in the exhaust manifold. [bar]
-    SD_INPUT_BALANCE_ENABLE = 4, ///< Above 0.5 the trims learn; otherwise, and until it is read, they are 0. [-]
+    SD_INPUT_FUEL_LEVEL = 2, ///< How full the tank is; needed only for the misfire monitor to keep silent on a nearly empty one. [%]
+    SD_INPUT_DRIVELINE_SHIFT = 3, ///< 1: the controller or the gearbox shifts gear; said again within 0.5 s. [-]
+    SD_INPUT_EXHAUST_LAMBDA = 4, ///< Air to fuel, over stoichiometric, as the wide-range oxygen sensor (UEGO) reads it. [-]
+    SD_INPUT_EXHAUST_PRESSURE = 5, ///< Absolute pressure in the exhaust manifold. [bar]
+    SD_INPUT_BALANCE_ENABLE = 6, ///< Above 0.5 the trims learn; otherwise, and until it is read, they are 0. [-]
 } sd_input_t;
-#define SD_INPUT_COUNT 5u
+#define SD_INPUT_COUNT 7u
 
 /// Channel of an SD_EVENT_SIGNAL.
 typedef enum sd_signal {
@@ -40,25 +42,26 @@ typedef enum sd_signal {
     SD_SIGNAL_FIRING_SD = 30, ///< Standard deviation of firing.torque less the mean of all cylinders, from timing noise as met. [Nm]
     SD_SIGNAL_FIRING_MEAN = 31, ///< Mean of the cylinder's last 10 firings. [Nm]
     SD_SIGNAL_FIRING_MEAN_SD = 32, ///< Standard deviation of firing.mean less that of all cylinders: of the imbalance. [Nm]
-    SD_SIGNAL_AFR_CYLINDER_BURNED = 33, ///< Burned share of each cylinder's exhaust gas, by physical number: lambda = 1 - air/gas of document 004, above 1 where air is missing. [-, 8 channels]
-    SD_SIGNAL_AFR_CYLINDER_SD = 41, ///< Standard deviation that the filter states for a cylinder's deviation from the mean, over the mean. [-, 8 channels]
-    SD_SIGNAL_AFR_SLOW = 49, ///< 1: the sensor is too slow for this speed; the estimate learns over some tens of seconds. [-]
-    SD_SIGNAL_BALANCE_TRIM = 50, ///< Fuel to add to each cylinder, over its nominal, by physical number; their mean is 0. [-, 8 channels]
-    SD_SIGNAL_MISFIRE_INDEX = 58, ///< Work of the firing over the work expected of its fuel: 1 healthy, 0 a misfire; 0 when not judged. [-]
-    SD_SIGNAL_MISFIRE_LIMIT = 59, ///< Index below which this firing counted as a misfire; 0 when not judged. [-]
-    SD_SIGNAL_MISFIRE_VERDICT = 60, ///< 0 healthy, 1 partial burn, 2 misfire, 3 not judged. [-]
-    SD_SIGNAL_MISFIRE_INHIBIT = 61, ///< Why not judged, bits: 1 start, 2 fuel cut or too little fuel, 4 gear shift, 8 no estimate, 16 fuel cut or shift ended a moment ago, 32 a faulty tooth or unknown fuel. [-]
-    SD_SIGNAL_MISFIRE_FIRING = 62, ///< Which firing of the firing order, from 0. [-]
-    SD_SIGNAL_MISFIRE_CYLINDER = 63, ///< Its physical cylinder. [-]
-    SD_SIGNAL_MISFIRE_RATE_200 = 64, ///< Misfires of the cylinder in the last complete window of 200 judged revolutions, of its firings. [%, 8 channels]
-    SD_SIGNAL_MISFIRE_RATE_1000 = 72, ///< The same in 1000. [%, 8 channels]
-    SD_SIGNAL_MISFIRE_CONTINUOUS = 80, ///< Bit n - 1: cylinder n misfires each time. [-]
-    SD_SIGNAL_MISFIRE_SUSPECTS = 81, ///< Bit n - 1: cylinder n had over a tenth of the misfires of the window that moved the lamp. [-]
-    SD_SIGNAL_MISFIRE_LAMP = 82, ///< Decision in the shape of OBD II, not verified against it: 0 off, 1 pending, 2 on, 3 blinking. [-]
-    SD_SIGNAL_MISFIRE_COUNT = 83, ///< Misfires since init. [-]
-    SD_SIGNAL_MISFIRE_PARTIAL_BURNS = 84, ///< Partial burns since init. [-]
+    SD_SIGNAL_FIRING_ROUGH = 33, ///< 1: the road is rough, and all of firing comes from the filter whose gains let the load move. [-]
+    SD_SIGNAL_AFR_CYLINDER_BURNED = 34, ///< Burned share of each cylinder's exhaust gas, by physical number: lambda = 1 - air/gas of document 004, above 1 where air is missing. [-, 8 channels]
+    SD_SIGNAL_AFR_CYLINDER_SD = 42, ///< Standard deviation that the filter states for a cylinder's deviation from the mean, over the mean. [-, 8 channels]
+    SD_SIGNAL_AFR_SLOW = 50, ///< 1: the sensor is too slow for this speed; the estimate learns over some tens of seconds. [-]
+    SD_SIGNAL_BALANCE_TRIM = 51, ///< Fuel to add to each cylinder, over its nominal, by physical number; their mean is 0. [-, 8 channels]
+    SD_SIGNAL_MISFIRE_INDEX = 59, ///< Work of the firing over the work expected of its fuel: 1 healthy, 0 a misfire; 0 when not judged. [-]
+    SD_SIGNAL_MISFIRE_LIMIT = 60, ///< Index below which this firing counted as a misfire; 0 when not judged. [-]
+    SD_SIGNAL_MISFIRE_VERDICT = 61, ///< 0 healthy, 1 partial burn, 2 misfire, 3 not judged. [-]
+    SD_SIGNAL_MISFIRE_INHIBIT = 62, ///< Why not judged, bits: 1 start, 2 fuel cut or too little fuel, 4 gear shift, 8 no estimate, 16 fuel cut or shift ended a moment ago, 32 a faulty tooth or unknown fuel, 64 the tank is nearly empty. [-]
+    SD_SIGNAL_MISFIRE_FIRING = 63, ///< Which firing of the firing order, from 0. [-]
+    SD_SIGNAL_MISFIRE_CYLINDER = 64, ///< Its physical cylinder. [-]
+    SD_SIGNAL_MISFIRE_RATE_200 = 65, ///< Misfires of the cylinder in the last complete window of 200 judged revolutions, of its firings. [%, 8 channels]
+    SD_SIGNAL_MISFIRE_RATE_1000 = 73, ///< The same in 1000. [%, 8 channels]
+    SD_SIGNAL_MISFIRE_CONTINUOUS = 81, ///< Bit n - 1: cylinder n misfires each time. [-]
+    SD_SIGNAL_MISFIRE_SUSPECTS = 82, ///< Bit n - 1: cylinder n had over a tenth of the misfires of the window that moved the lamp. [-]
+    SD_SIGNAL_MISFIRE_LAMP = 83, ///< Decision in the shape of OBD II, not verified against it: 0 off, 1 pending, 2 on, 3 blinking. [-]
+    SD_SIGNAL_MISFIRE_COUNT = 84, ///< Misfires since init. [-]
+    SD_SIGNAL_MISFIRE_PARTIAL_BURNS = 85, ///< Partial burns since init. [-]
 } sd_signal_t;
-#define SD_SIGNAL_COUNT 85u
+#define SD_SIGNAL_COUNT 86u
 
 /// Present values, in channel order.
 typedef struct sd_signals {
@@ -81,6 +84,7 @@ typedef struct sd_signals {
     float firing_sd_nm;
     float firing_mean_nm;
     float firing_mean_sd_nm;
+    float firing_rough;
     float afr_cylinder_burned[8];
     float afr_cylinder_sd[8];
     float afr_slow;
@@ -113,11 +117,12 @@ typedef struct sd_parameters {
     float torque_speed_base_rpm; ///< Highest speed; base of the fixed-point variant.
     float torque_torque_base_nm; ///< Highest instantaneous torque, beyond which the observer starts anew; base of the fixed-point variant; 0: 40 bar times a cylinder's displacement.
     float torque_fixed_point; ///< 1 runs the q31 variant, 0 the float one.
-    float firing_enabled; ///< 1 runs the filter on tooth times beside the Fourier observer; it needs the engine file's heat release. Like all of firing it goes into the page's tables: set it for `sixdeg calibrate`, not while the engine runs.
+    float firing_enabled; ///< 1 runs the filter on tooth times beside the Fourier observer; it needs the engine file's heat release.
     float firing_harmonics; ///< 0: the filter's basis is the known pulse of each cylinder. Otherwise harmonics of the cycle: a waveform, but no single firings.
     float firing_edge_sd_deg; ///< Timing error of an edge that the gains are made for, the timer's rounding not included.
     float firing_pattern_deg; ///< Standard deviation of a tooth's own error while it is not learned.
-    float firing_load_walk_nm; ///< Change of load and friction from tooth to tooth; 3 to 8 on a rough road.
+    float firing_load_walk_nm; ///< Change of load and friction from tooth to tooth.
+    float firing_rough_walk_nm; ///< The same on rough roads: of the second filter, which is used when the two disagree. 0: there is none.
     float firing_change_nm; ///< Change of a cylinder's torque from one firing to the next.
     float firing_shape_sd; ///< What the calibration does not know of single pulses, as a share of the mean torque at the lowest speed of the gains, falling with speed; part of the stated deviations.
     float firing_reject_deg; ///< Lateness of a tooth beyond which it is left out, besides what torque.torque_base explains.
@@ -129,6 +134,7 @@ typedef struct sd_parameters {
     float misfire_definition; ///< Share of the expected work below which a firing is a misfire, where noise leaves the choice.
     float misfire_partial; ///< Share below which it is a partial burn; not below definition.
     float misfire_fuel_min_mg; ///< Commanded fuel a stroke below which nothing is judged.
+    float misfire_fuel_level_min_percent; ///< Tank level below which nothing is judged: an empty line misfires without a fault of the engine's. Unknown levels pass.
     float misfire_torque_min_nm; ///< Expected mean torque below which nothing is judged.
     float misfire_speed_change; ///< Change of speed from one firing to the next, beyond what a missing firing does, that only a shift makes. A gentle shift is below it.
     float misfire_start_cycles; ///< Not judged after a start, beyond the estimate's own settling.
@@ -139,7 +145,8 @@ typedef struct sd_parameters {
     float misfire_emission_windows; ///< Windows of 1000 over the limit that light the lamp; one is enough in the first.
     float misfire_catalyst_windows; ///< Windows of 200 over the limit that make it blink.
     float afr_noise; ///< Density of the lambda sensor's noise, of burned share over sqrt(Hz), one-sided: what the filter expects.
-    float afr_drift; ///< q: how far a cylinder is expected to move in one cycle, of the mean burned share. Larger settles faster and is noisier.
+    float afr_drift; ///< q: how far a cylinder is expected to move in one cycle, of the mean burned share. Larger is noisier; steps are for afr.jump.
+    float afr_jump; ///< How far a cylinder may have moved where innovations keep to one side, of the mean burned share. 0: steps are followed by drift alone.
     float afr_drift_slow; ///< The same in slow mode.
     float afr_slow_above; ///< Slow mode where crank speed (rad/s) times the sum of the sensor's lags (s) is above this.
     float afr_stoichiometric; ///< Air to fuel of the fuel in use.
@@ -150,7 +157,7 @@ typedef struct sd_parameters {
     float balance_sd_max; ///< Stated standard deviation of a deviation above which nothing is learned.
     float balance_hold_cycles; ///< How long trims hold after a transient or an estimate that is not valid.
 } sd_parameters_t;
-#define SD_PARAMETER_COUNT 47u
+#define SD_PARAMETER_COUNT 50u
 
 typedef enum sd_rate { SD_RATE_EDGE, SD_RATE_CYCLE, SD_RATE_FIRING } sd_rate_t;
 typedef enum sd_owner { SD_OWNER_CRANK, SD_OWNER_TORQUE, SD_OWNER_CYLINDER, SD_OWNER_FIRING, SD_OWNER_MISFIRE, SD_OWNER_AFR, SD_OWNER_BALANCE, SD_OWNER_COUNT } sd_owner_t;
@@ -160,6 +167,7 @@ typedef struct sd_signal_info {
     const char *name, *unit;
     float low, high, value;
     uint8_t rate, owner;
+    uint8_t at_start; ///< 1: a parameter that comes with the page and is not set later, since the host makes tables of it.
 } sd_signal_info_t;
 
 extern const sd_signal_info_t sd_signal_infos[SD_SIGNAL_COUNT];       ///< By channel; an array has a row an element.

@@ -3,6 +3,8 @@
 
 #include <stdlib.h>
 
+enum { MESSAGES_A_READ = 1000 }; /* so that no flood of what is no event keeps a reader for ever */
+
 static void on_message(const lcm_recv_buf_t *message, const char *channel, void *context) {
     sd_lcm_codec_t *codec = context;
     for (int c = 0; c < SD_LCM_CHANNELS; ++c) {
@@ -141,7 +143,7 @@ int sd_lcm_wait(sd_lcm_t *self, int milliseconds) { return lcm_handle_timeout(se
 
 static uint32_t receive_events(void *context, sd_event_t *events, uint32_t room) {
     sd_lcm_t *self = context;
-    while ((self->codec.in.read == self->codec.in.written) && sd_lcm_wait(self, 0)) {}
+    for (int m = 0; (m < MESSAGES_A_READ) && (self->codec.in.read == self->codec.in.written) && sd_lcm_wait(self, 0); ++m) {}
     return sd_queue_take(&self->codec.in, events, room);
 }
 

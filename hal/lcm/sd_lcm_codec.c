@@ -41,11 +41,20 @@ static int length_is_sane(const void *bytes, int size, int field) {
     return (size >= 12 + 4 * field) && (at[0] == 0u) && (at[1] == 0u) && ((uint32_t)at[2] << 8 | at[3]) <= SD_LCM_ROWS;
 }
 
+/* What a plant may say; gaps are the port's own to tell, and parameters have their own channel. */
+static int are_inputs(const sixdeg_inputs_t *m) {
+    for (int32_t i = 0; i < m->count; ++i) {
+        const uint16_t kind = (uint16_t)m->event[i].kind;
+        if ((kind < (uint16_t)SD_EVENT_CRANK_EDGE) || (kind > (uint16_t)SD_EVENT_SAMPLE)) { return 0; }
+    }
+    return 1;
+}
+
 static int take_inputs(sd_lcm_codec_t *self, const void *bytes, int size) {
     sixdeg_inputs_t m;
     memset(&m, 0, sizeof m);
     if (!length_is_sane(bytes, size, 0)) { return 0; }
-    const int whole = sixdeg_inputs_t_decode(bytes, 0, size, &m) == size;
+    const int whole = (sixdeg_inputs_t_decode(bytes, 0, size, &m) == size) && are_inputs(&m);
     if (whole) {
         const sd_arrival_t arrival = sd_order_check(&self->order, (uint16_t)m.session, (uint16_t)m.sequence, 1);
         if (arrival == SD_ARRIVAL_GAP) {

@@ -65,6 +65,7 @@ sd_arrival_t sd_order_check(sd_order_t *order, uint16_t session, uint16_t sequen
         return SD_ARRIVAL_STALE;
     }
     const sd_arrival_t arrival = ((order->started == 0u) || (same && (ahead == 0u))) ? SD_ARRIVAL_NEXT : SD_ARRIVAL_GAP;
-    *order = (sd_order_t){ .next = (uint16_t)(sequence + step), .session = session, .started = 1 };
+    const uint32_t anew = ((order->started != 0u) && (session != order->session)) ? 1u : 0u;
+    *order = (sd_order_t){ .next = (uint16_t)(sequence + step), .session = session, .started = 1, .starts = order->starts + anew };
     return arrival;
 }

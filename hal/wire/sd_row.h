@@ -55,6 +55,7 @@ int sd_row_events(const sd_row_t *row, sd_queue_t *queue);
 typedef struct sd_order {
     uint16_t next, session;
     uint8_t  started, stale_in_row;
+    uint32_t starts; ///< Times the sender has started anew.
 } sd_order_t;
 
 typedef enum sd_arrival {

@@ -51,7 +51,7 @@ class CanBus : public Bus {
         truth = can_.codec.truth;
         return true;
     }
-    std::uint32_t peer_starts() const override { return can_.codec.peer_starts; }
+    std::uint32_t peer_starts() const override { return can_.codec.peer_starts + can_.codec.order.starts; }
     const sd_port_counts_t &counts() const override { return can_.codec.counts; }
 
   private:
@@ -78,7 +78,7 @@ class LcmBus : public Bus {
         truth = codec.truth[codec.truth_read++ % SD_LCM_TRUTHS];
         return true;
     }
-    std::uint32_t peer_starts() const override { return lcm_.codec.peer_starts; }
+    std::uint32_t peer_starts() const override { return lcm_.codec.peer_starts + lcm_.codec.order.starts; }
     const sd_port_counts_t &counts() const override { return lcm_.codec.counts; }
 
   private:

@@ -24,7 +24,7 @@ class Bus {
     virtual void send_truth(const sd_truth_t &truth) = 0;
     /// Truth heard, one by one; for a tool.
     virtual bool next_truth(sd_truth_t &truth) = 0;
-    /// Times the ecu on the other side has started anew.
+    /// Times the other side, ecu or plant, has started anew.
     virtual std::uint32_t peer_starts() const = 0;
     virtual const sd_port_counts_t &counts() const = 0;
 };

@@ -62,9 +62,10 @@ void BusFeed::put(const sd_event_t &event) {
 }
 
 void BusFeed::send(const sd_event_t &event) {
-    if (event.kind == SD_EVENT_TIME && pace_ == Pace::real_time) wait_until_due(event.tick);
+    if (event.kind == SD_EVENT_TIME && (pace_.real_time || pace_.at_most > 0)) wait_until_due(event.tick);
+    const auto asked = Clock::now();
     put(event);
-    if (event.kind == SD_EVENT_TIME) note(await_answer(event));
+    if (event.kind == SD_EVENT_TIME) note(await_answer(event, asked));
 }
 
 void BusFeed::wait_until_due(std::uint32_t tick) {
@@ -75,7 +76,8 @@ void BusFeed::wait_until_due(std::uint32_t tick) {
     }
     simulated_s_ += std::int32_t(tick - last_tick_) / tick_hz_;
     last_tick_ = tick;
-    due_ = start_ + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(simulated_s_));
+    const std::chrono::duration<double> after(pace_.real_time ? simulated_s_ : simulated_s_ / pace_.at_most);
+    due_ = start_ + std::chrono::duration_cast<Clock::duration>(after);
     while (stop_signal() == 0 && Clock::now() < due_) std::this_thread::sleep_until(due_);
 }
 
@@ -90,15 +92,14 @@ bool BusFeed::take_answers(std::uint32_t tick) {
     return answered;
 }
 
-bool BusFeed::await_answer(const sd_event_t &time) {
-    const auto asked = Clock::now();
+bool BusFeed::await_answer(const sd_event_t &time, Clock::time_point asked) {
     const auto until =
-        pace_ == Pace::real_time ? std::max(due_ + kBeat, asked) : asked + (silent_ ? kBeat : kSilence);
+        pace_.real_time ? std::max(due_ + kBeat, asked) : asked + (silent_ ? kBeat : kSilence);
     auto ask_again = asked + kAskAgain;
     while (!take_answers(time.tick)) {
         const auto now = Clock::now();
-        if (now >= until || stop_signal() != 0) return false;
-        if (now >= ask_again && pace_ == Pace::lock_step) {
+        if (now >= until) return false; // also when a signal came: what was said belongs into the files
+        if (now >= ask_again && !pace_.real_time) {
             port_.send(port_.context, &time, 1);
             ask_again = now + kAskAgain;
         }
@@ -109,9 +110,9 @@ bool BusFeed::await_answer(const sd_event_t &time) {
 }
 
 void BusFeed::note(bool answered) {
-    if (!answered && pace_ == Pace::real_time) ++missed_;
+    if (!answered && pace_.real_time) ++missed_;
     if (!answered && !silent_) {
-        silent_ = pace_ == Pace::lock_step || ++silent_beats_ > kSilence / kBeat;
+        silent_ = !pace_.real_time || ++silent_beats_ > kSilence / kBeat;
         silences_ += silent_;
         if (silent_) say("does not answer; the plant goes on without it");
     }

@@ -13,7 +13,11 @@
 
 namespace sixdeg {
 
-enum class Pace { lock_step, real_time };
+/// `at_most`: times real time, in lock-step; 0: no limit.
+struct Pace {
+    bool real_time = false;
+    double at_most = 0;
+};
 
 class BusFeed : public EcuFeed {
   public:
@@ -26,14 +30,14 @@ class BusFeed : public EcuFeed {
     std::size_t restarts() const { return restarts_; }      ///< Times it came back as another process.
     std::size_t missed() const { return missed_; }          ///< Real time: clock events not answered in time.
     std::size_t dropped() const { return dropped_; }        ///< Events that the bus would not take.
-    const std::vector<float> &round_trips_us() const { return round_trips_us_; } ///< By answered clock event.
+    const std::vector<float> &round_trips_us() const { return round_trips_us_; } ///< By answered clock event, from before it is sent.
 
   private:
     using Clock = std::chrono::steady_clock;
     void find_ecu();
     void put(const sd_event_t &event);
     void wait_until_due(std::uint32_t tick);
-    bool await_answer(const sd_event_t &time);
+    bool await_answer(const sd_event_t &time, Clock::time_point asked);
     bool take_answers(std::uint32_t tick);
     void note(bool answered);
     void say(const char *what) const;

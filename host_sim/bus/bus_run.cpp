@@ -2,13 +2,14 @@
 #include "bus/bus_run.hpp"
 
 #include <algorithm>
-#include <cerrno>
 #include <csignal>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fmt/format.h>
 #include <spawn.h>
 #include <sys/wait.h>
+#include <thread>
 #include <unistd.h>
 
 #include "bus/bus_truth.hpp"
@@ -36,7 +37,10 @@ class EcuChild {
     }
     ~EcuChild() {
         kill(child_, SIGTERM);
-        while (waitpid(child_, nullptr, 0) < 0 && errno == EINTR) {}
+        if (!ends_within(std::chrono::seconds(10))) {
+            kill(child_, SIGKILL);
+            ends_within(std::chrono::seconds(10));
+        }
         std::error_code ignored;
         std::filesystem::remove(page_, ignored);
     }
@@ -44,6 +48,15 @@ class EcuChild {
     EcuChild &operator=(const EcuChild &) = delete;
 
   private:
+    bool ends_within(std::chrono::seconds allowed) const {
+        const auto until = std::chrono::steady_clock::now() + allowed;
+        while (waitpid(child_, nullptr, WNOHANG) == 0) {
+            if (std::chrono::steady_clock::now() > until) return false;
+            std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        }
+        return true;
+    }
+
     std::filesystem::path page_;
     pid_t child_ = 0;
 };
@@ -81,7 +94,7 @@ RunResult run_on_bus(const BusChoice &choice, const Scenario &scenario, const sd
 
 nlohmann::ordered_json bus_json(const BusChoice &choice, const BusFigures &figures) {
     return {{"transport", choice.transport},
-            {"pace", choice.pace == Pace::lock_step ? "lock-step" : "real time"},
+            {"pace", choice.pace.real_time ? "real time" : "lock-step"},
             {"clock_events", figures.clock_events},
             {"missed_deadlines", figures.missed},
             {"silences", figures.silences},
@@ -94,7 +107,10 @@ nlohmann::ordered_json bus_json(const BusChoice &choice, const BusFigures &figur
 
 void print_bus(const BusFigures &f, std::size_t unanswered) {
     const auto row = [](const char *name, const std::string &value) { fmt::print("{:<34}{}\n", name, value); };
+    double load[3] = {};
+    getloadavg(load, 3);
     row("bus", describe(f.counts));
+    row("  load average of this kernel", fmt::format("{:.2f} {:.2f} {:.2f} on {} CPUs", load[0], load[1], load[2], std::thread::hardware_concurrency()));
     row("  frames or messages a second", fmt::format("{:.0f}", (f.counts.sent + f.counts.received) / f.took_s));
     row("  round trip of a clock event", fmt::format("p50 {:.0f} us, p99 {:.0f} us", f.round_trip_p50_us, f.round_trip_p99_us));
     row("  clock events, deadlines missed", fmt::format("{}, {}", f.clock_events, f.missed));

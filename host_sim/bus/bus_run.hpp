@@ -11,7 +11,7 @@ namespace sixdeg {
 
 struct BusChoice {
     std::string transport;
-    Pace pace = Pace::lock_step;
+    Pace pace;
     bool start_ecu = false; ///< Start one for the run; else one is there.
 };
 

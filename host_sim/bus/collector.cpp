@@ -18,7 +18,6 @@ RunTables Collector::tables(const EngineFile &engine) const {
     Answers answers;
     answers.add(said_);
     EcuSaid said;
-    std::size_t firings = 0;
     for (const sd_truth_edge_t &truth : edges_) {
         EncoderEdge edge;
         edge.time_s = truth.time_s;
@@ -30,13 +29,7 @@ RunTables Collector::tables(const EngineFile &engine) const {
         edge.speed_radps = truth.speed_radps;
         edge.net_torque_nm = truth.net_torque_nm;
         const bool cycle_ended = answers.take(edge.tick, said);
-        if (said.firings() != firings) {
-            firings = said.firings();
-            const sd_signals_t &s = said.signals();
-            tables.firing_judged(truth.crank_deg, int(s.firing_cylinder), int(s.misfire_verdict), double(s.misfire_index));
-        }
-        tables.tooth(edge, said);
-        if (cycle_ended) tables.firmware_cycle_ended(ended_cycle(engine, truth.crank_deg), said);
+        tables.edge(edge, truth.crank_deg, said, cycle_ended);
     }
     for (const sd_truth_cycle_t &truth : cycles_) {
         CycleTruth cycle;

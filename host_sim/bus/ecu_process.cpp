@@ -39,9 +39,10 @@ void claim_the_bus(Bus &bus, const std::string &transport) {
     bus.claim({SD_CLAIM_RUNNING, SD_SIGNALS_SIGNATURE});
 }
 
-/// Says when the plant falls silent and when it is back.
+/// Says when the plant falls silent, is back, and is another one.
 class PlantWatch {
   public:
+    explicit PlantWatch(const Bus &bus) : bus_(bus) {}
     void heard() {
         last_ = Clock::now();
         if (silent_) say("the plant is back");
@@ -49,12 +50,16 @@ class PlantWatch {
         known_ = true;
     }
     void look() {
+        if (bus_.peer_starts() != starts_) say("the plant has been started anew");
+        starts_ = bus_.peer_starts();
         if (!known_ || silent_ || Clock::now() - last_ < kSilence) return;
         silent_ = true;
         say("no clock event for a second: the plant is silent");
     }
 
   private:
+    const Bus &bus_;
+    std::uint32_t starts_ = 0;
     Clock::time_point last_{};
     bool known_ = false, silent_ = false;
 };
@@ -66,7 +71,7 @@ void run_ecu(Bus &bus, const std::string &transport, const sd_calibration_t &cal
     if (sd_ecu_init(ecu.get(), &calibration) != SD_OK) throw std::logic_error("a checked calibration was refused");
     claim_the_bus(bus, transport);
     say("running on " + transport);
-    PlantWatch plant;
+    PlantWatch plant(bus);
     PortTap tap(bus.port(), [&](bool out, const sd_event_t &event) {
         if (!out && event.kind == SD_EVENT_TIME) plant.heard();
         if (listener) listener(out, event);

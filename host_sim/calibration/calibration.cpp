@@ -31,6 +31,9 @@ std::int32_t to_q31(double x) {
     return std::int32_t(std::clamp(std::round(x * 2147483648.0), -2147483648.0, 2147483647.0));
 }
 
+/// 0.001 for 0.001f, so that a limit lies within its own range.
+double as_written(float value) { return std::stod(fmt::format("{}", value)); }
+
 void check_starts(const sd_calibration_t &calibration, const EngineFile &engine, const std::string &tune_name) {
     sd_crank_t crank;
     const sd_crank_config_t crank_config = sd_calibration_crank(&calibration);
@@ -88,7 +91,7 @@ sd_parameters_t read_tune(TomlFile &tune, const sd_parameters_t *otherwise) {
     const float *other = reinterpret_cast<const float *>(otherwise);
     for (const sd_signal_info_t &info : sd_parameter_infos) {
         const float missing = other ? *other++ : info.value;
-        *value++ = float(tune.number_or(info.name, {double(info.low), double(info.high), info.unit}, double(missing)));
+        *value++ = float(tune.number_or(info.name, {as_written(info.low), as_written(info.high), info.unit}, as_written(missing)));
     }
     tune.finish();
     const float harmonics = parameters.torque_harmonics;

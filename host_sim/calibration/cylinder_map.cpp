@@ -65,7 +65,7 @@ VectorXd energies(const Wave &wave, int positions) {
 
 std::optional<CylinderMap> cylinder_map(const EngineFile &engine, const sd_parameters_t &tune) {
     const int n = engine.cylinders();
-    if (int(tune.torque_harmonics) < n) return std::nullopt;
+    if (int(tune.torque_harmonics) < n || engine.pulses.empty()) return std::nullopt; // nobody knows its pulse
     const ObserverMap observer(engine, tune);
     const auto torques = waves(engine);
     MatrixXd energy(2 * observer.positions(), n + 2);

@@ -22,7 +22,7 @@ struct CylinderMap {
         sd_ratio; ///< Standard deviation, per unit of J omega^2 (N m) and of the tooth times' error (rad).
 };
 
-/// Nothing when the harmonics are fewer than the cylinders: their mean cannot be told then.
+/// Nothing when the harmonics are fewer than the cylinders, whose mean cannot be told then, or the pulse is not known.
 std::optional<CylinderMap> cylinder_map(const EngineFile &engine, const sd_parameters_t &tune);
 
 } // namespace sixdeg

@@ -47,6 +47,25 @@ MatrixXd response(const ToothModel &model, const MatrixXd &gain, int from, int c
     return read.colwise() - read.rowwise().mean();
 }
 
+/// Variance of the firings where they are read, with the walk and without timing errors, under given gains.
+double load_variance(const ToothModel &model, const ToothNoise &noise, const MatrixXd &gain) {
+    constexpr int kCycles = 40;
+    const Eigen::RowVectorXd h = seen(model);
+    MatrixXd p = MatrixXd::Zero(model.states(), model.states());
+    double sum = 0;
+    for (int step = 0; step < kCycles * model.cycle(); ++step) {
+        const int k = step % model.cycle();
+        predict_variance(model, {0, noise.constant_walk, 0, 0}, k, p);
+        for (std::size_t i = 0; i < model.read_at.size(); ++i) {
+            if (model.read_at[i] == k && step >= (kCycles - 1) * model.cycle()) sum += p(3 + int(i), 3 + int(i));
+        }
+        if (!present(model, k)) continue;
+        p -= (gain.row(k).transpose() * (h * p)).eval();
+        p -= (p * h.transpose() * gain.row(k)).eval();
+    }
+    return sum / double(model.read_at.size());
+}
+
 double mean_square(const MatrixXd &values) { return values.squaredNorm() / double(values.cols()); }
 
 void find_deviations(const ToothModel &model, int mean_cycles, PeriodicGains &gains) {
@@ -139,7 +158,9 @@ PeriodicGains design_gains(const ToothModel &model, const ToothNoise &noise, int
         if (change < 1e-9 * gains.gain.cwiseAbs().maxCoeff()) break;
     }
     gains.radius = cycle_radius(model, gains.gain);
-    if (!model.read_at.empty()) find_deviations(model, mean_cycles, gains);
+    if (model.read_at.empty()) return gains;
+    find_deviations(model, mean_cycles, gains);
+    gains.load_sd = std::sqrt(load_variance(model, noise, gains.gain));
     return gains;
 }
 

@@ -52,6 +52,8 @@ struct PeriodicGains {
     /// Of a firing less the mean of all firings of its cycle, rms over the cylinders, per rad of timing error: one
     /// firing, errors new at each edge; mean of `mean_cycles`, the same; the same, errors that stay with each tooth.
     double single_sd = 0, mean_sd = 0, pattern_sd = 0;
+    /// Of a firing itself, rms over the firings, from the constant torque's walk; normalised.
+    double load_sd = 0;
 };
 
 /// Iterates the Riccati recursion over whole cycles until the gains repeat.

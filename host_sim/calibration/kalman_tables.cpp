@@ -15,6 +15,8 @@ namespace {
 constexpr double kRadPerDeg = M_PI / 180, kRadpsPerRpm = M_PI / 30;
 /// A firing's coefficient is free from here on, and read where its pulse is long over.
 constexpr double kInjectDeg = -12, kReadDeg = 300;
+/// On rough roads a firing may change by this much more: what it lacks must not be taken for load, which may change too.
+constexpr double kRoughChange = 4;
 
 struct Interval {
     double mean = 0, moment = 0, point = 0;
@@ -129,16 +131,42 @@ sd_kalman_tables_t sizes(const EngineFile &engine, const KnownTorque &torque, co
     t.cylinders = std::uint8_t(engine.cylinders());
     for (const CrankMode &mode : modes_of(engine, torque)) t.mode[t.modes++] = mode_table(mode);
     t.tick_hz = float(engine.tick_hz);
-    t.torque_base_nm = float(tune.torque_base_nm);
-    t.shape_sd = float(tune.shape_sd);
-    t.reject_rad = float(tune.reject_deg * kRadPerDeg);
-    t.settle_teeth = std::uint16_t(std::lround(tune.settle_cycles * 2 * engine.wheel.teeth()));
+    const sd_kalman_choice_t choice{float(tune.torque_base_nm), float(tune.shape_sd), float(tune.reject_deg),
+                                    float(tune.settle_cycles), std::uint8_t(engine.wheel.teeth())};
+    sd_kalman_choose(&t, &choice);
     t.inertia_mean_kgm2 = float(mean_inertia_kgm2(engine));
+    // Cranks that twist have gains at so many speeds that a second set finds no room.
+    t.sets = t.firings > 0 && tune.rough_walk_nm > 0 ? 2 : 1;
+    if (sd_kalman_pool_used(&t) > SD_KALMAN_POOL) t.sets = 1;
     if (sd_kalman_pool_used(&t) > SD_KALMAN_POOL) {
         throw InputError(engine.name, "wheel", fmt::format("{} positions with {} coefficients at {} speeds need {} table entries, allowed {}",
                                                            int(t.positions), int(t.coefficients), int(t.speeds), sd_kalman_pool_used(&t), SD_KALMAN_POOL));
     }
     return t;
+}
+
+/// Designs the gains of each speed, behind those that are there.
+void add_set(const EngineFile &engine, const KnownTorque &torque, const KalmanTune &tune, KalmanTables &out) {
+    sd_kalman_tables_t &t = out.tables;
+    for (std::size_t i = 0; i < tune.speeds_rpm.size(); ++i) {
+        const double speed = tune.speeds_rpm[i] * kRadpsPerRpm;
+        const ToothModel model = tooth_model(engine, torque, speed);
+        const ToothNoise noise = tooth_noise(engine, tune, speed);
+        const std::size_t at = out.gains.size();
+        out.gains.push_back(design_gains(model, noise, SD_KALMAN_MEAN));
+        const PeriodicGains &gains = out.gains[at];
+        t.speed_radps[i] = float(speed);
+        t.noise_rad[at] = float(noise.edge_rad);
+        t.innovation[at] = float(gains.innovation);
+        t.single_sd[at] = float(gains.single_sd), t.mean_sd[at] = float(gains.mean_sd), t.pattern_sd[at] = float(gains.pattern_sd);
+        t.load_sd_nm[at] = float(gains.load_sd * mean_inertia_kgm2(engine) * speed * speed);
+        if (i == 0) continue;
+        for (double share : {0.25, 0.5, 0.75}) {
+            const double between = speed + share * (tune.speeds_rpm[i - 1] * kRadpsPerRpm - speed);
+            const Eigen::MatrixXd mixed = gains.gain + share * (out.gains[at - 1].gain - gains.gain);
+            out.radius_between = std::max(out.radius_between, cycle_radius(tooth_model(engine, torque, between), mixed));
+        }
+    }
 }
 
 } // namespace
@@ -198,22 +226,12 @@ KalmanTables kalman_tables(const EngineFile &engine, const KnownTorque &torque, 
     KalmanTables out{sizes(engine, torque, tune), {}, 0};
     sd_kalman_tables_t &t = out.tables;
     fill_angles(engine, torque, t);
-    for (std::size_t i = 0; i < tune.speeds_rpm.size(); ++i) {
-        const double speed = tune.speeds_rpm[i] * kRadpsPerRpm;
-        const ToothModel model = tooth_model(engine, torque, speed);
-        const ToothNoise noise = tooth_noise(engine, tune, speed);
-        out.gains.push_back(design_gains(model, noise, SD_KALMAN_MEAN));
-        const PeriodicGains &gains = out.gains.back();
-        t.speed_radps[i] = float(speed);
-        t.noise_rad[i] = float(noise.edge_rad);
-        t.innovation[i] = float(gains.innovation);
-        t.single_sd[i] = float(gains.single_sd), t.mean_sd[i] = float(gains.mean_sd), t.pattern_sd[i] = float(gains.pattern_sd);
-        if (i == 0) continue;
-        for (double share : {0.25, 0.5, 0.75}) {
-            const double between = speed + share * (tune.speeds_rpm[i - 1] * kRadpsPerRpm - speed);
-            const Eigen::MatrixXd mixed = gains.gain + share * (out.gains[i - 1].gain - gains.gain);
-            out.radius_between = std::max(out.radius_between, cycle_radius(tooth_model(engine, torque, between), mixed));
-        }
+    add_set(engine, torque, tune, out);
+    if (t.sets > 1) {
+        KalmanTune rough = tune;
+        rough.load_walk_nm = std::max(tune.rough_walk_nm, tune.load_walk_nm);
+        rough.firing_change_nm *= kRoughChange;
+        add_set(engine, torque, rough, out);
     }
     fill_pool(engine, torque, out.gains, t);
     return out;

@@ -28,6 +28,7 @@ struct KalmanTune {
     double edge_deg = 0.02;       ///< Timing error of an edge, the timer's rounding not included.
     double load_walk_nm = 0.1;    ///< Change of the constant torque from tooth to tooth.
     double firing_change_nm = 10; ///< Change of a firing's torque from one cycle to the next.
+    double rough_walk_nm = 3;     ///< load_walk_nm of the second set of gains, for rough roads; 0: no second set.
     double basis_walk_nm = 0.2;   ///< Change of other coefficients from tooth to tooth.
     double torque_base_nm = 1500;
     double reject_deg = 1.5;
@@ -38,8 +39,8 @@ struct KalmanTune {
 
 struct KalmanTables {
     sd_kalman_tables_t tables;
-    std::vector<PeriodicGains> gains; ///< Of each speed.
-    double radius_between = 0;        ///< Largest cycle radius a quarter, half and three quarters of the way between two speeds.
+    std::vector<PeriodicGains> gains; ///< Of each speed of each set.
+    double radius_between = 0;        ///< Largest cycle radius a quarter, half and three quarters of the way between two speeds of a set.
 };
 
 /// J_mean of all that turns: what normalised torques are over, times speed squared.

@@ -34,6 +34,7 @@ KalmanTune kalman_tune(const EngineFile &engine, const sd_parameters_t &p) {
     KalmanTune tune;
     tune.edge_deg = double(p.firing_edge_sd_deg);
     tune.load_walk_nm = double(p.firing_load_walk_nm);
+    tune.rough_walk_nm = double(p.firing_rough_walk_nm);
     tune.firing_change_nm = double(p.firing_change_nm);
     tune.torque_base_nm = double(p.torque_torque_base_nm);
     tune.reject_deg = double(p.firing_reject_deg);

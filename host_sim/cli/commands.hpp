@@ -9,6 +9,7 @@ void add_bench(CLI::App &app);
 void add_bench_observers(CLI::App &app); ///< bench-observers: the benchmark of document 000
 void add_calibrate(CLI::App &app);
 void add_ecu(CLI::App &app);
+void add_misfire_trips(CLI::App &app);
 void add_parameter(CLI::App &app);
 void add_plant(CLI::App &app);
 void add_replay(CLI::App &app);

@@ -15,6 +15,7 @@ int main(int argc, char **argv) {
     sixdeg::add_calibrate(app);
     sixdeg::add_bench(app);
     sixdeg::add_bench_observers(app);
+    sixdeg::add_misfire_trips(app);
     sixdeg::add_run(app);
     sixdeg::add_sweep(app);
     sixdeg::add_plant(app);

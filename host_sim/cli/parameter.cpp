@@ -26,6 +26,19 @@ std::uint16_t index_of(const std::string &name) {
     throw InputError("parameter", name, "not a parameter; docs/signals.md lists them");
 }
 
+/// The page as a tune file: `sixdeg ecu ENGINE.toml --tune FILE` starts with it.
+std::string tune_file(const std::vector<std::pair<std::uint16_t, float>> &values) {
+    std::string text, table;
+    for (const auto &[index, value] : values) {
+        const sd_signal_info_t &info = sd_parameter_infos[index];
+        const std::string name = info.name, of = name.substr(0, name.find('.'));
+        if (of != table) text += fmt::format("{}[{}]\n", text.empty() ? "" : "\n", of);
+        table = of;
+        text += fmt::format("{} = {}{}{}\n", name.substr(of.size() + 1), value, *info.unit ? " # " : "", info.unit);
+    }
+    return text;
+}
+
 /// One question at a time; what is lost on the way is asked again.
 class Client {
   public:
@@ -60,13 +73,17 @@ class Client {
     }
 
     static float checked(std::uint16_t index, const sd_event_t &answer) {
-        const sd_signal_info_t &info = sd_parameter_infos[index];
+        static const sd_signal_info_t all{"all", "", 0, 0, 0, 0, 0, 0};
+        const sd_signal_info_t &info = index < SD_PARAMETER_COUNT ? sd_parameter_infos[index] : all;
         float value;
         std::memcpy(&value, &answer.value, sizeof value);
         switch (answer.flags >> 8) {
         case SD_PARAMETER_OK: return value;
         case SD_PARAMETER_RANGE:
             throw InputError("ecu", info.name, fmt::format("out of range; allowed is [{:g}, {:g}] {}; it stays {:g}", info.low, info.high, info.unit, value));
+        case SD_PARAMETER_AT_START:
+            throw InputError("ecu", info.name,
+                             fmt::format("goes into tables that `sixdeg calibrate` makes, so an ecu takes it at its start only; it stays {:g}", value));
         case SD_PARAMETER_REFUSED:
             throw InputError("ecu", info.name, fmt::format("its block cannot run with this value beside the others; it stays {:g}", value));
         default: throw InputError("ecu", info.name, "it knows no such parameter");
@@ -100,9 +117,15 @@ void run(const Options &options) {
         for (const std::string &assignment : options.names) set(client, assignment);
         return;
     }
+    if (options.action == "restore" && options.names.empty()) client.ask(SD_PARAMETER_ALL, SD_PARAMETER_RESTORE);
+    std::vector<std::pair<std::uint16_t, float>> dumped;
     for (const std::uint16_t index : chosen) {
-        if (options.action == "restore") client.ask(index, SD_PARAMETER_RESTORE);
+        if (options.action == "restore" && !options.names.empty()) client.ask(index, SD_PARAMETER_RESTORE);
         const float working = client.ask(index, SD_PARAMETER_READ);
+        if (options.action == "dump") {
+            dumped.emplace_back(index, working);
+            continue;
+        }
         if (options.action != "diff") {
             print(index, working);
             continue;
@@ -110,6 +133,7 @@ void run(const Options &options) {
         const float reference = client.ask(index, SD_PARAMETER_READ_REFERENCE);
         if (working != reference) fmt::print("{}: {:g}, reference {:g}\n", sd_parameter_infos[index].name, working, reference);
     }
+    fmt::print("{}", tune_file(dumped));
 }
 
 } // namespace
@@ -117,9 +141,9 @@ void run(const Options &options) {
 void add_parameter(CLI::App &app) {
     auto options = std::make_shared<Options>();
     CLI::App *command = app.add_subcommand("parameter", "reads and sets parameters of an ecu while it runs");
-    command->add_option("ACTION", options->action, "get, set, diff (against the reference page) or restore")
+    command->add_option("ACTION", options->action, "get, set, dump (as a tune file), diff (against the reference page) or restore")
         ->required()
-        ->check(CLI::IsMember({"get", "set", "diff", "restore"}));
+        ->check(CLI::IsMember({"get", "set", "dump", "diff", "restore"}));
     command->add_option("NAME", options->names, "names, or NAME=VALUE to set; all when none is given");
     command->add_option("--transport", options->transport, "can:IFACE, lcm or lcm:URL (docs/bus.md)")->required();
     command->callback([options] { run(*options); });

@@ -32,7 +32,8 @@ struct Options {
     std::vector<std::string> set;
     std::optional<std::uint64_t> seed;
     std::string transport = "inproc";
-    bool real_time = false, start_ecu = true;
+    bool start_ecu = true;
+    Pace pace;
     bool nominal = false;
 };
 
@@ -147,6 +148,7 @@ Json summarise(const Options &options, const Inputs &inputs, const RunResult &re
     add_figures(summary, result, perturbed);
     const auto bounds = firing_bounds(inputs.scenario, inputs.tune, result);
     summary["misfire"] = misfire_json(result.misfire, separation_bound(inputs.scenario, bounds));
+    if (perturbed) summary["misfire"]["perturbed"] = misfire_json(perturbed->result.misfire, 0);
     summary["firing"] = firing_json(result, bounds);
     if (perturbed) summary["firing"]["perturbed"] = firing_json(perturbed->result, std::nullopt);
     summary["number"] = inputs.calibration.parameters.torque_fixed_point > 0.5f ? "q31" : "f32";
@@ -175,7 +177,8 @@ void print_figures(const Inputs &inputs, const RunResult &result, const std::opt
     if (result.stalled) row("the engine", "stalled");
     print_accuracy(result, perturbed);
     const auto bounds = firing_bounds(inputs.scenario, inputs.tune, result);
-    print_misfire(result.misfire, separation_bound(inputs.scenario, bounds));
+    print_misfire("misfire monitor", result.misfire, separation_bound(inputs.scenario, bounds));
+    if (perturbed) print_misfire("the same, perturbed", perturbed->result.misfire, 0);
     print_firing("single firings over", result, bounds);
     if (perturbed) print_firing("the same, perturbed, over", perturbed->result, std::nullopt);
 }
@@ -199,10 +202,11 @@ void run(const Options &options) {
     if (log) listener = [&](bool out, const sd_event_t &event) { log->add(out, event); };
     stop_on_signals();
     const bool in_process = options.transport == "inproc";
-    if (in_process && options.real_time) throw InputError("--real-time", "", "is for a bus; give --transport");
+    if (in_process && (options.pace.real_time || options.pace.at_most > 0))
+        throw InputError("--real-time, --pace", "", "are for a bus; give --transport");
     if (!in_process && !(options.learn + options.learned).empty())
         throw InputError("--learn, --learned", "", "the tooth pattern stays in the ecu over a bus; leave them out");
-    const BusChoice bus{options.transport, options.real_time ? Pace::real_time : Pace::lock_step, options.start_ecu};
+    const BusChoice bus{options.transport, options.pace, options.start_ecu};
     BusFigures figures;
     RunTables *const rows = tables ? &*tables : nullptr;
     const auto learned = inputs.learned_with(inputs.calibration);
@@ -248,7 +252,11 @@ void add_options(CLI::App *command, const std::shared_ptr<Options> &options) {
     command->add_option("--learn", options->learn, "where the tooth pattern goes at the end of the run; not over a bus");
     command->add_flag("--nominal", options->nominal, "skip the second run, whose calibration is wrong on purpose; over a bus there is none");
     command->add_option("--record", options->record, "event log of all that goes in and out (docs/log.md)");
-    command->add_flag("--real-time", options->real_time, "at the pace of the clock; without it plant and ecu wait for each other");
+    CLI::Option *real_time = command->add_flag("--real-time", options->pace.real_time,
+                                               "at the pace of the clock; without it plant and ecu wait for each other");
+    command->add_option("--pace", options->pace.at_most, "waiting for each other, at most so many times real time: for slow listeners")
+        ->check(CLI::Range(0.01, 1000.0))
+        ->excludes(real_time);
     command->callback([options] { run(*options); });
 }
 

@@ -9,6 +9,7 @@
 
 #include "bus/bus.hpp"
 #include "bus/collector.hpp"
+#include "bus/live_view.hpp"
 #include "cli/commands.hpp"
 #include "common/error.hpp"
 #include "common/files.hpp"
@@ -23,24 +24,6 @@ constexpr std::chrono::milliseconds kRedraw{200}, kSilence{1000}, kTail{500};
 struct Options {
     std::string transport, engine, out;
 };
-
-std::string bar(float value, float full) {
-    const float share = full > 0 ? std::max(0.0f, std::min(1.0f, value / full)) : 0;
-    return std::string(std::size_t(40 * share), '#');
-}
-
-std::string picture(const EcuSaid &said, std::size_t cycles, bool silent) {
-    const sd_signals_t &s = said.signals();
-    std::string text = fmt::format("{}\n{:8.1f} rpm  {:7.1f} deg  tooth {:3.0f}  torque {:8.1f} Nm  angle {}, torque {}, cylinders {}\n{} cycles\n",
-                                   silent ? "THE ECU IS SILENT" : "", s.crank_speed_rpm, s.crank_angle_deg, s.crank_tooth, s.torque_mass_nm,
-                                   health_name(said.health(SD_OWNER_CRANK)), health_name(said.health(SD_OWNER_TORQUE)),
-                                   health_name(said.health(SD_OWNER_CYLINDER)), cycles);
-    float largest = 0;
-    for (const float torque : s.cycle_cylinder_torque_nm) largest = std::max(largest, torque);
-    for (std::size_t i = 0; i < std::size(s.cycle_cylinder_torque_nm); ++i)
-        text += fmt::format("cylinder {} {:9.1f} Nm {:<40}\n", i + 1, s.cycle_cylinder_torque_nm[i], bar(s.cycle_cylinder_torque_nm[i], largest));
-    return text;
-}
 
 void write_tables(const Options &options, const Collector &collector) {
     TomlFile file{std::filesystem::path(options.engine)};
@@ -59,9 +42,9 @@ void run(const Options &options) {
     const auto bus = open_bus(options.transport, SD_ROLE_TOOL);
     const sd_port_t port = bus->port();
     stop_on_signals();
+    fmt::print(stderr, "sixdeg watch: listening on {}\n", options.transport);
     Collector collector;
-    EcuSaid said;
-    std::size_t cycles = 0;
+    LiveView view;
     const bool terminal = isatty(STDOUT_FILENO) != 0;
     auto heard = Clock::now(), drawn = heard;
     while (stop_signal() == 0 && !(collector.ended() && Clock::now() - heard > kTail)) {
@@ -73,16 +56,15 @@ void run(const Options &options) {
         }
         while (port.receive(port.context, &event, 1) == 1) {
             heard = Clock::now();
-            said.take(event);
-            cycles += event.kind == SD_EVENT_SIGNAL && event.channel == SD_SIGNAL_CYCLE_SPEED;
+            view.take(event);
             if (!options.out.empty()) collector.said(event);
         }
         if (!terminal || Clock::now() - drawn < kRedraw) continue;
         drawn = Clock::now();
-        fmt::print("\033[H\033[J{}", picture(said, cycles, drawn - heard > kSilence)); // from the top of an empty screen
+        fmt::print("\033[H\033[J{}", view.text(drawn - heard > kSilence)); // from the top of an empty screen
         std::fflush(stdout);
     }
-    if (!terminal) fmt::print("{}", picture(said, cycles, Clock::now() - heard > kSilence));
+    if (!terminal) fmt::print("{}", view.text(Clock::now() - heard > kSilence));
     if (!options.out.empty()) write_tables(options, collector);
 }
 

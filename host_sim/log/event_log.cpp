@@ -9,6 +9,9 @@
 
 #include "common/error.hpp"
 #include "common/files.hpp"
+extern "C" {
+#include "sd_ecu.h"
+}
 
 namespace fs = std::filesystem;
 namespace sixdeg {
@@ -138,7 +141,9 @@ EventLog read_log(const fs::path &path) {
         return fail("has a header that does not fit its size");
     EventLog log{bytes.substr(kHeaderBytes, about), {}, {}};
     const auto *page_bytes = reinterpret_cast<const std::uint8_t *>(&bytes[kHeaderBytes + about]);
-    if (sd_calibration_decode(&log.calibration, page_bytes, std::uint32_t(page)) != SD_OK)
+    const auto ecu = std::make_unique<sd_ecu_t>();
+    if (sd_calibration_decode(&log.calibration, page_bytes, std::uint32_t(page)) != SD_OK ||
+        sd_ecu_init(ecu.get(), &log.calibration) != SD_OK)
         return fail("holds a calibration page that cannot be used");
     for (std::size_t at = first; at < end; at += kEventBytes) {
         const char *event = &bytes[at];

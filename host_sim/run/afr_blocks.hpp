@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "calibration/joint_gains.hpp"
 #include "calibration/uego_gains.hpp"
 #include "run/afr_judge.hpp"
 extern "C" {
@@ -65,7 +66,7 @@ template <class V> class AfrBlocks {
         must(V::exhaust_init(&exhaust_, &e));
         // Lags stepped from their own ends lead by half a position each, the mean over a position lags by
         // half.
-        const double lead = setup.method == AfrMethod::joint ? 1.5 : 0.5;
+        const double lead = is_joint() ? 1.5 : 0.5;
         const bool at_manifold = setup.method == AfrMethod::true_gas;
         const double wait =
             engine.exhaust->dead_time_s / trace.step_s + error.delay_deg / 360 * engine.wheel.positions + lead;
@@ -74,7 +75,7 @@ template <class V> class AfrBlocks {
                                    float(point.rate_hz * (1 + error.turbine)),
                                    float(point.z0_kg),
                                    at_manifold ? 0.0f : float(point.transport_kg),
-                                   at_manifold ? 0.0f : float(std::fmax(wait, 0))};
+                                   at_manifold ? 0.0f : float(wait)};
         must(V::exhaust_set(&exhaust_, &p, float(trace.step_s)));
         init_chain();
         init_joint();
@@ -99,6 +100,8 @@ template <class V> class AfrBlocks {
   private:
     static constexpr double kBaseCharges = 6;
 
+    bool is_joint() const { return setup_.method == AfrMethod::joint || setup_.method == AfrMethod::joint_fixed; }
+
     void init_chain() {
         const sd_afr_observer_config_t a{std::uint8_t(n_), 0, float(setup_.gain_air),
                                          float(setup_.gain_cylinder)};
@@ -120,7 +123,7 @@ template <class V> class AfrBlocks {
         if (setup_.method == AfrMethod::oscillator) {
             const UegoDesign design{
                 tau1,         tau2,        trace_.step_s, trace_.cycle_positions, SD_UEGO_HARMONICS_MAX,
-                setup_.noise, setup_.drift};
+                setup_.noise, setup_.oscillator_drift};
             gains_ = uego_gains(design);
         }
         V::uego_set(&uego_, float(trace_.step_s), setup_.method == AfrMethod::oscillator ? &gains_ : nullptr);
@@ -132,16 +135,36 @@ template <class V> class AfrBlocks {
                                       float(engine_.exhaust->uego_tau_s[0] * (1 + setup_.error.tau)),
                                       float(engine_.exhaust->uego_tau_s[1] * (1 + setup_.error.tau)),
                                       float(density),
-                                      float(setup_.drift),
+                                      float(setup_.drift * setup_.mean_lambda),
                                       0.1f,
                                       1000};
         must(sd_afr_joint_init(&joint_, &c));
-        sd_afr_joint_set(&joint_, float(trace_.step_s), float(setup_.drift));
+        sd_afr_joint_set(&joint_, float(trace_.step_s), c.drift, float(setup_.jump * setup_.mean_lambda));
+        if (setup_.method == AfrMethod::joint_fixed) fix_gains(c);
+    }
+
+    /// From the exhaust block's own cycle, once it repeats itself.
+    void fix_gains(const sd_afr_joint_config_t &c) {
+        constexpr int kSettle = 40; // cycles
+        JointDesign d{{}, n_, double(c.tau1_s), double(c.tau2_s), trace_.step_s, setup_.noise, double(c.drift)};
+        typename V::Exhaust exhaust = exhaust_;
+        for (int k = 0; k < (kSettle + 1) * trace_.cycle_positions; ++k) {
+            typename V::Now now;
+            V::exhaust_step(&exhaust, std::uint32_t(k % trace_.cycle_positions), &now);
+            if (k < kSettle * trace_.cycle_positions) continue;
+            JointPosition position{double(now.mass), {}};
+            for (std::size_t i = 0; i < std::size_t(n_); ++i)
+                position.inflow[i] = double(now.charge) * double(now.share[i]);
+            d.cycle.push_back(position);
+        }
+        fixed_gains_ = joint_gains(d);
     }
 
     void step(std::uint32_t position, const typename V::Now &now, double air) {
-        if (setup_.method == AfrMethod::joint) {
-            if constexpr (std::is_same_v<V, F32>) sd_afr_joint_step(&joint_, &now, float(air), nullptr);
+        if (is_joint()) {
+            if constexpr (std::is_same_v<V, F32>)
+                sd_afr_joint_step(&joint_, &now, float(air),
+                                  fixed_gains_.empty() ? nullptr : fixed_gains_[position].data());
         } else if (setup_.method == AfrMethod::true_gas) {
             V::observer_step(&observer_, &now, V::of(air));
         } else {
@@ -151,11 +174,15 @@ template <class V> class AfrBlocks {
 
     void read(AfrEstimates &result) {
         std::array<double, 8> lambda{};
-        const bool joint = setup_.method == AfrMethod::joint;
+        const bool joint = is_joint();
         for (std::uint32_t i = 0; i < std::uint32_t(n_); ++i)
             lambda[i] = double(joint ? sd_afr_joint_lambda(&joint_, i) : V::observer_lambda(&observer_, i));
         result.lambda.push_back(lambda);
-        result.sd.push_back(joint ? std::sqrt(double(sd_afr_joint_deviation_variance(&joint_, 0))) : 0);
+        if (!joint) return;
+        result.sd.push_back(std::sqrt(double(sd_afr_joint_deviation_variance(&joint_, 0))));
+        float deviation = 0;
+        result.blamed.push_back(
+            int(sd_afr_joint_blame(&joint_, true, float(setup_.usual_sd * setup_.mean_lambda), &deviation)));
     }
 
     const EngineFile &engine_;
@@ -168,6 +195,7 @@ template <class V> class AfrBlocks {
     typename V::Observer observer_;
     typename V::Uego uego_;
     sd_uego_gains_t gains_{};
+    std::vector<std::vector<float>> fixed_gains_;
     sd_afr_joint_t joint_;
 };
 

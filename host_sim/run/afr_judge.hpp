@@ -19,21 +19,25 @@ struct AfrError {
     double turbine = 0;   ///< Of its area, share.
 };
 
-enum class AfrMethod { joint, fourier, oscillator, true_gas };
+/// joint_fixed: with gains by position instead of its own covariance.
+enum class AfrMethod { joint, joint_fixed, fourier, oscillator, true_gas };
 
 struct AfrSetup {
     AfrMethod method = AfrMethod::joint;
-    double drift = 0.02;                              ///< q of the joint filter, of the mean lambda, a cycle.
-    double noise = 0.005;                             ///< rms of lambda a position, what the filter is told.
+    double drift = 0.006, jump = 0.2; ///< Of the joint filter, of the mean lambda.
+    double noise = 0.005;             ///< rms of lambda a position, what the filter is told.
+    double usual_sd = 0.02;           ///< How cylinders differ beside the one to blame, of the mean lambda.
+    double mean_lambda = 1;
     double gain_air = 0.1, gain_cylinder = 3;         ///< A
-    double fourier_gain = 0.005, fourier_floor = 0.1; ///< D
+    double fourier_gain = 0.005, fourier_floor = 0.1, oscillator_drift = 0.02; ///< D
     AfrError error;
     bool fixed_point = false; ///< The chain in q31.
 };
 
 struct AfrEstimates {
     std::vector<std::array<double, 8>> lambda; ///< By lane, at the end of each cycle.
-    std::vector<double> sd;                    ///< Stated, of lane 0's deviation from the mean.
+    std::vector<double> sd;                    ///< Stated, of lane 0's deviation from the mean; joint filter only.
+    std::vector<int> blamed;                   ///< Lane that being rich alone explains best; joint filter only.
 };
 
 /// Runs one method over the trace; `noise` is added to its samples (same length, or empty for none).

@@ -63,6 +63,7 @@ class Run {
 
     void take(const EncoderEdge &edge) {
         ecu_.show(SD_INPUT_AIR_INTAKE_PRESSURE, plant_.intake_pressure_pa() / kPaPerBar);
+        if (plant_.exhaust()) ecu_.show(SD_INPUT_EXHAUST_PRESSURE, plant_.exhaust()->pressure_pa() / kPaPerBar);
         ecu_.show(SD_INPUT_FUEL_INJECTED, plant_.commanded_fuel_kg() * 1e6);
         if (!scenario_.balance_on_s.empty()) ecu_.show(SD_INPUT_BALANCE_ENABLE, balancing(edge.time_s));
         take_uego(edge.time_s);
@@ -147,9 +148,7 @@ class Run {
             ++result_.wrong_revolutions;
         take_firing(sent.crank_deg);
         if (cycle_ended) end_cycle(edge.time_s);
-        if (tables_) tables_->tooth(edge, said_);
-        if (tables_ && cycle_ended)
-            tables_->firmware_cycle_ended(ended_cycle(scenario_.engine.shared, sent.crank_deg), said_);
+        if (tables_) tables_->edge(edge, sent.crank_deg, said_, cycle_ended);
         if (s.crank_edge_class == SD_EDGE_SPURIOUS) return; // left out, so the estimate did not move
         const bool settled = is_placed(s) && said_.health(SD_OWNER_TORQUE) == SD_VALID && !edge.backward;
         score_.edge(sent.crank_deg, edge.net_torque_nm, double(s.torque_mass_nm), settled);
@@ -164,7 +163,6 @@ class Run {
         firing_.said(crank_deg, int(s.firing_cylinder), double(s.firing_torque_nm), double(s.firing_sd_nm),
                      double(s.firing_mean_nm), double(s.firing_mean_sd_nm), said_.health(SD_OWNER_FIRING) == SD_VALID);
         misfire_.said(crank_deg, int(s.firing_cylinder), int(s.misfire_verdict), double(s.misfire_index));
-        if (tables_) tables_->firing_judged(crank_deg, int(s.firing_cylinder), int(s.misfire_verdict), double(s.misfire_index));
     }
 
     void take_cycles() {

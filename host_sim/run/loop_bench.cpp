@@ -3,7 +3,6 @@
 // Nothing is asserted. loop_bench [SEEDS [KEY=VALUE...]]: 20 perturbed calibrations by default; parameters over their defaults.
 #include <algorithm>
 #include <cstdlib>
-#include <cstring>
 #include <fmt/format.h>
 
 #include "run/loop_case.hpp"
@@ -14,9 +13,23 @@ namespace {
 
 using Texts = std::vector<std::string>;
 
-const Texts kFigure16{"cylinders.fuel_percent=[6, -3, 0, -4]", "cylinders.fuel_step=[{at_s=19, cylinder=2, percent=13}]",
-                      "run.duration_s=45", "control.balance_on_s=[0, 7.5, 36, 1000]"};
-const Texts kFast{"speed.rpm=3500", "load.bmep_bar=12", "run.duration_s=40", "control.balance_on_s=[8, 1000]", "uego.noise_per_rthz=1.2e-4"};
+const char *const kFigure16 = "figure16_1500rpm_9bar.toml", *const kSlow = "slow_3500rpm_12bar.toml";
+
+/// A fuel cut at low load before the trims are allowed, from which torque learns its zero.
+const Texts kCut{"load.bmep_bar=[9,9,1,1,9]", "load.time_s=[0,2,2.2,4.2,4.4]", "load.fuel_cut_s=[2.2,4.2]",
+                 "control.balance_on_s=[6,1000]", "run.duration_s=16"};
+
+/// Moves of speed and load once the cylinders are balanced, and what they begin from.
+struct Move {
+    const char *name, *file;
+    Texts change;
+};
+const std::vector<Move> kMoves{
+    {"steady, 1000 rpm, 9 bar", "speed_ramp.toml", {"speed.rpm=[1000]", "speed.time_s=[0]"}},
+    {"steady, 1500 rpm, 5 bar", "load_ramp.toml", {"load.bmep_bar=[5]", "load.time_s=[0]"}},
+    {"1000 to 2500 rpm in 4 s and back", "speed_ramp.toml", {}},
+    {"5 to 10 bar in 4 s and back", "load_ramp.toml", {}},
+    {"tip in, 5 to 10 bar in 0.2 s, and out", "tip_in.toml", {}}};
 
 Texts join(Texts a, const Texts &b) {
     a.insert(a.end(), b.begin(), b.end());
@@ -49,9 +62,10 @@ BalanceFigures percentile(std::vector<BalanceFigures> runs, double p) {
             of(&BalanceFigures::wrong_way_percent), of(&BalanceFigures::gave_up_cycles)};
 }
 
-void seeds(const char *name, const Texts &scenario, const Texts &tune, bool perturbed, int count) {
+void seeds(const char *name, const Texts &scenario, const Texts &tune, bool perturbed, int count,
+           const char *file = "") {
     std::vector<BalanceFigures> runs;
-    for (int seed = 1; seed <= count; ++seed) runs.push_back(figures({scenario, tune, 0, perturbed, std::uint64_t(seed)}));
+    for (int seed = 1; seed <= count; ++seed) runs.push_back(figures({scenario, tune, 0, perturbed, std::uint64_t(seed), file}));
     print(fmt::format("{}, median", name), percentile(runs, 0.5));
     print(fmt::format("{}, worst of {}", name, count), percentile(runs, 1));
 }
@@ -62,27 +76,32 @@ int main(int argc, char **argv) {
     const int count = argc > 1 ? std::max(1, std::atoi(argv[1])) : 20;
     const Texts lambda(argv + std::min(argc, 2), argv + argc), torque = join(lambda, {"balance.source=2"});
     fmt::print("fuel balance; true spread before and its largest, residual, trim the wrong way: percent; to 3 %, gave up: cycles\n");
-    const char *only=getenv("ONLY"); const auto want=[&](char c){return !only||strchr(only,c);};
-    if(want('f')){header("Figure 16 of document 004");
-    print("from lambda", figures({kFigure16, lambda, 0, false, 1}));
-    print("from torque", figures({kFigure16, torque, 0, false, 1}));
-    }if(want('n')){header("1500 rpm, 9 bar");
+    header("Figure 16 of document 004");
+    print("from lambda", figures({{}, lambda, 0, false, 1, kFigure16}));
+    print("from torque", figures({{}, torque, 0, false, 1, kFigure16}));
+    header("1500 rpm, 9 bar");
     for (bool perturbed : {false, true}) {
         const char *calibration = perturbed ? "perturbed" : "nominal";
         seeds(fmt::format("from lambda, {}", calibration).c_str(), {}, lambda, perturbed, count);
         seeds(fmt::format("from torque, {}", calibration).c_str(), {}, torque, perturbed, count);
+        if (perturbed) seeds("the same after 2 s of fuel cut", kCut, torque, perturbed, count);
     }
-    }if(want('s')){header("3500 rpm, 12 bar, slow mode");
-    seeds("from lambda, nominal", kFast, lambda, false, std::max(1, count / 4));
-    seeds("from lambda, perturbed", kFast, lambda, true, std::max(1, count / 4));
-    }if(want('d')){header("delay of the calibration wrong");
-    for (double error : {0, -30, 30, -60, 60, -90, 90, -120, 120, -150, 150, 180})
-        print(fmt::format("{:+.0f} deg", error), figures({{"run.duration_s=20"}, lambda, error, false, 1}));
-    }if(want('r')){header("ramps, cylinders balanced before");
-    const Texts early{"control.balance_on_s=[1, 1000]", "run.duration_s=30"};
-    print("none", figures({early, lambda, 0, false, 1}));
-    print("1000 to 2500 rpm in 4 s and back", figures({join(early, {"speed.rpm=[1000,1000,2500,2500,1000]", "speed.time_s=[0,10,14,20,24]"}), lambda, 0, false, 1}));
-    print("5 to 10 bar in 4 s and back", figures({join(early, {"load.bmep_bar=[5,5,10,10,5]", "load.time_s=[0,10,14,20,24]"}), lambda, 0, false, 1}));
-    print("tip in and out, 5 to 10 bar in 0.2 s", figures({join(early, {"load.bmep_bar=[5,5,10,10,5]", "load.time_s=[0,10,10.2,20,20.2]"}), lambda, 0, false, 1}));
-    }return 0;
+    for (const char *noise : {"1.2e-4", "1.83e-4"}) {
+        header(fmt::format("3500 rpm, 12 bar, slow mode, noise {}", noise).c_str());
+        const Texts changed{fmt::format("uego.noise_per_rthz={}", noise)};
+        seeds("from lambda, nominal", changed, lambda, false, (count + 1) / 2, kSlow);
+        seeds("from lambda, perturbed", changed, lambda, true, (count + 1) / 2, kSlow);
+    }
+    header("delay of the calibration wrong");
+    for (double error : {0, -30, 30, -60, 60, -90, 90, -120, 120, -150, 150, -180, 180})
+        print(fmt::format("{:+.0f} deg", error), figures({{"run.duration_s=20"}, lambda, double(error), false, 1}));
+    header("moves, cylinders balanced before");
+    for (bool noisy : {false, true}) {
+        for (const Move &move : kMoves) {
+            const Texts quiet{"uego.noise_per_rthz=0", "cyclic.cov_percent=0"};
+            print(fmt::format("{}{}", move.name, noisy ? "" : ", no noise"),
+                  figures({noisy ? move.change : join(move.change, quiet), lambda, 0, false, 1, move.file}));
+        }
+    }
+    return 0;
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "run/loop_case.hpp"
 
+#include <cmath>
+
 #include "calibration/calibration.hpp"
 #include "calibration/perturbation.hpp"
 #include "engine/units.hpp"
@@ -14,14 +16,21 @@ constexpr const char *kBase = "engine = \"diesel_22.toml\"\n[run]\nduration_s = 
 
 } // namespace
 
+Scenario loop_scenario(const std::vector<std::string> &changes, const std::string &file) {
+    if (!file.empty()) return read_scenario(std::filesystem::path(SD_SCENARIOS) / file, changes);
+    TomlFile base("loop", kBase);
+    for (const std::string &change : changes) base.set(change);
+    return read_scenario(base, SD_ENGINES);
+}
+
 RunResult run_loop(const LoopCase &loop, RunTables *tables) {
-    TomlFile file("loop", kBase);
-    for (const std::string &change : loop.scenario) file.set(change);
-    Scenario scenario = read_scenario(file, SD_ENGINES);
+    Scenario scenario = loop_scenario(loop.scenario, loop.file);
     scenario.seed = loop.seed;
     EngineFile belief = scenario.engine.shared;
     if (loop.perturbed) belief = perturbed(belief, draw_perturbation(belief, loop.seed));
-    belief.exhaust->dead_time_s += loop.delay_error_deg * kRadPerDeg / scenario.speed_radps.at(0);
+    // No delay can be believed to be below 0: then it is the true one that is longer.
+    const double late_s = loop.delay_error_deg * kRadPerDeg / scenario.speed_radps.at(0);
+    (late_s > 0 ? belief : scenario.engine.shared).exhaust->dead_time_s += std::abs(late_s);
     TomlFile tune("tune", "");
     for (const std::string &parameter : loop.tune) tune.set(parameter);
     return run_on_bench(scenario, calibrate(belief, read_tune(tune), "tune"), tables);

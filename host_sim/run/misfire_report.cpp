@@ -43,16 +43,18 @@ Json misfire_json(const MisfireFigures &f, double separation_bound) {
             {"separation", f.separation()},
             {"separation_bound", separation_bound > 0 ? Json(separation_bound) : Json()},
             {"index_healthy", f.healthy ? Json(f.index_sum / double(f.healthy)) : Json()},
+            {"index_healthy_sd", f.healthy_sd()},
+            {"index_missed_sd", f.missed_sd()},
             {"not_judged", f.not_judged},
             {"not_judged_misfires", f.not_judged_misfires}};
 }
 
-void print_misfire(const MisfireFigures &f, double separation_bound) {
+void print_misfire(const char *heading, const MisfireFigures &f, double separation_bound) {
     if (f.healthy + f.missed == 0) {
-        fmt::print("misfire monitor                   judged no firing\n");
+        fmt::print("{:<34}judged no firing\n", heading);
         return;
     }
-    fmt::print("misfire monitor                   {} firings not judged\n", f.not_judged);
+    fmt::print("{:<34}{} firings not judged\n", heading, f.not_judged);
     print_rate("misfires detected", f.detected, f.missed);
     print_rate("false alarms", f.false_alarms, f.healthy);
     print_rate("partial burns found", f.partial_found, f.partial);

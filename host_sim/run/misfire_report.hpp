@@ -15,6 +15,6 @@ namespace sixdeg {
 double separation_bound(const Scenario &scenario, const std::optional<FiringBounds> &bounds);
 
 nlohmann::ordered_json misfire_json(const MisfireFigures &figures, double separation_bound);
-void print_misfire(const MisfireFigures &figures, double separation_bound);
+void print_misfire(const char *heading, const MisfireFigures &figures, double separation_bound);
 
 } // namespace sixdeg

@@ -48,9 +48,11 @@ RateBounds rate_bounds(std::uint64_t hits, std::uint64_t trials) {
 
 double MisfireFigures::separation() const {
     if (healthy == 0 || missed == 0) return 0;
-    const double widths = spread(index_sum, index_square_sum, healthy) + spread(missed_sum, missed_square_sum, missed);
-    return (index_sum / double(healthy) - missed_sum / double(missed)) / (widths / 2);
+    return (index_sum / double(healthy) - missed_sum / double(missed)) / ((healthy_sd() + missed_sd()) / 2);
 }
+
+double MisfireFigures::healthy_sd() const { return healthy ? spread(index_sum, index_square_sum, healthy) : 0; }
+double MisfireFigures::missed_sd() const { return missed ? spread(missed_sum, missed_square_sum, missed) : 0; }
 
 std::size_t MisfireScore::lane(int cylinder) const {
     const auto &order = engine_.firing_order;

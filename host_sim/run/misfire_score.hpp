@@ -34,6 +34,7 @@ struct MisfireFigures {
 
     /// Distance of the two means over the mean of their deviations: what a limit can use. 0 without both.
     double separation() const;
+    double healthy_sd() const, missed_sd() const; ///< Of the index; 0 without any.
 };
 
 class MisfireScore {

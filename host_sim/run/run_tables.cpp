@@ -38,13 +38,17 @@ void RunTables::tooth(const EncoderEdge &truth, const EcuSaid &ecu) {
     fmt::format_to(out, ",{},{}\n", health_name(ecu.health(SD_OWNER_CRANK)), health_name(torque_health));
 }
 
-void RunTables::firmware_cycle_ended(std::int64_t number, const EcuSaid &ecu) {
-    firmware_[number] = {ecu.signals(), ecu.health(SD_OWNER_CYLINDER), ecu.health(SD_OWNER_AFR)};
+void RunTables::edge(const EncoderEdge &truth, double crank_deg, const EcuSaid &ecu, bool cycle_ended) {
+    const sd_signals_t &s = ecu.signals();
+    if (ecu.firings() != firings_) verdicts_.said(crank_deg, int(s.firing_cylinder), int(s.misfire_verdict), double(s.misfire_index));
+    firings_ = ecu.firings();
+    tooth(truth, ecu);
+    if (cycle_ended) firmware_[ended_cycle(engine_, crank_deg)] = {s, ecu.health(SD_OWNER_CYLINDER), ecu.health(SD_OWNER_AFR)};
 }
 
 std::string RunTables::cycles_csv() const {
     std::string text = "cycle,cylinder,torque_true_nm,torque_nm,sd_nm,imep_true_bar,misfire_true,misfire_index,misfire_verdict,"
-                       "rpm,health,burned_true,burned,burned_sd,trim,t_s\n";
+                       "rough,rpm,health,burned_true,burned,burned_sd,trim,t_s\n";
     const auto out = std::back_inserter(text);
     for (const CycleTruth &truth : truths_) {
         const auto &order = engine_.firing_order;
@@ -61,6 +65,8 @@ std::string RunTables::cycles_csv() const {
             fmt::format_to(out, "{:.4f},{},", verdict->second, verdict->first);
         else
             text += ",,";
+        if (heard) fmt::format_to(out, "{}", int(said->second.signals.firing_rough));
+        text += ',';
         if (heard) fmt::format_to(out, "{:.3f}", said->second.signals.cycle_speed_rpm);
         fmt::format_to(out, ",{},", health_name(heard ? said->second.health : std::uint8_t(SD_INVALID)));
         if (truth.exhaust_lambda != 0) fmt::format_to(out, "{:.5f}", truth.exhaust_lambda);

@@ -26,26 +26,23 @@ class RunTables {
   public:
     explicit RunTables(const EngineFile &engine) : engine_(engine), verdicts_(engine) {}
 
-    /// A crank edge, and what the firmware said of it.
-    void tooth(const EncoderEdge &truth, const EcuSaid &ecu);
-    /// The firmware ended its cycle `number`.
-    void firmware_cycle_ended(std::int64_t number, const EcuSaid &ecu);
-    /// The firmware judged a firing (misfire_score.hpp).
-    void firing_judged(double crank_deg, int cylinder, int verdict, double index) {
-        verdicts_.said(crank_deg, cylinder, verdict, index);
-    }
+    /// A crank edge at the true angle `crank_deg` (never wraps), all that the firmware has said up to it, and whether the
+    /// edge ended a cycle of the firmware's.
+    void edge(const EncoderEdge &truth, double crank_deg, const EcuSaid &ecu, bool cycle_ended);
     void true_cycle(const CycleTruth &truth) { truths_.push_back(truth); }
 
     const std::string &teeth_csv() const { return teeth_; }
     std::string cycles_csv() const;
 
   private:
+    void tooth(const EncoderEdge &truth, const EcuSaid &ecu);
     struct FirmwareCycle {
         sd_signals_t signals;
         std::uint8_t health, afr_health;
     };
     EngineFile engine_;
     MisfireScore verdicts_;
+    std::size_t firings_ = 0; ///< Of which the verdict is taken.
     std::string teeth_ =
         "t_s,angle_deg,rpm_true,rpm,torque_true_nm,torque_nm,class,tooth,tooth_true,health,torque_health\n";
     std::vector<CycleTruth> truths_;

@@ -1,9 +1,14 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
 """The misfire monitor over speed and load, by `sixdeg run`: detection and false alarms of isolated misfires, continuous
-ones, partial burns and rough road. Small unless SD_FULL=1, which takes hours of one core.
+ones, partial burns, rough roads, other engines. Pattern 0.02 deg, learned in fuel cut first. Small unless SD_FULL=1, which
+takes an hour of one core.
 
-    misfire_map.py [--json FILE] [--cells RPM:BAR ...] [--cycles N]
+    misfire_map.py [--json FILE] [--cells RPM:BAR ...] [--cycles N] [--rows NAME ...]
+
+A cell of the map passes with >= 99.5 % detected, <= 0.02 % false alarms and no cylinder taken for its neighbour; or, where
+the bound's own separation cannot give that, with a separation within 5 % of the bound's. With a number of cycles that can
+tell, the exit status is 1 when more than 5 % of the map's cells miss, or one at <= 3000 rpm with >= 3 bar does.
 """
 import argparse
 import concurrent.futures
@@ -15,9 +20,11 @@ import sys
 import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-ENGINE = ROOT / "host_sim" / "engines" / "diesel_22.toml"
+ENGINES = ROOT / "host_sim" / "engines"
 FULL = os.environ.get("SD_FULL") == "1"
 EDGE_CELLS = [(rpm, bar) for rpm in (900, 1500, 3000, 4500, 6000) for bar in (1, 3, 10)]
+Z_FALSE, Z_MISSED = 3.54, 2.58  # 2 in 10,000, 5 in 1000
+ENOUGH_MISSED = 1000            # below it a cell proves nothing
 
 
 def cov_percent(bar):
@@ -25,75 +32,126 @@ def cov_percent(bar):
     return max(5.0, 20 - 15 * (bar - 1) / 4)
 
 
-def scenario(folder, rpm, bar, cycles, cov, misfires="one_in = 50", jitter_deg=0.01, road_nm=0, engine=ENGINE):
-    """Pattern 0.02 deg. At 900 rpm a missing firing at high load stops this crank: there its inertia is three times as
-    large, and the firmware knows."""
-    path = pathlib.Path(folder) / "scenario.toml"
-    if rpm < 1000:
-        text = engine.read_text()
-        engine = pathlib.Path(folder) / "engine.toml"
-        engine.write_text(text.replace("inertia_kgm2 = 0.25", "inertia_kgm2 = 0.75"))
-    path.write_text(f'engine = "{engine}"\nseed = {rpm + int(10 * bar)}\n[run]\ncycles = {cycles}\n[speed]\nrpm = {rpm}\n'
-                    f"[load]\nbmep_bar = {bar}\nroad_rms_nm = {road_nm}\n[cyclic]\ncov_percent = {cov}\n"
-                    f"[misfires]\n{misfires}\n[encoder]\npattern_rms_deg = 0.02\njitter_deg = {jitter_deg}\n")
-    return path
+def engine_file(folder, name, rpm):
+    """At 900 rpm a missing firing at high load stops the diesel's crank: there its inertia is three times as large, and
+    the firmware knows."""
+    path = ENGINES / f"{name}.toml"
+    if rpm >= 1000 or name != "diesel_22":
+        return path
+    heavy = folder / "engine.toml"
+    heavy.write_text(path.read_text().replace("inertia_kgm2 = 0.25", "inertia_kgm2 = 0.75"))
+    return heavy
 
 
-def run(name, rpm, bar, cycles, options=(), **how):
-    with tempfile.TemporaryDirectory() as folder:
-        out = pathlib.Path(folder) / "s.json"
-        done = subprocess.run([os.environ["SIXDEG"], "run", str(scenario(folder, rpm, bar, cycles, **how)), "--json", str(out),
-                               *options], capture_output=True, text=True)
-        if done.returncode:
-            sys.exit(f"{name} {rpm} rpm {bar} bar: {done.stderr}")
-        summary = json.loads(out.read_text())
-    return {"name": name, "rpm": rpm, "bar": bar, "stalled": summary["stalled"], **summary["misfire"]}
+def scenario(path, engine, seed, jitter_deg, body):
+    path.write_text(f'engine = "{engine}"\nseed = {seed}\n{body}\n[encoder]\npattern_rms_deg = 0.02\njitter_deg = {jitter_deg}\n')
+    return str(path)
+
+
+def sixdeg(*arguments):
+    done = subprocess.run([os.environ["SIXDEG"], *arguments], capture_output=True, text=True)
+    if done.returncode:
+        sys.exit(f"{' '.join(arguments)}: {done.stderr}")
+
+
+def run(name, rpm, bar, cycles, cov, misfires="one_in = 50", jitter_deg=0.01, road_nm=0, engine="diesel_22", options=(), perturbed=False):
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = pathlib.Path(temporary)
+        file, seed, learned = engine_file(folder, engine, rpm), rpm + int(10 * bar), str(folder / "learned.bin")
+        motored = ("[run]\nduration_s = 8\n[speed]\nrpm = [3000, 3000, 1500, 1500]\ntime_s = [0, 3, 4, 8]\n"
+                   "[load]\nbmep_bar = 0\nfuel_cut_s = [0.1, 8]")
+        sixdeg("run", scenario(folder / "learn.toml", file, seed, jitter_deg, motored), "--nominal", "--learn", learned)
+        body = (f"[run]\ncycles = {cycles}\n[speed]\nrpm = {rpm}\n[load]\nbmep_bar = {bar}\nroad_rms_nm = {road_nm}\n"
+                f"[cyclic]\ncov_percent = {cov}\n[misfires]\n{misfires}")
+        sixdeg("run", scenario(folder / "scenario.toml", file, seed, jitter_deg, body), "--learned", learned, "--json",
+               str(folder / "s.json"), *([] if perturbed else ["--nominal"]), *options)
+        summary = json.loads((folder / "s.json").read_text())
+    return {"name": name, "rpm": rpm, "bar": bar, "cov": cov, "stalled": summary["stalled"], **summary["misfire"]}
+
+
+def within_reach(cell):
+    """Whether the bound's separation gives both wanted rates: deviation n of a firing from 2 / b = n + hypot(n, cov)."""
+    if not cell["separation_bound"]:
+        return True
+    sum_of_two, cov = 2 / cell["separation_bound"], cell["cov"] / 100
+    noise = (sum_of_two**2 - cov**2) / (2 * sum_of_two)
+    return Z_MISSED * noise + Z_FALSE * (sum_of_two - noise) <= 1
+
+
+def passes(cell):
+    good = (cell["detected"]["percent"] or 0) >= 99.5 and cell["false_alarms"]["percent"] <= 0.02 and cell["wrong_cylinder"] == 0
+    return good or (not within_reach(cell) and cell["separation"] >= 0.95 * cell["separation_bound"])
+
+
+def rate(r):
+    if not r["of"]:
+        return f"{'-':>26}"
+    return f"{r['percent']:8.3f} [{r['bounds_95_percent'][0]:7.3f},{r['bounds_95_percent'][1]:7.3f}]"
 
 
 def row(cell):
-    def rate(r):
-        if not r["of"]:
-            return f"{'-':>26}"
-        return f"{r['percent']:8.3f} [{r['bounds_95_percent'][0]:7.3f},{r['bounds_95_percent'][1]:7.3f}]"
-    stalled = " stalled" if cell["stalled"] else ""
-    return (f"{cell['name']:<14}{cell['rpm']:>5}{cell['bar']:>4} {cell['detected']['of']:>6} {rate(cell['detected'])}"
-            f" {cell['false_alarms']['of']:>7} {rate(cell['false_alarms'])} {cell['wrong_cylinder']:>5} {cell['separation']:>7.2f} {cell['separation_bound'] or 0:>7.2f}{stalled}")
+    judged = "" if cell["detected"]["of"] < ENOUGH_MISSED else "  pass" if passes(cell) else "  MISS"
+    text = (f"{cell['name']:<20}{cell['rpm']:>5}{cell['bar']:>4} {cell['detected']['of']:>6} {rate(cell['detected'])} {cell['false_alarms']['of']:>7}"
+            f" {rate(cell['false_alarms'])} {cell['wrong_cylinder']:>5} {cell['separation']:>7.2f} {cell['separation_bound'] or 0:>7.2f}"
+            f"{judged}{' stalled' if cell['stalled'] else ''}")
+    if "perturbed" in cell:
+        p = cell["perturbed"]
+        text += f"\n{'  perturbed':<29} {p['detected']['of']:>6} {rate(p['detected'])} {p['false_alarms']['of']:>7} {rate(p['false_alarms'])} {p['wrong_cylinder']:>5} {p['separation']:>7.2f}"
+    return text
 
 
-def jobs(cells, cycles):
-    every = []
+def map_jobs(cells, cycles):
     for rpm, bar in cells:
-        every.append(("cov 5 %", rpm, bar, cycles, {"cov": 5}))
-        every.append(("cov of load", rpm, bar, cycles, {"cov": cov_percent(bar)}))
+        yield ("cov of load", rpm, bar, cycles, {"cov": cov_percent(bar), "perturbed": True})
+        if cov_percent(bar) != 5:
+            yield ("cov 5 %", rpm, bar, cycles, {"cov": 5})
         if FULL:
-            every.append(("jitter 0.02", rpm, bar, cycles, {"cov": 5, "jitter_deg": 0.02}))
+            yield ("cov of load, 0.02", rpm, bar, cycles, {"cov": cov_percent(bar), "jitter_deg": 0.02})
+        if FULL and cov_percent(bar) != 5:
+            yield ("cov 5 %, 0.02", rpm, bar, cycles, {"cov": 5, "jitter_deg": 0.02})
+
+
+def other_jobs(cycles):
     for name, misfires in (("continuous 3", "continuous = [3]"), ("pair 1+4", "continuous = [1, 4]"), ("pair 1+3", "continuous = [1, 3]"),
-                           ("partial 0.6", "one_in = 50\nburned_fraction = 0.6")):
-        every.append((name, 1500, 5, min(cycles, 400), {"cov": 5, "misfires": misfires}))
-    for walk in ("0.3", "3"):
-        every.append((f"road, walk {walk}", 1000, 1, cycles, {"cov": 5, "road_nm": 60, "options": ("--set", f"firing.load_walk={walk}")}))
-    return every
+                           ("partial 0.65", "one_in = 50\nburned_fraction = 0.65")):
+        yield (name, 1500, 5, min(cycles, 2000), {"cov": 5, "misfires": misfires})
+    for rpm, bar in ((1000, 1), (3000, 1), (6000, 1), (1500, 5)) if FULL else ((1000, 1),):
+        yield ("road 60 Nm", rpm, bar, cycles, {"cov": 5, "road_nm": 60})
+    if FULL:
+        yield ("road 60, no switch", 1000, 1, 1000, {"cov": 5, "road_nm": 60, "options": ("--set", "firing.rough_walk=0")})
+        for engine in ("triple_10", "vee6_uneven", "eight_diesel", "vw_aba", "single_generator"):
+            for rpm, bar in ((1500, 5), (3000, 5), (4500, 3)):
+                yield (engine, rpm, bar, min(cycles, 4000), {"cov": 5, "engine": engine})
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--json")
+    parser.add_argument("--json", help="all figures")
     parser.add_argument("--cells", nargs="*", help="RPM:BAR")
     parser.add_argument("--cycles", type=int, default=26000 if FULL else 300)
+    parser.add_argument("--rows", nargs="*", help="only rows whose name begins so")
+    parser.add_argument("--jobs", type=int, default=1, help="at a time")
     options = parser.parse_args()
     cells = [tuple(int(x) for x in c.split(":")) for c in options.cells] if options.cells else (EDGE_CELLS if FULL else [(1500, 5), (6000, 1)])
-    print(f"{'':<14}{'rpm':>5}{'bar':>4} {'missed':>6} {'detected, % [95 %]':>26} {'healthy':>7} {'false alarms, % [95 %]':>26} {'wrong':>5} {'sep.':>7} {'bound':>7}")
-    with concurrent.futures.ThreadPoolExecutor(os.cpu_count() if FULL else 1) as pool:
-        futures = [pool.submit(run, name, rpm, bar, n, **how) for name, rpm, bar, n, how in jobs(cells, options.cycles)]
-        results = []
-        for future in futures:
+    wanted = lambda job: not options.rows or job[0].startswith(tuple(options.rows))
+    print(f"{'':<20}{'rpm':>5}{'bar':>4} {'missed':>6} {'detected, % [95 %]':>26} {'healthy':>7} {'false alarms, % [95 %]':>26} {'wrong':>5} {'sep.':>7} {'bound':>7}", flush=True)
+    of_map, results = list(filter(wanted, map_jobs(cells, options.cycles))), []
+    with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
+        for future in [pool.submit(run, name, rpm, bar, n, **how) for name, rpm, bar, n, how in of_map + list(filter(wanted, other_jobs(options.cycles)))]:
             results.append(future.result())
             print(row(results[-1]), flush=True)
     if options.json:
         pathlib.Path(options.json).write_text(json.dumps(results, indent=2) + "\n")
-    bad = [c for c in results if c["rpm"] <= 3000 and c["bar"] >= 3 and not c["name"].startswith("partial")
+    judged = [c for c in results[:len(of_map)] if c["detected"]["of"] >= ENOUGH_MISSED]
+    missing = [c for c in judged if not passes(c)]
+    inside = [c for c in missing if c["rpm"] <= 3000 and c["bar"] >= 3]
+    if judged:
+        print(f"{len(missing)} of {len(judged)} cells miss ({100 * len(missing) / len(judged):.1f} %, allowed 5), {len(inside)} of them at <= 3000 rpm and >= 3 bar (allowed none)")
+    bad = [c for c in results if c["rpm"] <= 3000 and c["bar"] >= 3 and c["name"].startswith(("cov", "continuous", "pair"))
            and c["detected"]["bounds_95_percent"][1] < 99.5]
-    sys.exit(f"below the goal for certain: {[(c['name'], c['rpm'], c['bar']) for c in bad]}" if bad else 0)
+    if bad:
+        sys.exit(f"below the goal for certain: {[(c['name'], c['rpm'], c['bar']) for c in bad]}")
+    sys.exit(1 if inside or (judged and len(missing) > 0.05 * len(judged)) else 0)
 
 
 if __name__ == "__main__":

@@ -30,6 +30,9 @@ class Mf4(Folder):
         scenario.write_text(f'engine = "{ROOT}/host_sim/engines/diesel_22.toml"\n[run]\ncycles = 20\n[speed]\nrpm = 1000\n'
                             "[load]\nbmep_bar = 5\n[encoder]\nextra_rate = 0.002\n")
         self.log = self.folder / "a.sdlog"
+        self.run_scenario(scenario)
+
+    def run_scenario(self, scenario):
         subprocess.run([SIXDEG, "run", scenario, "--nominal", "--record", self.log, "--out", self.folder / "run"], check=True, stdout=subprocess.DEVNULL)
 
     def export(self, *options, status=0):
@@ -72,6 +75,28 @@ class Mf4(Folder):
             cylinder = mdf.get("cycle.cylinder_torque_true[1]")
             np.testing.assert_allclose(cylinder.samples, [float(row["torque_true_nm"]) for row in cycles if row["cylinder"] == "1"][:len(cylinder.samples)])
             self.assertAlmostEqual(float(np.diff(cylinder.timestamps).mean()), 0.12, delta=0.004)
+
+    def test_single_firings_misfires_and_mixture(self):
+        scenario = self.folder / "scenario.toml"
+        scenario.write_text(scenario.read_text().replace("cycles = 20", "cycles = 40") + "[[misfires.event]]\ncycle = 30\ncylinder = 4\n[uego]\nnoise_per_rthz = 1e-4\n")
+        self.run_scenario(scenario)
+        cycles = table(self.folder / "run" / "cycles.csv")
+        with self.export("--truth", self.folder / "run") as mdf:
+            for name in ("firing.torque", "firing.sd", "misfire.index", "misfire.verdict", "misfire.rate_200[4]", "misfire.lamp",
+                         "afr.cylinder_burned[1]", "balance.trim[1]"):
+                signal, row = mdf.get(name, ignore_invalidation_bits=True), SIGNALS[name.split("[")[0]]
+                self.assertEqual((signal.unit, signal.comment), (row["unit"], row["text"]))
+            verdict, cylinder = mdf.get("misfire.verdict"), mdf.get("misfire.cylinder")
+            self.assertEqual(list(cylinder.samples[verdict.samples == 2]), [4])
+            truth = mdf.get("cylinder.misfire_true[4]")
+            at = verdict.timestamps[verdict.samples == 2][0]
+            self.assertLess(abs(at - truth.timestamps[truth.samples == 1][0]), 0.15, "a cycle is 0.12 s")
+            self.assertEqual(mdf.get("firing.torque").timestamps.tolist(), mdf.get("firing.sd").timestamps.tolist())
+            for number in range(1, 5):
+                burned, truth = mdf.get(f"afr.cylinder_burned[{number}]"), mdf.get(f"afr.cylinder_burned_true[{number}]")
+                self.assertEqual(list(truth.samples), [float(r["burned_true"]) for r in cycles if r["cylinder"] == str(number)][:len(truth.samples)])
+                self.assertLess(abs(burned.samples[-1] - truth.samples[-1]), 0.1)
+                self.assertIn(f"cycle.cylinder_torque_true[{number}]", mdf.channels_db)
 
     def test_without_truth_there_is_none(self):
         with self.export() as mdf:

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: MIT
 """The misfire monitor in the ecu, on the simulated engine, by `sixdeg run`."""
 import json
+import math
 import os
 import pathlib
 import subprocess
@@ -15,9 +16,10 @@ HEALTHY, PARTIAL, MISFIRE, NOT_JUDGED = "0", "1", "2", "3"
 
 
 class Monitor(Folder):
-    def run_it(self, rpm=1500, bar=5, cycles=120, more="", encoder="pattern_rms_deg = 0.02\njitter_deg = 0.01", load=""):
+    def run_it(self, rpm=1500, bar=5, cycles=120, more="", encoder="pattern_rms_deg = 0.02\njitter_deg = 0.01", load="", mode="dyno"):
         path = self.folder / "scenario.toml"
-        path.write_text(f'engine = "{DIESEL}"\n[run]\ncycles = {cycles}\n[speed]\nrpm = {rpm}\n[load]\nbmep_bar = {bar}\n{load}\n'
+        path.write_text(f'engine = "{DIESEL}"\n[run]\ncycles = {cycles}\n[speed]\nmode = "{mode}"\nrpm = {rpm}\n[load]\n'
+                        f'{"" if bar is None else f"bmep_bar = {bar}"}\n{load}\n'
                         f"[cyclic]\ncov_percent = 5\n{more}\n[encoder]\n{encoder}\n")
         done = subprocess.run([os.environ["SIXDEG"], "run", str(path), "--out", str(self.folder / "out")], capture_output=True,
                               text=True, timeout=300)
@@ -57,6 +59,32 @@ class Monitor(Folder):
         cycles, summary = self.run_it(cycles=150, load="fuel_cut_s = [6, 6.6]")
         self.assertEqual((summary["false_alarms"]["hits"], summary["detected"]["of"]), (0, 0))
         self.assertTrue(any(r["misfire_verdict"] == NOT_JUDGED and float(r["torque_true_nm"]) < 1 for r in cycles))
+
+    def test_a_rough_road_is_noticed_and_misfires_on_it_are_found(self):
+        cycles, summary = self.run_it(rpm=1000, bar=1, cycles=500, more="[misfires]\none_in = 50", load="road_rms_nm = 60")
+        late = [r for r in cycles if int(r["cycle"]) >= 15 and r["rough"]]
+        self.assertGreater(sum(r["rough"] == "1" for r in late) / len(late), 0.97)
+        self.assertGreaterEqual(summary["detected"]["hits"], summary["detected"]["of"] - 1)
+        self.assertGreater(summary["detected"]["of"], 25)
+        self.assertLessEqual(summary["false_alarms"]["hits"], 2)
+
+    def test_misfires_are_no_rough_road(self):
+        cycles, _ = self.run_it(rpm=1500, bar=5, cycles=200, more="[misfires]\none_in = 10")
+        self.assertEqual({r["rough"] for r in cycles if int(r["cycle"]) >= 15 and r["rough"]}, {"0"})
+
+    def test_a_road_that_begins_makes_no_false_alarm(self):
+        """Governed at 1500 rpm; the load torque is that of 2 bar, and from 14 to 20 s 60 Nm rms of four sines beside it."""
+        sines = [(3.7, 0.3), (6.1, 1.7), (9.4, 2.9), (13.2, 4.1)]
+        knots = [(t / 100, 35 + (60 * 2**0.5 / 2 * sum(math.sin(2 * math.pi * f * t / 100 + p) for f, p in sines) if 1400 <= t < 2000 else 0))
+                 for t in range(2500)]
+        load = f"torque_nm = {[round(v, 3) for _, v in knots]}\ntime_s = {[t for t, _ in knots]}"
+        cycles, summary = self.run_it(bar=None, cycles=300, mode="governor", load=load)
+        rough = [(float(r["t_s"]), r["rough"]) for r in cycles if r["rough"]]
+        states = lambda start, end: {state for t, state in rough if start < t < end}
+        self.assertEqual(states(10, 13.9), {"0"})
+        self.assertEqual(states(15, 20), {"1"}, "noticed within a second")
+        self.assertEqual(states(22.5, 25), {"0"})
+        self.assertLessEqual(summary["false_alarms"]["hits"], 1)
 
     def test_lost_edges_never_make_a_misfire(self):
         _, summary = self.run_it(encoder="pattern_rms_deg = 0.02\njitter_deg = 0.01\ndrop_rate = 0.002\nextra_rate = 0.002", cycles=200)

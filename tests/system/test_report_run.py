@@ -8,13 +8,12 @@ import pathlib
 import re
 import shutil
 import subprocess
-import sys
 import unittest
 
 import numpy as np
 import scipy.linalg
 
-from sixdeg_test import Folder
+from sixdeg_test import ReportFolder
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 INERTIA_KGM2, PITCH_DEG, CYCLES = 0.25, 6, 30
@@ -93,19 +92,10 @@ def pole_placement_lag_deg():
     return shifts_deg[np.argmax(match)]
 
 
-class RunReport(Folder):
+class RunReport(ReportFolder):
     def setUp(self):
         super().setUp()
-        self.run_folder, self.page = self.folder / "run", self.folder / "report.html"
-
-    def report(self, *arguments):
-        return subprocess.run([sys.executable, str(ROOT / "tools/report/report.py"), "--out", str(self.page),
-                               *map(str, arguments)], capture_output=True, text=True, check=False)
-
-    def drawn(self, *arguments):
-        done = self.report(*arguments)
-        self.assertEqual((done.returncode, done.stderr), (0, ""))
-        return self.page.read_text()
+        self.run_folder = self.folder / "run"
 
     def claim(self, page, name):
         """The figure that stands beside the document's."""

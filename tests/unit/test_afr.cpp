@@ -149,7 +149,7 @@ TEST(AfrJoint, StructuredCovarianceIsTheFullOne) {
     must(sd_afr_joint_init(&f, &c));
     const double dt = 1e-3, r = 4e-8 / (2 * dt), m2 = 1 - std::exp(-dt / 0.015),
                  m1 = 1 - std::exp(-dt / 0.03);
-    sd_afr_joint_set(&f, float(dt), 0.01f);
+    sd_afr_joint_set(&f, float(dt), 0.01f, 0);
     Eigen::VectorXd x = Eigen::VectorXd::Constant(7, 0.5);
     Eigen::MatrixXd p = Eigen::MatrixXd::Identity(7, 7) * 0.01;
     sd_exhaust_now_f32_t now{};

@@ -1,59 +1,190 @@
 // SPDX-License-Identifier: MIT
-// The closed loop: plant, firmware, trims, with calibrations whose delay is wrong.
+// The closed loop: plant, firmware, trims, with calibrations whose delay is wrong, and with speed and load that move. Figures
+// of many seeds: loop_bench, docs/afr.md.
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <functional>
 #include <gtest/gtest.h>
+#include <memory>
+#include <numeric>
+#include <random>
 
 #include "calibration/calibration.hpp"
-#include "run/bench_run.hpp"
+#include "run/loop_case.hpp"
 
 using namespace sixdeg;
 
 namespace {
 
-constexpr double kDegPerS = 9000; // at 1500 rpm
+const int kSeeds = std::getenv("SD_FULL") ? 20 : 4;
+const std::vector<std::string> kQuiet{"uego.noise_per_rthz=0", "cyclic.cov_percent=0"};
 
-RunResult balanced(double delay_error_deg, double source, double seconds = 8) {
-    TomlFile file(
-        "s.toml",
-        "engine = \"diesel_22.toml\"\n[run]\nduration_s = " + std::to_string(seconds) +
-            "\n[speed]\nrpm = 1500\n[load]\nbmep_bar = 9\n[cylinders]\nfuel_percent = [6, 9, -3, -8]\n"
-            "[cyclic]\ncov_percent = 1\n[uego]\nnoise_per_rthz = 1.83e-4\n[control]\nbalance_on_s = [2, "
-            "1000]\n");
-    const Scenario scenario = read_scenario(file, SD_ENGINES);
-    EngineFile belief = scenario.engine.shared;
-    belief.exhaust->dead_time_s += delay_error_deg / kDegPerS;
-    TomlFile tune("tune", "");
-    tune.set("balance.source=" + std::to_string(source));
-    return run_on_bench(scenario, calibrate(belief, read_tune(tune), "tune"), nullptr);
+/// An ecu whose lambda sensor lies from 6 s to 8 s.
+class BadSensor : public EcuBench {
+  public:
+    BadSensor(const sd_calibration_t &calibration, std::function<float()> reading)
+        : EcuBench(calibration), tick_hz_(calibration.tick_hz), reading_(std::move(reading)) {}
+    void send(const sd_event_t &event) override {
+        sd_event_t e = event;
+        const double t_s = e.tick / tick_hz_;
+        const bool lies = t_s > 6 && t_s < 8;
+        if (lies && e.kind == SD_EVENT_SAMPLE && e.channel == SD_INPUT_EXHAUST_LAMBDA) {
+            const float reading = reading_();
+            std::memcpy(&e.value, &reading, sizeof reading);
+        }
+        EcuBench::send(e);
+        for (float trim : signals().balance_trim) {
+            if (!std::isfinite(trim) || std::abs(trim) > 0.25f) bad = true;
+        }
+        if (t_s > 6.2 && before_.empty()) before_.assign(signals().balance_trim, signals().balance_trim + 4);
+        for (std::size_t i = 0; lies && i < before_.size(); ++i)
+            moved = std::max(moved, double(std::abs(signals().balance_trim[i] - before_[i])));
+    }
+    double moved = 0; ///< By a trim while the sensor lied, but for the first two cycles.
+    bool bad = false;
+
+  private:
+    double tick_hz_;
+    std::function<float()> reading_;
+    std::vector<float> before_;
+};
+
+BalanceFigures balanced(const LoopCase &loop) {
+    const RunResult r = run_loop(loop);
+    EXPECT_TRUE(r.balance);
+    return r.balance.value_or(BalanceFigures{});
 }
 
-TEST(AfrLoop, BalancesFromLambda) {
-    const RunResult r = balanced(0, 1);
-    ASSERT_TRUE(r.balance && r.afr);
-    EXPECT_GT(r.balance->spread_before_percent, 14);
-    EXPECT_GE(r.balance->cycles_to_3_percent, 0);
-    EXPECT_LE(r.balance->cycles_to_3_percent, 40);
-    EXPECT_LT(r.afr->rms_points, 2.5);
-    std::printf("cycles %.0f, residual %.2f %%\n", r.balance->cycles_to_3_percent,
-                r.balance->residual_percent);
+double mean(const std::vector<double> &x) { return std::accumulate(x.begin(), x.end(), 0.0) / double(x.size()); }
+
+/// The median; an unlucky run takes some cycles more for the last percent, which is noise.
+TEST(AfrLoop, BalancesFromLambdaWithin28Cycles) {
+    for (bool perturbed : {false, true}) {
+        std::vector<double> residual, cycles;
+        for (int seed = 1; seed <= kSeeds; ++seed) {
+            const BalanceFigures b = balanced({{}, {}, 0, perturbed, std::uint64_t(seed)});
+            EXPECT_GT(b.spread_before_percent, 14);
+            EXPECT_EQ(b.gave_up_cycles, -1);
+            EXPECT_GE(b.cycles_to_3_percent, 4);
+            EXPECT_LE(b.cycles_to_3_percent, 40) << seed;
+            residual.push_back(b.residual_percent), cycles.push_back(b.cycles_to_3_percent);
+        }
+        std::sort(cycles.begin(), cycles.end());
+        EXPECT_LE(cycles[cycles.size() / 2], 28) << perturbed;
+        EXPECT_LE(mean(residual), 0.9) << perturbed;
+    }
 }
 
 TEST(AfrLoop, BalancesFromTorqueAlone) {
-    const RunResult r = balanced(0, 2);
-    ASSERT_TRUE(r.balance);
-    EXPECT_GE(r.balance->cycles_to_3_percent, 0);
-    EXPECT_LE(r.balance->cycles_to_3_percent, 60);
-    std::printf("cycles %.0f, residual %.2f %%\n", r.balance->cycles_to_3_percent,
-                r.balance->residual_percent);
+    const BalanceFigures b = balanced({{}, {"balance.source=2"}});
+    EXPECT_GE(b.cycles_to_3_percent, 4);
+    EXPECT_LE(b.cycles_to_3_percent, 20);
+    EXPECT_LT(b.residual_percent, 0.5);
+}
+
+/// What a calibration believes wrongly of single cylinders is learned while nothing burns, at another intake pressure.
+TEST(AfrLoop, AFuelCutMendsTorqueOfAWrongCalibration) {
+    const auto run = [](const std::string &cut) {
+        return balanced({{"load.bmep_bar=[9,9,1,1,9]", "load.time_s=[0,2,2.2,4.2,4.4]", cut, "control.balance_on_s=[6,1000]"},
+                         {"balance.source=2"}, 0, true, 2});
+    };
+    const BalanceFigures without = run("load.fuel_cut_s=[]"), with = run("load.fuel_cut_s=[2.2,4.2]");
+    EXPECT_GT(without.residual_percent, 1.5);
+    EXPECT_LT(with.residual_percent, 0.6);
+    EXPECT_GE(with.cycles_to_3_percent, 4);
+    EXPECT_LE(with.cycles_to_3_percent, 20);
+}
+
+/// 3500 rpm, where the sensor is too slow: 22 s from the moment the trims are allowed.
+TEST(AfrLoop, BalancesInSlowMode) {
+    const double cycles_in_22_s = 22 * 3500 / 120.0;
+    const BalanceFigures b = balanced({{}, {}, 0, true, 2, "slow_3500rpm_12bar.toml"});
+    EXPECT_GE(b.cycles_to_3_percent, 4);
+    EXPECT_LE(b.cycles_to_3_percent, cycles_in_22_s);
+    EXPECT_LT(b.largest_spread_percent, b.spread_before_percent + 1);
 }
 
 TEST(AfrLoop, StableWithSixtyDegreesOfDelayError) {
-    for (double error : {-60.0, 60.0}) {
-        const RunResult r = balanced(error, 1, 12);
-        ASSERT_TRUE(r.balance);
-        EXPECT_GE(r.balance->cycles_to_3_percent, 0) << error;
-        std::printf("%+.0f deg: cycles %.0f, residual %.2f %%\n", error, r.balance->cycles_to_3_percent,
-                    r.balance->residual_percent);
+    for (double error : {-60.0, -30.0, 30.0, 60.0}) {
+        const BalanceFigures b = balanced({{}, {}, error});
+        EXPECT_GE(b.cycles_to_3_percent, 4) << error;
+        EXPECT_LE(b.cycles_to_3_percent, 60) << error;
+        EXPECT_EQ(b.gave_up_cycles, -1) << error;
+        EXPECT_LT(b.residual_percent, 2.5) << error;
     }
+}
+
+/// At 90 deg the alternating pattern is neither corrected nor driven; beyond, it is driven apart, and the watch stops that.
+TEST(AfrLoop, GivesUpBeforeAWrongPhaseDoesHarm) {
+    for (double error : {90.0, -90.0, 120.0, -120.0, 150.0, -150.0, 180.0}) {
+        const BalanceFigures b = balanced({{}, {}, error});
+        EXPECT_LT(b.largest_spread_percent, 2 * b.spread_before_percent) << error;
+        if (std::abs(error) > 100) {
+            EXPECT_GE(b.gave_up_cycles, 4) << error;
+            EXPECT_LE(b.gave_up_cycles, 40) << error;
+        }
+    }
+}
+
+TEST(AfrLoop, FaultsOfInjectorsAreNotTakenForAWrongPhase) {
+    const std::vector<std::string> steps{"cylinders.fuel_step=[{at_s=5, cylinder=2, percent=-6}, {at_s=8, cylinder=3, percent=14}]"};
+    for (const char *source : {"balance.source=1", "balance.source=2"}) {
+        const BalanceFigures b = balanced({steps, {source}});
+        EXPECT_EQ(b.gave_up_cycles, -1) << source;
+        EXPECT_LT(b.residual_percent, 2) << source;
+    }
+}
+
+/// No noise, so that what moves a trim is the move of speed or load.
+TEST(AfrLoop, MovesOfSpeedAndLoadMoveNoTrimTheWrongWay) {
+    for (const char *file : {"speed_ramp.toml", "load_ramp.toml", "tip_in.toml"}) {
+        const BalanceFigures b = balanced({kQuiet, {}, 0, false, 1, file});
+        EXPECT_LT(b.wrong_way_percent, 0.5) << file;
+        EXPECT_LT(b.residual_percent, 0.1) << file;
+    }
+}
+
+/// Stated deviations above what is allowed: nothing is learned from lambda, whatever it says.
+TEST(AfrLoop, HoldsWhileTheEstimateSaysThatItIsUncertain) {
+    const BalanceFigures b = balanced({{"run.duration_s=5"}, {"balance.sd_max=0.005"}});
+    EXPECT_NEAR(b.largest_spread_percent, b.spread_before_percent, 0.1);
+    EXPECT_EQ(b.wrong_way_percent, 0);
+}
+
+TEST(AfrLoop, ASensorThatFailsMovesNoTrimAndNeedsNoRestart) {
+    std::mt19937 random(1);
+    const Scenario scenario = loop_scenario({});
+    const sd_calibration_t page = calibrate(scenario.engine.shared, read_tune(*std::make_unique<TomlFile>("t", "")), "t");
+    const auto check = [&](const char *what, std::function<float()> reading) {
+        const auto ecu = std::make_unique<BadSensor>(page, std::move(reading));
+        const RunResult r = run_scenario(scenario, page, *ecu, nullptr);
+        EXPECT_FALSE(ecu->bad) << what;
+        EXPECT_LE(ecu->moved, 0.005) << what;
+        ASSERT_TRUE(r.balance) << what;
+        EXPECT_LT(r.balance->residual_percent, 1.5) << what;
+        EXPECT_EQ(r.balance->gave_up_cycles, -1) << what;
+    };
+    check("not a number", [] { return NAN; });
+    check("out of range", [] { return -1e30f; });
+    check("stuck", [] { return 2.0f; });
+    check("any number", [&] { return std::uniform_real_distribution<float>(0.3f, 9)(random); });
+}
+
+TEST(AfrLoop, TheFilterTakesWhatItIsToldOfATrim) {
+    sd_afr_joint_t filter;
+    const sd_afr_joint_config_t config{4, 0.03f, 0.015f, 2e-4f, 0.01f, 0.1f, 8};
+    ASSERT_EQ(sd_afr_joint_init(&filter, &config), SD_OK);
+    sd_afr_joint_move(&filter, 1, 0.1f); // not running: nothing to move
+    const sd_exhaust_now_f32_t now{};
+    sd_afr_joint_step(&filter, &now, 0.5f, nullptr);
+    for (float bad : {NAN, INFINITY, 1.5f, -1.5f}) sd_afr_joint_move(&filter, 1, bad);
+    sd_afr_joint_move(&filter, 4, 0.1f);
+    for (std::uint32_t i = 0; i < 4; ++i) EXPECT_FLOAT_EQ(sd_afr_joint_lambda(&filter, i), 0.5f);
+    sd_afr_joint_move(&filter, 1, 0.1f);
+    EXPECT_FLOAT_EQ(sd_afr_joint_lambda(&filter, 1), 0.6f);
+    EXPECT_FLOAT_EQ(sd_afr_joint_lambda(&filter, 0), 0.5f);
 }
 
 TEST(AfrLoop, WithoutASensorNothingIsSaid) {

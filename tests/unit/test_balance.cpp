@@ -1,26 +1,37 @@
 // SPDX-License-Identifier: MIT
 // The fuel balance against closed forms, its limits, and a loop that runs the wrong way.
+#include <algorithm>
 #include <cmath>
+#include <complex>
 #include <gtest/gtest.h>
 #include <vector>
 
+#include "common/random.hpp"
+
 extern "C" {
 #include "sd_balance.h"
+#include "sd_balance_zero.h"
 }
 
 namespace {
 
 constexpr sd_balance_config_t kConfig{4, 0.1f, 0.05f, 0.2f, 0.1f, 4};
 
+sd_balance_input_t input(const float *deviation, const float *sd, std::uint8_t health = SD_VALID, bool transient = false,
+                         float follow = 0.5f) {
+    return {deviation, sd, follow, 1, health, std::uint8_t(transient)};
+}
+
 struct Loop {
     explicit Loop(sd_balance_config_t config = kConfig) { EXPECT_EQ(sd_balance_init(&b, &config), SD_OK); }
-    /// One cycle; `sign` 1: a trim acts as it should.
-    void cycle(std::uint8_t health = SD_VALID, bool transient = false, float stated = 0.01f, float sign = 1) {
+    /// One cycle.
+    void cycle(std::uint8_t health = SD_VALID, bool transient = false, float stated = 0) {
         float deviation[4], mean = 0;
-        for (int i = 0; i < 4; ++i) mean += (offset[i] + sign * b.trim[i]) / 4;
-        for (int i = 0; i < 4; ++i) deviation[i] = offset[i] + sign * b.trim[i] - mean;
+        for (int i = 0; i < 4; ++i) mean += (offset[i] + b.trim[i]) / 4;
+        for (int i = 0; i < 4; ++i) deviation[i] = offset[i] + b.trim[i] - mean;
         const float sd[4] = {stated, stated, stated, stated};
-        sd_balance_step(&b, deviation, sd, health, transient);
+        const sd_balance_input_t in = input(deviation, sd, health, transient);
+        sd_balance_step(&b, &in);
         worst = 0;
         for (float d : deviation) worst = std::max(worst, std::fabs(d));
     }
@@ -28,6 +39,52 @@ struct Loop {
     sd_balance_t b;
     float offset[4] = {0.1f, 0, -0.04f, 0};
     float worst = 0;
+};
+
+/// An estimate that takes up a share of what it has not seen each cycle, knows of the trims, and turns every pattern over the
+/// cylinders by its order times half the delay's error.
+struct Turned {
+    Turned(int cylinders, double delay_deg)
+        : n(cylinders), delay_rad(delay_deg * M_PI / 180), random(3, 1) {
+        sd_balance_config_t c = kConfig;
+        c.cylinders = std::uint8_t(n), c.gain = 0.25f;
+        EXPECT_EQ(sd_balance_init(&b, &c), SD_OK);
+        estimate.assign(std::size_t(n), 0), told = estimate, offset = estimate;
+        for (int i = 0; i < n; ++i) offset[std::size_t(i)] = 0.08 * std::sin(1.1 * i + 0.3);
+    }
+    std::vector<double> turned(const std::vector<double> &x) const {
+        std::vector<double> y(x.size(), 0.0);
+        for (int m = 0; m < n; ++m) {
+            const int order = 2 * m <= n ? m : m - n;
+            std::complex<double> pattern = 0;
+            for (int i = 0; i < n; ++i) pattern += x[std::size_t(i)] * std::polar(1.0 / n, -2 * M_PI * m * i / n);
+            for (int i = 0; i < n; ++i)
+                y[std::size_t(i)] += (pattern * std::polar(1.0, 2 * M_PI * m * i / n + order * delay_rad / 2)).real();
+        }
+        return y;
+    }
+    void cycle() {
+        constexpr double kFollow = 0.3;
+        std::vector<double> gas = offset;
+        for (std::size_t i = 0; i < gas.size(); ++i) gas[i] += double(b.trim[i]);
+        const std::vector<double> seen = turned(gas);
+        float deviation[8], sd[8];
+        for (std::size_t i = 0; i < gas.size(); ++i) {
+            estimate[i] += double(b.trim[i]) - told[i];
+            told[i] = double(b.trim[i]);
+            estimate[i] += kFollow * (seen[i] - estimate[i]) + noise * std::sqrt(2 * kFollow) * random.normal();
+            deviation[i] = float(estimate[i]), sd[i] = float(noise);
+        }
+        spread = *std::max_element(gas.begin(), gas.end()) - *std::min_element(gas.begin(), gas.end());
+        const sd_balance_input_t in = input(deviation, sd, SD_VALID, false, float(kFollow));
+        sd_balance_step(&b, &in);
+    }
+    int n;
+    double delay_rad, spread = 0;
+    static constexpr double noise = 0.02;
+    sixdeg::RandomStream random;
+    std::vector<double> estimate, told, offset;
+    sd_balance_t b;
 };
 
 TEST(Balance, DeviationsShrinkByTheGainEachCycle) {
@@ -58,7 +115,18 @@ TEST(Balance, HoldsWhileNotTrusted) {
     held([](Loop &l) { l.cycle(SD_VALID, false, NAN); });
     held([](Loop &l) {
         const float bad[4] = {NAN, 0, 0, 0}, sd[4] = {};
-        sd_balance_step(&l.b, bad, sd, SD_VALID, 0);
+        const sd_balance_input_t in = input(bad, sd);
+        sd_balance_step(&l.b, &in);
+    });
+    held([](Loop &l) {
+        const float huge[4] = {INFINITY, -INFINITY, 1e30f, 0}, sd[4] = {};
+        const sd_balance_input_t in = input(huge, sd);
+        sd_balance_step(&l.b, &in);
+    });
+    held([](Loop &l) {
+        const float deviation[4] = {0.1f, -0.1f, 0, 0}, sd[4] = {};
+        const sd_balance_input_t in = input(deviation, sd, SD_VALID, false, NAN);
+        sd_balance_step(&l.b, &in);
     });
 }
 
@@ -77,24 +145,68 @@ TEST(Balance, LimitsRateAndLeavesALimitAtOnce) {
     EXPECT_GT(loop.b.trim[0], at_limit + 0.02f);
 }
 
-TEST(Balance, ALoopOfTheWrongSignIsCaught) {
-    Loop loop;
-    loop.offset[0] = 0.02f, loop.offset[2] = -0.02f;
-    float largest = 0;
-    int k = 0;
-    for (; k < 500 && loop.b.diverged == 0; ++k) {
-        loop.cycle(SD_VALID, false, 0.005f, -1);
-        for (float t : loop.b.trim) largest = std::max(largest, std::fabs(t));
+/// Half of the delay error that makes the fastest pattern unstable, and twice it, whatever the number of cylinders.
+TEST(Balance, ADelayThatTheLoopStandsIsNotTakenForAWrongPhase) {
+    for (int n : {2, 3, 4, 5, 6, 8}) {
+        for (double error : {-0.6, -0.3, 0.0, 0.3, 0.6}) {
+            Turned loop(n, error * 360 / n);
+            for (int k = 0; k < 400; ++k) {
+                loop.cycle();
+                ASSERT_EQ(loop.b.diverged, 0) << n << " cylinders, " << error << ", cycle " << k;
+            }
+            EXPECT_LT(loop.spread, 0.08) << n << " cylinders, " << error;
+        }
     }
-    EXPECT_LT(k, 500);
-    EXPECT_EQ(sd_balance_status(&loop.b).health, SD_INVALID);
-    EXPECT_EQ(loop.b.trim[0], 0);
-    EXPECT_LE(largest, 0.2f);
+}
+
+TEST(Balance, AWrongPhaseIsCaughtBeforeMuchHarmIsDone) {
+    for (int n : {2, 3, 4, 5, 6, 8}) {
+        for (double error : {-2.0, -1.6, 1.6, 2.0}) {
+            Turned loop(n, error * 360 / n);
+            loop.cycle();
+            const double before = loop.spread;
+            double largest = 0;
+            int k = 0;
+            for (; k < 100 && loop.b.diverged == 0; ++k) {
+                loop.cycle();
+                largest = std::max(largest, loop.spread);
+            }
+            EXPECT_LT(k, 60) << n << " cylinders, " << error;
+            EXPECT_LT(largest, before + 0.2) << n << " cylinders, " << error;
+            EXPECT_EQ(sd_balance_status(&loop.b).health, SD_INVALID);
+            EXPECT_EQ(sd_balance_status(&loop.b).why, SD_WHY_FAULT);
+            for (int i = 0; i < 20; ++i) loop.cycle();
+            for (int i = 0; i < n; ++i) EXPECT_EQ(loop.b.trim[i], 0); // back, and there until it is restarted
+        }
+    }
+}
+
+TEST(Balance, TrimsOfALoopThatGaveUpGoBackWithTheRateAndARestartBegins) {
+    Loop loop;
+    for (int k = 0; k < 40; ++k) loop.cycle();
+    const float before = loop.b.trim[0];
+    ASSERT_LT(before, -kConfig.rate);
+    loop.b.diverged = 1;
     loop.cycle();
-    EXPECT_EQ(loop.b.trim[0], 0); // until it is restarted
+    EXPECT_FLOAT_EQ(loop.b.trim[0], before + kConfig.rate);
+    for (int k = 0; k < 5; ++k) loop.cycle();
+    EXPECT_EQ(loop.b.trim[0], 0);
     sd_balance_restart(&loop.b);
     for (int i = 0; i < 6; ++i) loop.cycle();
     EXPECT_NE(loop.b.trim[0], 0);
+}
+
+/// Close to the noise there is less to gain: the gain falls to half of itself where noise explains all.
+TEST(Balance, LearnsSlowlyFromWhatNoiseExplains) {
+    const auto moved = [](float stated) {
+        Loop loop;
+        loop.cycle(SD_VALID, false, stated);
+        return -loop.b.trim[0] / loop.worst;
+    };
+    EXPECT_NEAR(moved(0), 0.1, 1e-6);
+    EXPECT_NEAR(moved(0.09f), 0.05, 1e-6);
+    const float square = (0.085f * 0.085f + 0.055f * 0.055f + 2 * 0.015f * 0.015f) / 4;
+    EXPECT_NEAR(moved(0.03f), 0.1 * (0.5 + 0.5 * (1 - 0.03 * 0.03 / square)), 1e-6);
 }
 
 TEST(Balance, AStepOfAnInjectorIsNotTakenForDivergence) {
@@ -108,6 +220,44 @@ TEST(Balance, AStepOfAnInjectorIsNotTakenForDivergence) {
     EXPECT_LT(loop.worst, 1e-3f);
 }
 
+TEST(BalanceZero, IsTheMeanOfMotoredCyclesPerBar) {
+    sd_balance_zero_t zero{};
+    const float torque[3] = {7, 4, 1}; // 3, 0, -3 about their mean
+    for (int k = 0; k < 9; ++k) sd_balance_zero_step(&zero, torque, 3, 1.5f, true);
+    EXPECT_EQ(sd_balance_zero_nm(&zero, 0, 1), 0); // the estimate settles first
+    sd_balance_zero_step(&zero, torque, 3, 1.5f, true);
+    EXPECT_FLOAT_EQ(sd_balance_zero_nm(&zero, 0, 1), 2);
+    EXPECT_FLOAT_EQ(sd_balance_zero_nm(&zero, 2, 3), -6);
+    const float other[3] = {4, 4, 4};
+    sd_balance_zero_step(&zero, other, 3, 1, true);
+    EXPECT_FLOAT_EQ(sd_balance_zero_nm(&zero, 0, 1), 1);
+    for (int k = 0; k < 1000; ++k) sd_balance_zero_step(&zero, torque, 3, 1.5f, true);
+    EXPECT_NEAR(sd_balance_zero_nm(&zero, 0, 1), 2, 1e-3);
+}
+
+TEST(BalanceZero, LearnsNothingFromFiringOrBadNumbers) {
+    sd_balance_zero_t zero{};
+    const float torque[2] = {5, -5}, bad[2] = {NAN, 0}, huge[2] = {INFINITY, 0};
+    const auto settle = [&] { for (int k = 0; k < 9; ++k) sd_balance_zero_step(&zero, torque, 2, 1, true); };
+    const auto nothing = [&](const float *x, float bar, bool motored) {
+        settle();
+        sd_balance_zero_step(&zero, x, 2, bar, motored);
+        sd_balance_zero_step(&zero, torque, 2, 1, true);
+        EXPECT_EQ(zero.cycles, 0);
+        sd_balance_zero_step(&zero, torque, 2, 1, false);
+    };
+    nothing(torque, 1, false);
+    nothing(bad, 1, true);
+    nothing(huge, 1, true);
+    nothing(torque, 0, true);
+    nothing(torque, NAN, true);
+    settle();
+    sd_balance_zero_step(&zero, torque, 2, 1, true);
+    EXPECT_FLOAT_EQ(sd_balance_zero_nm(&zero, 0, 1), 5);
+    EXPECT_EQ(sd_balance_zero_nm(&zero, 0, NAN), 0);
+    EXPECT_EQ(sd_balance_zero_nm(&zero, SD_BALANCE_CYLINDERS_MAX, 1), 0);
+}
+
 TEST(Balance, RefusesBadConfigurations) {
     sd_balance_t b;
     for (auto change : std::vector<void (*)(sd_balance_config_t &)>{
@@ -118,6 +268,26 @@ TEST(Balance, RefusesBadConfigurations) {
         change(c);
         EXPECT_EQ(sd_balance_init(&b, &c), SD_ERR_CONFIG);
     }
+}
+
+TEST(Balance, OtherChoicesOnTheWayKeepTheTrimsWithinTheNewLimit) {
+    Loop loop;
+    for (int k = 0; k < 60; ++k) loop.cycle();
+    const float before = loop.b.trim[2];
+    ASSERT_LT(loop.b.trim[0], -0.07f);
+    sd_balance_config_t config = kConfig;
+    config.gain = 0.5f;
+    ASSERT_EQ(sd_balance_configure(&loop.b, &config), SD_OK);
+    EXPECT_EQ(loop.b.trim[2], before);
+    loop.offset[2] += 0.04f;
+    loop.cycle();
+    EXPECT_NEAR(loop.b.trim[2] - before, -0.5f * 0.03f, 2e-3f) << "the new gain";
+    config.limit = 0.05f;
+    ASSERT_EQ(sd_balance_configure(&loop.b, &config), SD_OK);
+    EXPECT_EQ(loop.b.trim[0], -0.05f);
+    config.limit = 0.6f;
+    EXPECT_EQ(sd_balance_configure(&loop.b, &config), SD_ERR_CONFIG);
+    EXPECT_EQ(loop.b.config.limit, 0.05f);
 }
 
 } // namespace

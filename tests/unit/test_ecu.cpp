@@ -3,7 +3,9 @@
 #include <cmath>
 #include <cstring>
 #include <gtest/gtest.h>
+#include <map>
 #include <memory>
+#include <tuple>
 
 #include "calibration/calibration.hpp"
 #include "common/error.hpp"
@@ -25,9 +27,14 @@ EngineFile diesel() {
     return engine;
 }
 
-sd_calibration_t page(const std::string &tune_text = "") {
-    TomlFile tune("tune", tune_text);
-    return calibrate(diesel(), read_tune(tune), "tune");
+/// Made once for each tune: it takes a quarter of a second.
+const sd_calibration_t &page(const std::string &tune_text = "") {
+    static std::map<std::string, sd_calibration_t> made;
+    if (made.count(tune_text) == 0) {
+        TomlFile tune("tune", tune_text);
+        made[tune_text] = calibrate(diesel(), read_tune(tune), "tune");
+    }
+    return made[tune_text];
 }
 
 struct Ecu {
@@ -234,15 +241,16 @@ sd_event_t parameter(const char *name, sd_parameter_command_t command, float val
     return event;
 }
 
+std::pair<std::uint32_t, float> ask(Ecu &ecu, const sd_event_t &request) {
+    const auto answers = ecu.send(request);
+    EXPECT_EQ(1u, answers.size());
+    EXPECT_EQ(request.flags, answers.front().flags & 0xff);
+    return {answers.front().flags >> 8, value_of(answers.front())};
+}
+
 TEST(Ecu, ParametersAreSetWithinTheirRangeAndRestored) {
     Ecu ecu(page());
-    const auto ask = [&](const sd_event_t &request) {
-        const auto answers = ecu.send(request);
-        EXPECT_EQ(1u, answers.size());
-        EXPECT_EQ(SD_EVENT_PARAMETER, answers.front().kind);
-        EXPECT_EQ(request.flags, answers.front().flags & 0xff);
-        return std::pair(answers.front().flags >> 8, value_of(answers.front()));
-    };
+    const auto ask = [&](const sd_event_t &request) { return ::ask(ecu, request); };
     using Answer = std::pair<std::uint32_t, float>;
     const char *const name = "torque.harmonics";
     EXPECT_EQ(Answer(SD_PARAMETER_OK, 5), ask(parameter(name, SD_PARAMETER_READ)));
@@ -258,6 +266,89 @@ TEST(Ecu, ParametersAreSetWithinTheirRangeAndRestored) {
     EXPECT_EQ(Answer(SD_PARAMETER_UNKNOWN, 0), ask(parameter("none", SD_PARAMETER_SET, 1)));
     EXPECT_EQ(Answer(SD_PARAMETER_OK, 1), ask(parameter("torque.fixed_point", SD_PARAMETER_SET, 1)));
     EXPECT_EQ(5, ecu.ecu->torque.q31.harmonics);
+}
+
+/// Some other value of a parameter that its block can run with.
+float other_value(const sd_signal_info_t &info, float now) {
+    if (info.low == 0 && info.high == 1 && (now == 0 || now == 1)) return 1 - now; // a switch
+    const bool whole = now == std::floor(now);
+    return !whole ? now * 1.0625f : now + 1 <= info.high ? now + 1 : now - 1;
+}
+
+auto fields(const sd_misfire_config_t &c) {
+    return std::tuple(c.work_per_fuel_jpmg, c.cyclic, c.z_false, c.z_missed, c.definition, c.partial, c.fuel_min_mg, c.torque_min_nm,
+                      c.speed_change, c.start_firings, c.hold_firings, c.continuous_firings, c.emission_percent, c.catalyst_percent,
+                      c.emission_exceedances, c.catalyst_exceedances);
+}
+auto fields(const sd_balance_config_t &c) { return std::tuple(c.gain, c.rate, c.limit, c.sd_max, c.hold_cycles); }
+auto fields(const sd_afr_config_t &c) { return std::tuple(c.noise_per_rthz, c.drift, c.drift_slow, c.slow_above); }
+
+void expect_same_choices(const sd_ecu_t &a, const sd_ecu_t &b) {
+    EXPECT_EQ(a.crank.config.stall_ticks, b.crank.config.stall_ticks);
+    if (a.calibration.parameters.torque_fixed_point > 0.5f)
+        EXPECT_EQ(0, std::memcmp(&a.torque.q31, &b.torque.q31, sizeof a.torque.q31));
+    else
+        EXPECT_EQ(0, std::memcmp(&a.torque.f32, &b.torque.f32, sizeof a.torque.f32));
+    EXPECT_EQ(fields(a.misfire.config), fields(b.misfire.config));
+    EXPECT_EQ(fields(a.balance.config), fields(b.balance.config));
+    EXPECT_EQ(fields(a.afr.config), fields(b.afr.config));
+}
+
+TEST(Ecu, ParametersSetAtRunTimeGiveThePageOfThoseSetAtTheStart) {
+    // So none can go into tables and be changed beside them unseen.
+    const sd_calibration_t start = page();
+    int taken = 0, refused = 0;
+    for (int owner = 0; owner < SD_OWNER_COUNT; ++owner) {
+        SCOPED_TRACE(owner);
+        Ecu ecu(start);
+        TomlFile tune("tune", "");
+        sd_parameters_t parameters = read_tune(tune);
+        for (std::size_t i = 0; i < SD_PARAMETER_COUNT; ++i) {
+            const sd_signal_info_t &info = sd_parameter_infos[i];
+            const float now = reinterpret_cast<const float *>(&start.parameters)[i], value = other_value(info, now);
+            if (info.owner != owner) continue;
+            const auto expected = info.at_start != 0 ? std::pair(std::uint32_t(SD_PARAMETER_AT_START), now)
+                                                     : std::pair(std::uint32_t(SD_PARAMETER_OK), value);
+            EXPECT_EQ(expected, ask(ecu, parameter(info.name, SD_PARAMETER_SET, value))) << info.name;
+            reinterpret_cast<float *>(&parameters)[i] = info.at_start != 0 ? now : value;
+            ++(info.at_start != 0 ? refused : taken);
+        }
+        sd_calibration_t fresh = calibrate(diesel(), parameters, "tune");
+        if (owner == SD_OWNER_TORQUE) fresh.cylinder_map = start.cylinder_map; // void, as sd_cylinders_fit says at each cycle
+        if (owner == SD_OWNER_FIRING) {                                        // switched off, not thrown away
+            EXPECT_EQ(0, fresh.kalman.positions);
+            parameters.firing_enabled = 1;
+            fresh.kalman = calibrate(diesel(), parameters, "tune").kalman;
+        }
+        EXPECT_EQ(page_bytes(fresh), page_bytes(ecu.ecu->calibration));
+        EXPECT_EQ(0, std::memcmp(&ecu.ecu->reference, &start.parameters, sizeof start.parameters)) << "never touched";
+        expect_same_choices(*Ecu(fresh).ecu, *ecu.ecu);
+    }
+    EXPECT_EQ(SD_PARAMETER_COUNT, unsigned(taken + refused));
+    EXPECT_GT(taken, 10 * refused);
+}
+
+TEST(Ecu, TheWholePageIsRestoredAtOnceInWhateverOrderItsValuesDepend) {
+    const sd_calibration_t start = page();
+    Ecu ecu(start);
+    using Answer = std::pair<std::uint32_t, float>;
+    EXPECT_EQ(Answer(SD_PARAMETER_REFUSED, 0.8f), ask(ecu, parameter("misfire.partial", SD_PARAMETER_SET, 0.3f))) << "below definition";
+    EXPECT_EQ(Answer(SD_PARAMETER_OK, 0.25f), ask(ecu, parameter("misfire.definition", SD_PARAMETER_SET, 0.25f)));
+    EXPECT_EQ(Answer(SD_PARAMETER_OK, 0.3f), ask(ecu, parameter("misfire.partial", SD_PARAMETER_SET, 0.3f)));
+    EXPECT_EQ(Answer(SD_PARAMETER_OK, 2), ask(ecu, parameter("torque.harmonics", SD_PARAMETER_SET, 2)));
+    EXPECT_EQ(SD_PARAMETER_REFUSED, ask(ecu, parameter("misfire.definition", SD_PARAMETER_RESTORE)).first) << "alone it cannot go back";
+    const sd_event_t all{0, SD_EVENT_PARAMETER, SD_PARAMETER_ALL, 0, SD_PARAMETER_RESTORE};
+    EXPECT_EQ(Answer(SD_PARAMETER_OK, 0), ask(ecu, all));
+    EXPECT_EQ(page_bytes(start), page_bytes(ecu.ecu->calibration));
+    EXPECT_EQ(0.5f, ecu.ecu->misfire.config.definition);
+    EXPECT_EQ(5, ecu.ecu->torque.f32.harmonics);
+    const sd_event_t none{0, SD_EVENT_PARAMETER, SD_PARAMETER_ALL, 0, SD_PARAMETER_SET};
+    EXPECT_EQ(Answer(SD_PARAMETER_UNKNOWN, 0), ask(ecu, none));
+}
+
+TEST(Ecu, NothingIsValidBeforeTheFirstTooth) {
+    Ecu ecu(page());
+    for (const sd_status_t &status : ecu.ecu->status) EXPECT_EQ(SD_INVALID, status.health);
 }
 
 TEST(Ecu, AfterAGapTheAngleIsSoughtAfresh) {

@@ -2,9 +2,11 @@
 // The event log: what is written comes back, what was touched does not; and the clock that unwraps its ticks.
 #include "log/event_log.hpp"
 
+#include <cmath>
 #include <cstring>
 #include <fstream>
 #include <gtest/gtest.h>
+#include <random>
 
 #include "calibration/calibration.hpp"
 #include "common/error.hpp"
@@ -16,9 +18,12 @@ namespace fs = std::filesystem;
 
 namespace {
 
-sd_calibration_t page() {
-    TomlFile engine(fs::path(SD_ENGINES) / "diesel_22.toml"), tune("tune", "");
-    return calibrate(read_engine(engine), read_tune(tune), "tune");
+const sd_calibration_t &page() {
+    static const sd_calibration_t made = [] {
+        TomlFile engine(fs::path(SD_ENGINES) / "diesel_22.toml"), tune("tune", "");
+        return calibrate(read_engine(engine), read_tune(tune), "tune");
+    }();
+    return made;
 }
 
 class EventLogFile : public testing::Test {
@@ -85,6 +90,58 @@ TEST_F(EventLogFile, EveryTouchedByteAndEveryCutIsRefused) {
     EXPECT_EQ(file.string() + ": is truncated or damaged: its checksum is wrong",
               refusal(whole.substr(0, whole.size() - 16)));
     EXPECT_EQ("", refusal(whole));
+}
+
+std::uint32_t crc32(const std::string &bytes) {
+    std::uint32_t crc = 0xffffffffu;
+    for (const char byte : bytes) {
+        crc ^= std::uint8_t(byte);
+        for (int bit = 0; bit < 8; ++bit) crc = (crc >> 1) ^ ((crc & 1u) ? 0xedb88320u : 0u);
+    }
+    return ~crc;
+}
+
+TEST_F(EventLogFile, WhateverStandsBehindRightChecksumsIsRefusedOrReplayed) {
+    {
+        LogWriter log(file, "{}", page());
+        for (std::uint32_t k = 0; k < 600; ++k) {
+            if (k % 60 < 58) log.add(false, {1000 * k, SD_EVENT_CRANK_EDGE, 0, 0, 0});
+            if (k % 120 == 25) log.add(false, {1000 * k + 3, SD_EVENT_CAM_EDGE, 0, 0, 0});
+            if (k % 10 == 9) log.add(false, {1000 * k + 500, SD_EVENT_TIME, 0, 0, 0});
+        }
+        log.finish();
+    }
+    const std::string whole = read_file(file);
+    const std::size_t first = 24 + 2, size = page_bytes(page()).size();
+    std::mt19937 random(5);
+    int refused = 0, replayed = 0;
+    for (int i = 0; i < 400; ++i) {
+        std::string bytes = whole.substr(0, whole.size() - 32);
+        for (unsigned flips = 1 + random() % 3; flips > 0; --flips) {
+            // Half of them near a beginning: of the page, or of the file.
+            const std::size_t at = random() % 2 ? random() % bytes.size() : (random() % 4 ? first + 12 + random() % 400 : random() % 64);
+            bytes[at] = char(random() % 4 ? random() : 0xff);
+        }
+        const std::uint32_t crc = crc32(bytes.substr(first, size - 4));
+        for (unsigned b = 0; b < 4; ++b) bytes[first + size - 4 + b] = char(crc >> (8 * b));
+        const std::string hex = sha256(bytes);
+        for (std::size_t b = 0; b < 32; ++b) bytes += char(std::stoi(hex.substr(2 * b, 2), nullptr, 16));
+        write_file(file, bytes);
+        try {
+            const EventLog log = read_log(file);
+            const LogReplay replay = replay_log(log, log.calibration);
+            for (const ToothRow &row : replay.rows.teeth) {
+                const auto *value = reinterpret_cast<const float *>(&row.signals);
+                for (std::size_t c = 0; c < SD_SIGNAL_COUNT; ++c) ASSERT_TRUE(std::isfinite(value[c])) << i << ": " << sd_signal_infos[c].name;
+            }
+            ++replayed;
+        } catch (const InputError &error) {
+            EXPECT_NE(std::string(error.what()).find(file.string()), std::string::npos);
+            ++refused;
+        }
+    }
+    EXPECT_GT(refused, 20);
+    EXPECT_GT(replayed, 20);
 }
 
 TEST_F(EventLogFile, NothingStaysUntilItIsFinished) {

@@ -209,6 +209,9 @@ TEST(Kalman, RefusesTablesOutOfRange) {
     EXPECT_TRUE(refused([](auto &t) { t.positions = 61; }));
     EXPECT_TRUE(refused([](auto &t) { t.coefficients = 0; }));
     EXPECT_TRUE(refused([](auto &t) { t.speeds = 5; }));
+    EXPECT_TRUE(refused([](auto &t) { t.sets = 0; }));
+    EXPECT_TRUE(refused([](auto &t) { t.sets = 3; }));
+    EXPECT_TRUE(refused([](auto &t) { t.load_sd_nm[5] = -1; }));
     EXPECT_TRUE(refused([](auto &t) { t.firings = 5; }));
     EXPECT_TRUE(refused([](auto &t) { t.read_position[2] = 120; }));
     EXPECT_TRUE(refused([](auto &t) { t.speed_radps[1] = t.speed_radps[0]; }));

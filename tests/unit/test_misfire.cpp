@@ -49,6 +49,9 @@ struct Stream {
     double cyclic = 0.05, noise_nm = 1, stated_nm = 1, efficiency = 1;
     float speed = 200;
     float command_mg = 10; ///< What the monitor is told.
+    std::uint8_t inhibit = 0;
+    double common = 0, rho = 0; ///< Error that neighbours share: deviation over the torque, and how much of it goes on.
+    double error = 0;
     long k = 0;
     static constexpr double kTorque = 10 * 18 / M_PI;
 
@@ -57,8 +60,9 @@ struct Stream {
     }
     sd_misfire_verdict_t go(double burned = 1) {
         const double mean = kTorque * efficiency * burned;
-        const double torque = mean * (1 + cyclic * random.normal()) + noise_nm * random.normal();
-        sd_misfire_firing_t f{std::uint8_t(k++ % kCylinders), SD_VALID, 0, float(torque), float(stated_nm), command_mg, speed, 0};
+        if (common > 0) error = rho * error + common * std::sqrt(1 - rho * rho) * random.normal();
+        const double torque = mean * (1 + cyclic * random.normal()) + noise_nm * random.normal() + error * kTorque;
+        sd_misfire_firing_t f{std::uint8_t(k++ % kCylinders), SD_VALID, inhibit, float(torque), float(stated_nm), command_mg, speed, 0};
         return sd_misfire_judge(&monitor, &f);
     }
     void healthy(int n) { while (n-- > 0) go(); }
@@ -236,6 +240,31 @@ TEST(Misfire, ARoughRoadWidensTheLimitAndASmoothOneNarrowsItAgain) {
     EXPECT_NEAR(before, double(s.go().index_sd), 0.02);
 }
 
+/// Neighbours err alike, or the other way, as where the load moves: what is left after the best prediction from the last
+/// firing is common sqrt(1 - rho^2), and the monitor must come near that. Independent errors must cost next to nothing.
+TEST(Misfire, TakesOutWhatTheLastFiringTellsOfThisOne) {
+    const auto deviation = [](double rho) {
+        Stream s(13);
+        s.cyclic = 0.02, s.common = 0.18, s.rho = rho;
+        s.healthy(2000);
+        double sum = 0, squares = 0;
+        for (int i = 0; i < 20000; ++i) {
+            const double index = double(s.go().index);
+            sum += index, squares += index * index;
+        }
+        return std::sqrt(squares / 20000 - std::pow(sum / 20000, 2));
+    };
+    EXPECT_NEAR(deviation(0), std::hypot(0.18, 0.027), 0.005);
+    for (double rho : {-0.7, 0.7}) EXPECT_NEAR(deviation(rho), std::hypot(0.18 * std::sqrt(1 - 0.49), 0.033), 0.012) << rho;
+    Stream s(17);
+    s.cyclic = 0.02, s.common = 0.18, s.rho = -0.7;
+    s.healthy(2000);
+    const Rates r = rates(s, 20000, 5);
+    EXPECT_GE(r.detected, 0.995);
+    EXPECT_LE(r.false_alarms, 1e-3);
+    for (int i = 0; i < 400; ++i) ASSERT_EQ(SD_MISFIRE, s.go(0).verdict) << "all of them, for ever: nothing there is learned";
+}
+
 TEST(Misfire, DoesNotJudgeInFuelCutGearShiftStartAndWithoutAnEstimate) {
     Stream s;
     for (int i = 0; i < 16; ++i) EXPECT_TRUE(s.go(0).inhibit & SD_INHIBIT_START);
@@ -258,6 +287,13 @@ TEST(Misfire, DoesNotJudgeInFuelCutGearShiftStartAndWithoutAnEstimate) {
     expect(SD_INHIBIT_FUEL_CUT, [&] { s.command_mg = 1; }, [&] { s.command_mg = 10; });
     expect(SD_INHIBIT_FUEL_CUT, [&] { s.command_mg = kNan; }, [&] { s.command_mg = 10; });
     expect(SD_INHIBIT_SHIFT, [&] { s.speed *= 1.1f; }, [&] {});
+    for (std::uint8_t told : {SD_INHIBIT_SHIFT, SD_INHIBIT_LEVEL, SD_INHIBIT_OUTSIDE}) {
+        s.inhibit = told;
+        for (int i = 0; i < 20; ++i) EXPECT_EQ(told, s.go(0).inhibit & told) << "the caller knows";
+        s.inhibit = 0;
+        for (int i = 0; i < 8; ++i) EXPECT_EQ(told == SD_INHIBIT_SHIFT ? SD_INHIBIT_HOLD : 0, s.go().inhibit);
+        EXPECT_EQ(SD_HEALTHY, s.go().verdict);
+    }
     expect(SD_INHIBIT_ESTIMATE, [&] { s.noise_nm = kNan; }, [&] { s.noise_nm = 1; });
     expect(SD_INHIBIT_ESTIMATE, [&] { s.stated_nm = -1; }, [&] { s.stated_nm = 1; });
     EXPECT_EQ(0u, s.read().misfires);
@@ -351,5 +387,37 @@ TEST(Misfire, InitRefusesWhatIsOutOfRange) {
 }
 
 TEST(Misfire, StateIsSmallAndTheSameEverywhere) { EXPECT_LT(sizeof(sd_misfire_t), 400u); }
+
+TEST(Misfire, OtherChoicesOnTheWayKeepCountsAndForgetOnlyWhatTheyWereRelativeTo) {
+    Stream s;
+    s.efficiency = 1.2;
+    s.healthy(400);
+    for (int i = 0; i < 4; ++i) s.go(i == 2 ? 0 : 1);
+    const sd_misfire_t before = s.monitor;
+    ASSERT_EQ(1u, before.misfires);
+    EXPECT_NEAR(1.2, double(before.factor[0]), 0.03);
+    sd_misfire_config_t c = config();
+    c.partial = 0.7f;
+    ASSERT_EQ(SD_OK, sd_misfire_configure(&s.monitor, &c));
+    EXPECT_EQ(before.factor[0], s.monitor.factor[0]);
+    EXPECT_EQ(before.since_start, s.monitor.since_start) << "judged without a break";
+    EXPECT_EQ(SD_PARTIAL_BURN, s.go(0.65).verdict);
+    EXPECT_EQ(SD_HEALTHY, s.go(0.78).verdict);
+    c.work_per_fuel_jpmg = 21.6f; // what they really give
+    ASSERT_EQ(SD_OK, sd_misfire_configure(&s.monitor, &c));
+    EXPECT_EQ(1.0f, s.monitor.factor[0]);
+    EXPECT_EQ(1u, s.monitor.misfires);
+    EXPECT_EQ(SD_INHIBIT_START, s.go().inhibit);
+    EXPECT_EQ(SD_WHY_CONVERGING, s.read().status.why);
+    s.healthy(100);
+    EXPECT_NEAR(1.0, double(s.monitor.factor[0]), 0.03);
+    const sd_misfire_t now = s.monitor;
+    c.cyclic = kNan;
+    EXPECT_EQ(SD_ERR_CONFIG, sd_misfire_configure(&s.monitor, &c));
+    c = config();
+    std::swap(c.firing_order[0], c.firing_order[1]);
+    EXPECT_EQ(SD_ERR_CONFIG, sd_misfire_configure(&s.monitor, &c)) << "another engine";
+    EXPECT_EQ(0, std::memcmp(&now, &s.monitor, sizeof now));
+}
 
 } // namespace

@@ -1,23 +1,13 @@
 # SPDX-License-Identifier: MIT
 """What every other test here rests on: vcan0 carries CAN FD frames of 64 bytes from one socket to another."""
-import socket
-import struct
 import unittest
 
-FRAME = struct.Struct("=IBBBB64s")  # struct canfd_frame of linux/can.h: id, length, flags, two reserved, data
-
-
-def fd_socket():
-    can = socket.socket(socket.AF_CAN, socket.SOCK_RAW, socket.CAN_RAW)
-    can.setsockopt(socket.SOL_CAN_RAW, socket.CAN_RAW_FD_FRAMES, 1)
-    can.settimeout(10)
-    can.bind(("vcan0",))
-    return can
+from can_frames import FRAME, can_socket
 
 
 class Vcan(unittest.TestCase):
     def test_an_fd_frame_there_and_back(self):
-        with fd_socket() as here, fd_socket() as there:
+        with can_socket() as here, can_socket() as there:
             here.send(FRAME.pack(0x123, 64, 0, 0, 0, bytes(range(64))))
             frame = there.recv(FRAME.size)
             self.assertEqual(FRAME.unpack(frame)[0:2] + FRAME.unpack(frame)[5:], (0x123, 64, bytes(range(64))))

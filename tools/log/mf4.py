@@ -24,7 +24,7 @@ HEALTH = {"val_0": 0, "text_0": "valid", "val_1": 1, "text_1": "degraded", "val_
 # Columns of the run's tables that hold the truth of a signal.
 TOOTH_TRUTH = {"crank.angle": "angle_deg", "crank.speed": "rpm_true", "crank.tooth": "tooth_true", "torque.mass": "torque_true_nm"}
 CYLINDER_TRUTH = {"cycle.cylinder_torque": ("torque_true_nm", "Nm"), "cylinder.imep": ("imep_true_bar", "bar"),
-                  "cylinder.misfire": ("misfire_true", "")}
+                  "cylinder.misfire": ("misfire_true", ""), "afr.cylinder_burned": ("burned_true", "")}
 
 
 def read_table(signature):
@@ -108,7 +108,7 @@ def truth(folder, rows, edges):
         time_s = np.interp(end_deg[passed], turned_deg, teeth["t_s"])
         yield [Signal(samples=cycles[column][of][passed], timestamps=time_s, name=f"{name}_true[{cylinder:.0f}]", unit=unit,
                       comment="Of the simulated engine's cycle that has just ended.")
-               for name, (column, unit) in CYLINDER_TRUTH.items()]
+               for name, (column, unit) in CYLINDER_TRUTH.items() if np.isfinite(cycles[column]).all()]
 
 
 def export(log_path, truth_folder, out_path):

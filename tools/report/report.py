@@ -2,15 +2,18 @@
 # SPDX-License-Identifier: MIT
 """Draws what `sixdeg run` and `sixdeg replay` wrote into one self-contained page and prints its short tables.
 
-usage: report.py --out REPORT.html [--figure-6 RUN] [--figure-5 RUN] [FOLDER...]
+usage: report.py --out REPORT.html [--figure-16 RUN RUN] [--figure-14 RUN] [--figure-15 RUN] [--figure-12 RUN]
+                 [--figure-6 RUN] [--figure-5 RUN] [FOLDER...]
        exit status 2 and one line for a folder that cannot be drawn
 """
 import argparse
+import functools
 import os
 import sys
 
 import sections
 from folder import BadFolder, read_summary
+from mixture_folder import MixtureRun
 from replay_folder import Replay
 from run_folder import Run
 
@@ -31,9 +34,9 @@ def open_folder(path):
 
 def page(parts):
     text = "\n".join(sections.section(folder, build) for folder, build in parts)
-    lead = "Simulated and recorded edges, through the firmware that runs on the engine controller."
-    return ('<!doctype html>\n<html lang="en"><head><meta charset="utf-8"><title>sixdeg: torque from crank teeth</title>'
-            f"<style>{STYLE}</style></head>\n<body><h1>Torque from crank teeth</h1>"
+    lead = "Crank teeth and one lambda sensor, simulated and recorded, through the firmware that runs on the engine controller."
+    return ('<!doctype html>\n<html lang="en"><head><meta charset="utf-8"><title>sixdeg: torque and mixture of every cylinder</title>'
+            f"<style>{STYLE}</style></head>\n<body><h1>Torque and mixture of every cylinder</h1>"
             f'<p class="lead">{lead}</p>\n{text}\n</body></html>\n')
 
 
@@ -50,13 +53,24 @@ def print_table(folder):
 def main():
     parser = argparse.ArgumentParser(description="one self-contained page from folders of sixdeg run and sixdeg replay")
     parser.add_argument("folders", nargs="*", metavar="FOLDER")
+    parser.add_argument("--figure-16", nargs=2, metavar="RUN",
+                        help="document 004, figure 16: trims from lambda, and from torque")
+    for figure, what in (("14", "1500 rpm, 9 bar"), ("15", "1500 rpm, 6 bar"), ("12", "3500 rpm, no noise")):
+        parser.add_argument(f"--figure-{figure}", metavar="RUN", help=f"document 004: injectors moved at {what}")
     parser.add_argument("--figure-6", metavar="RUN", help="document 004, section 3.3.3: 1000 rpm, 5 bar")
     parser.add_argument("--figure-5", metavar="RUN", help="document 004, section 3.3.1: 1500 rpm, 2 bar")
     parser.add_argument("--out", required=True, metavar="REPORT.html")
     options = parser.parse_args()
+    trajectories = {figure: getattr(options, f"figure_{figure}") for figure in ("14", "15", "12")}
     documented = ((options.figure_6, sections.figure_6_section), (options.figure_5, sections.figure_5_section))
     try:
-        parts = [(Run(path), build) for path, build in documented if path]
+        parts = []
+        if options.figure_16:
+            run, other = map(MixtureRun, options.figure_16)
+            parts.append((run, functools.partial(sections.figure_16_section, other=other)))
+        parts += [(MixtureRun(path), functools.partial(sections.trajectory_section, figure=figure))
+                  for figure, path in trajectories.items() if path]
+        parts += [(Run(path), build) for path, build in documented if path]
         parts += [(open_folder(path), None) for path in options.folders]
         if not parts:
             raise BadFolder("no folder given")

@@ -23,6 +23,20 @@ ACCURACY = (
 )
 
 
+def file_of_run(folder, summary, what, fits):
+    """The TOML file of the run that fits, unchanged since, as a table."""
+    for path, digest in summary["files"].items():
+        if not path.endswith(".toml"):
+            continue
+        content = read_file(path)
+        if hashlib.sha256(content).hexdigest() != digest:
+            raise BadFolder(f"{folder}/summary.json: files: {path} has changed since the run")
+        table = tomllib.loads(content.decode("utf-8"))
+        if fits(table):
+            return table
+    raise BadFolder(f"{folder}/summary.json: files: names no {what}")
+
+
 class Teeth:
     """teeth.csv without false edges: truth and estimate where a tooth passed."""
 
@@ -57,17 +71,7 @@ class Run:
         self.engine = self._engine()
 
     def _engine(self):
-        """The engine file of the run, unchanged since."""
-        for path, digest in self.summary["files"].items():
-            if not path.endswith(".toml"):
-                continue
-            content = read_file(path)
-            if hashlib.sha256(content).hexdigest() != digest:
-                raise BadFolder(f"{self.folder}/summary.json: files: {path} has changed since the run")
-            table = tomllib.loads(content.decode("utf-8"))
-            if "crank" in table and "cylinders" in table:
-                return table
-        raise BadFolder(f"{self.folder}/summary.json: files: names no engine file")
+        return file_of_run(self.folder, self.summary, "engine file", lambda table: "crank" in table and "cylinders" in table)
 
     def title(self):
         return self.summary["scenario"] or self.summary["engine"]["name"]

@@ -13,6 +13,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 
 INK, BLUE, PALE, ORANGE, RED, GREY = "#222222", "#1f5f99", "#b9d3ea", "#d9822b", "#c23b22", "#9a9a9a"
+CYLINDERS = ("#1f5f99", "#c23b22", "#2e8b74", "#d9a441", "#7a5195", "#7fa7cc", "#8c564b", "#555555")
 
 plt.rcParams.update({"font.size": 10, "axes.edgecolor": INK, "axes.spines.top": False, "axes.spines.right": False,
                      "axes.grid": True, "grid.color": "#e6e6e6", "axes.axisbelow": True, "legend.frameon": False})
@@ -35,7 +36,7 @@ def axes_of(title, x, y, height=4):
     return figure, axes
 
 
-def axes_grid(rows, columns, height):
-    """A figure with many, as a flat list."""
-    figure, axes = plt.subplots(rows, columns, figsize=(10, height), layout="constrained", squeeze=False)
+def axes_grid(rows, columns, height, **how):
+    """A figure with many, as a flat list; how: as of plt.subplots."""
+    figure, axes = plt.subplots(rows, columns, figsize=(10, height), layout="constrained", squeeze=False, **how)
     return figure, list(axes.flat)

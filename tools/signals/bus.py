@@ -13,7 +13,9 @@ TEETH_A_FRAME = 14
 BYTES = {"u8": 1, "u16": 2, "u32": 4, "i32": 4, "f32": 4, "f64": 8}
 TOP = {"u8": 2**8 - 1, "u16": 2**16 - 1, "u32": 2**32 - 1, "i32": 2**31 - 1}
 LCM_TYPE = {"u8": "int8_t", "u16": "int16_t", "u32": "int32_t", "i32": "int32_t", "f32": "float", "f64": "double"}
-HEALTH = ("valid", "degraded", "invalid")
+HEALTH = dict(enumerate(("valid", "degraded", "invalid")))
+COMMANDS = dict(enumerate(("read", "read_reference", "set", "restore")))
+RESULTS = dict(enumerate(("ok", "unknown", "out_of_range", "refused", "at_start")))
 
 
 @dataclass
@@ -23,7 +25,7 @@ class Field:
     unit: str = ""
     range: tuple = None
     text: str = ""
-    choices: tuple = ()
+    choices: dict = field(default_factory=dict)  # value -> name
 
 
 @dataclass
@@ -80,7 +82,7 @@ def row_messages(table, room=64):
         parts.append(part)
         for i, part in enumerate(parts):
             out.append(row(f"{rate}_{i + 1}" if len(parts) > 1 else rate, 0xB0 + len(out), rate, part))
-    assert len(out) <= 8
+    assert len(out) <= 16
     return out
 
 
@@ -101,21 +103,22 @@ def truth_messages():
 
 
 def can_messages(table):
-    names = tuple(entry["name"].replace(".", "_") for entry in table["parameter"])
+    assert len(table["parameter"]) < 255
+    names = {i: entry["name"].replace(".", "_") for i, entry in enumerate(table["parameter"])} | {255: "all"}
     order = [Field("sequence", "u16", "", text="Frames of teeth sent before, wraps."),
              Field("session", "u16", "", text="Drawn when the sender starts.")]
     teeth = order + [Field("count", "u8", "", (1, TEETH_A_FRAME), "Ticks that are meant."),
                      Field("cam", "u16", "", (0, 2**TEETH_A_FRAME - 1), "Bit i: tick i is a cam edge, else a crank edge.")]
     teeth += [Field(f"tick_{i}", "u32", "tick") for i in range(TEETH_A_FRAME)]
-    request = [Field("command", "u8", "", (0, 3), "sd_parameter_command_t.", ("read", "read_reference", "set", "restore")),
-               Field("index", "u8", "", (0, 255), "Of the parameter.", names), Field("value", "f32")]
-    answer = [Field("command", "u8", "", (0, 3), "Of the request.", ("read", "read_reference", "set", "restore")),
+    request = [Field("command", "u8", "", (0, 3), "sd_parameter_command_t.", COMMANDS),
+               Field("index", "u8", "", (0, 255), "Of the parameter; all: to restore.", names), Field("value", "f32")]
+    answer = [Field("command", "u8", "", (0, 3), "Of the request.", COMMANDS),
               Field("index", "u8", "", (0, 255), "Of the parameter.", names), Field("value", "f32", text="What holds now."),
-              Field("result", "u8", "", (0, 3), "sd_parameter_result_t.", ("ok", "unknown", "out_of_range", "refused"))]
+              Field("result", "u8", "", (0, 4), "sd_parameter_result_t.", RESULTS)]
     out = [Message("teeth", 0xA0, "plant", "Captured edges, in order.", teeth),
            Message("time", 0xA1, "plant", "All events up to tick have been sent.",
                    [Field("tick", "u32", "tick")] + order, fd=False, cycle_ms=10),
-           Message("done", 0xB8, "ecu", "All events up to tick are handled, and what they caused is said.",
+           Message("done", 0xC3, "ecu", "All events up to tick are handled, and what they caused is said.",
                    [Field("tick", "u32", "tick"), Field("session", "u16", text="Drawn when the ecu starts."),
                     Field("ignored", "u8", text="Events ignored since the start, wraps."),
                     Field("unsent", "u8", text="Signals without room since the start, wraps.")], fd=False, cycle_ms=10),
@@ -154,7 +157,7 @@ def dbc(table):
             if real:
                 types.append(f"SIG_VALTYPE_ {m.id} {f.name} : {1 if f.type == 'f32' else 2};")
             if f.choices:
-                values.append(f"VAL_ {m.id} {f.name} " + " ".join(f'{i} "{c}"' for i, c in enumerate(f.choices)) + " ;")
+                values.append(f"VAL_ {m.id} {f.name} " + " ".join(f'{i} "{c}"' for i, c in f.choices.items()) + " ;")
         out.append("")
     formats = ["StandardCAN", "ExtendedCAN"] + ["reserved"] * 12 + ["StandardCAN_FD", "ExtendedCAN_FD"]
     out += comments + ['BA_DEF_ BO_ "VFrameFormat" ENUM ' + ",".join(f'"{f}"' for f in formats) + ";",

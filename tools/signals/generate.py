@@ -20,6 +20,8 @@ OWNERS = ("crank", "torque", "cylinder", "firing", "misfire", "afr", "balance")
 REQUIRED = {"input": {"name", "unit", "range", "text"},
             "signal": {"name", "unit", "range", "rate", "owner", "text"},
             "parameter": {"name", "unit", "range", "default", "owner", "text"}}
+# at_start: the host makes tables of it, so that an ecu takes it with its page and not later.
+OPTIONAL = {"input": set(), "signal": {"count"}, "parameter": {"at_start"}}
 UNIT_SUFFIX = {"": "", "deg": "_deg", "rpm": "_rpm", "rad/s2": "_radps2", "Nm": "_nm", "J": "_j", "s": "_s",
                "1/rad": "_per_rad", "1/rad2": "_per_rad2", "cycles": "_cycles",
                "bar": "_bar", "mg": "_mg", "J/mg": "_jpmg", "%": "_percent"}
@@ -30,7 +32,7 @@ def load():
     for kind, required in REQUIRED.items():
         names = set()
         for entry in table[kind]:
-            missing, unknown = required - entry.keys(), entry.keys() - required - {"count"}
+            missing, unknown = required - entry.keys(), entry.keys() - required - OPTIONAL[kind]
             assert not missing and not unknown, f"{TABLE.name}: {kind} {entry.get('name')}: {missing or unknown}"
             assert entry["name"] not in names, f"{TABLE.name}: {kind} {entry['name']} twice"
             assert entry["unit"] in UNIT_SUFFIX, f"{TABLE.name}: {entry['name']}: unit {entry['unit']}"
@@ -81,7 +83,9 @@ def header(table, signature):
             "typedef enum sd_owner { " + ", ".join(f"SD_OWNER_{o.upper()}" for o in OWNERS) + ", SD_OWNER_COUNT } sd_owner_t;",
             "", "/// One row of the table. `value` is the default of a parameter.",
             "typedef struct sd_signal_info {", "    const char *name, *unit;", "    float low, high, value;",
-            "    uint8_t rate, owner;", "} sd_signal_info_t;", "",
+            "    uint8_t rate, owner;",
+            "    uint8_t at_start; ///< 1: a parameter that comes with the page and is not set later, since the host makes tables of it.",
+            "} sd_signal_info_t;", "",
             "extern const sd_signal_info_t sd_signal_infos[SD_SIGNAL_COUNT];       ///< By channel; an array has a row an element.",
             "extern const sd_signal_info_t sd_input_infos[SD_INPUT_COUNT];         ///< By channel; rate and owner say nothing.",
             "extern const sd_signal_info_t sd_parameter_infos[SD_PARAMETER_COUNT]; ///< In the order of sd_parameters_t.",
@@ -97,15 +101,15 @@ def source(table):
         for i in range(entry.get("count", 1)):
             name = entry["name"] + (f"[{i + 1}]" if "count" in entry else "")
             out.append(f'    {{ "{name}", "{entry["unit"]}", {number(entry["range"][0])}, {number(entry["range"][1])}, 0.0f, '
-                       f'SD_RATE_{entry["rate"].upper()}, SD_OWNER_{entry["owner"].upper()} }},')
+                       f'SD_RATE_{entry["rate"].upper()}, SD_OWNER_{entry["owner"].upper()}, 0 }},')
     out += ["};", "", "const sd_signal_info_t sd_input_infos[SD_INPUT_COUNT] = {"]
     for entry in table["input"]:
         out.append(f'    {{ "{entry["name"]}", "{entry["unit"]}", {number(entry["range"][0])}, {number(entry["range"][1])}, '
-                   '0.0f, 0, 0 },')
+                   '0.0f, 0, 0, 0 },')
     out += ["};", "", "const sd_signal_info_t sd_parameter_infos[SD_PARAMETER_COUNT] = {"]
     for entry in table["parameter"]:
         out.append(f'    {{ "{entry["name"]}", "{entry["unit"]}", {number(entry["range"][0])}, {number(entry["range"][1])}, '
-                   f'{number(entry["default"])}, SD_RATE_EDGE, SD_OWNER_{entry["owner"].upper()} }},')
+                   f'{number(entry["default"])}, SD_RATE_EDGE, SD_OWNER_{entry["owner"].upper()}, {int(entry.get("at_start", False))} }},')
     return "\n".join(out + ["};", ""])
 
 
@@ -126,11 +130,12 @@ def page(table):
     for i, entry in enumerate(table["input"]):
         out.append(f"| {i} | `{entry['name']}` | {entry['unit'] or '-'} | {entry['range'][0]:g} to {entry['range'][1]:g} "
                    f"| {entry['text']} |")
-    out += ["", "## Parameters", "", "The fields of TUNE.toml and of `--set`.", "",
-            "| name | unit | range | default | what |", "|---|---|---|---|---|"]
+    out += ["", "## Parameters", "", "The fields of TUNE.toml and of `--set`. Those marked *start* are made into tables by the host: an ecu takes them with its",
+            "page and refuses a change. All others can be set between two teeth.", "",
+            "| name | unit | range | default | set | what |", "|---|---|---|---|---|---|"]
     for entry in table["parameter"]:
         out.append(f"| `{entry['name']}` | {entry['unit'] or '-'} | {entry['range'][0]:g} to {entry['range'][1]:g} "
-                   f"| {entry['default']:g} | {entry['text']} |")
+                   f"| {entry['default']:g} | {'start' if entry.get('at_start') else ''} | {entry['text']} |")
     return "\n".join(out + [""])
 
 

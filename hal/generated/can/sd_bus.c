@@ -1033,6 +1033,208 @@ bool sd_bus_input_fuel_injected_value_is_in_phys_range(double value)
     return ((value >= 0.0) && (value <= 1000.0));
 }
 
+int sd_bus_input_fuel_level_pack(
+    uint8_t *dst_p,
+    const struct sd_bus_input_fuel_level_t *src_p,
+    size_t size)
+{
+    uint32_t value;
+
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    memset(&dst_p[0], 0, 8);
+
+    dst_p[0] |= pack_left_shift_u32(src_p->tick, 0u, 0xffu);
+    dst_p[1] |= pack_right_shift_u32(src_p->tick, 8u, 0xffu);
+    dst_p[2] |= pack_right_shift_u32(src_p->tick, 16u, 0xffu);
+    dst_p[3] |= pack_right_shift_u32(src_p->tick, 24u, 0xffu);
+    memcpy(&value, &src_p->value, sizeof(value));
+    dst_p[4] |= pack_left_shift_u32(value, 0u, 0xffu);
+    dst_p[5] |= pack_right_shift_u32(value, 8u, 0xffu);
+    dst_p[6] |= pack_right_shift_u32(value, 16u, 0xffu);
+    dst_p[7] |= pack_right_shift_u32(value, 24u, 0xffu);
+
+    return (8);
+}
+
+int sd_bus_input_fuel_level_unpack(
+    struct sd_bus_input_fuel_level_t *dst_p,
+    const uint8_t *src_p,
+    size_t size)
+{
+    uint32_t value;
+
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    dst_p->tick = unpack_right_shift_u32(src_p[0], 0u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[1], 8u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[2], 16u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[3], 24u, 0xffu);
+    value = unpack_right_shift_u32(src_p[4], 0u, 0xffu);
+    value |= unpack_left_shift_u32(src_p[5], 8u, 0xffu);
+    value |= unpack_left_shift_u32(src_p[6], 16u, 0xffu);
+    value |= unpack_left_shift_u32(src_p[7], 24u, 0xffu);
+    memcpy(&dst_p->value, &value, sizeof(dst_p->value));
+
+    return (0);
+}
+
+int sd_bus_input_fuel_level_init(struct sd_bus_input_fuel_level_t *msg_p)
+{
+    if (msg_p == NULL) return -1;
+
+    memset(msg_p, 0, sizeof(struct sd_bus_input_fuel_level_t));
+
+    return 0;
+}
+
+uint32_t sd_bus_input_fuel_level_tick_encode(double value)
+{
+    return (uint32_t)(cantools_unsigned_from_double(round(value)));
+}
+
+double sd_bus_input_fuel_level_tick_decode(uint32_t value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_input_fuel_level_tick_is_in_range(uint32_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool sd_bus_input_fuel_level_tick_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 4294967295.0));
+}
+
+float sd_bus_input_fuel_level_value_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_input_fuel_level_value_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_input_fuel_level_value_is_in_range(float value)
+{
+    return ((value >= 0.0f) && (value <= 100.0f));
+}
+
+bool sd_bus_input_fuel_level_value_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 100.0));
+}
+
+int sd_bus_input_driveline_shift_pack(
+    uint8_t *dst_p,
+    const struct sd_bus_input_driveline_shift_t *src_p,
+    size_t size)
+{
+    uint32_t value;
+
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    memset(&dst_p[0], 0, 8);
+
+    dst_p[0] |= pack_left_shift_u32(src_p->tick, 0u, 0xffu);
+    dst_p[1] |= pack_right_shift_u32(src_p->tick, 8u, 0xffu);
+    dst_p[2] |= pack_right_shift_u32(src_p->tick, 16u, 0xffu);
+    dst_p[3] |= pack_right_shift_u32(src_p->tick, 24u, 0xffu);
+    memcpy(&value, &src_p->value, sizeof(value));
+    dst_p[4] |= pack_left_shift_u32(value, 0u, 0xffu);
+    dst_p[5] |= pack_right_shift_u32(value, 8u, 0xffu);
+    dst_p[6] |= pack_right_shift_u32(value, 16u, 0xffu);
+    dst_p[7] |= pack_right_shift_u32(value, 24u, 0xffu);
+
+    return (8);
+}
+
+int sd_bus_input_driveline_shift_unpack(
+    struct sd_bus_input_driveline_shift_t *dst_p,
+    const uint8_t *src_p,
+    size_t size)
+{
+    uint32_t value;
+
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    dst_p->tick = unpack_right_shift_u32(src_p[0], 0u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[1], 8u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[2], 16u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[3], 24u, 0xffu);
+    value = unpack_right_shift_u32(src_p[4], 0u, 0xffu);
+    value |= unpack_left_shift_u32(src_p[5], 8u, 0xffu);
+    value |= unpack_left_shift_u32(src_p[6], 16u, 0xffu);
+    value |= unpack_left_shift_u32(src_p[7], 24u, 0xffu);
+    memcpy(&dst_p->value, &value, sizeof(dst_p->value));
+
+    return (0);
+}
+
+int sd_bus_input_driveline_shift_init(struct sd_bus_input_driveline_shift_t *msg_p)
+{
+    if (msg_p == NULL) return -1;
+
+    memset(msg_p, 0, sizeof(struct sd_bus_input_driveline_shift_t));
+
+    return 0;
+}
+
+uint32_t sd_bus_input_driveline_shift_tick_encode(double value)
+{
+    return (uint32_t)(cantools_unsigned_from_double(round(value)));
+}
+
+double sd_bus_input_driveline_shift_tick_decode(uint32_t value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_input_driveline_shift_tick_is_in_range(uint32_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool sd_bus_input_driveline_shift_tick_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 4294967295.0));
+}
+
+float sd_bus_input_driveline_shift_value_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_input_driveline_shift_value_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_input_driveline_shift_value_is_in_range(float value)
+{
+    return ((value >= 0.0f) && (value <= 1.0f));
+}
+
+bool sd_bus_input_driveline_shift_value_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 1.0));
+}
+
 int sd_bus_input_exhaust_lambda_pack(
     uint8_t *dst_p,
     const struct sd_bus_input_exhaust_lambda_t *src_p,
@@ -4724,6 +4926,7 @@ int sd_bus_firing_pack(
     uint32_t firing_cylinder;
     uint32_t firing_mean;
     uint32_t firing_mean_sd;
+    uint32_t firing_rough;
     uint32_t firing_sd;
     uint32_t firing_torque;
     uint32_t misfire_cylinder;
@@ -4772,36 +4975,41 @@ int sd_bus_firing_pack(
     dst_p[25] |= pack_right_shift_u32(firing_mean_sd, 8u, 0xffu);
     dst_p[26] |= pack_right_shift_u32(firing_mean_sd, 16u, 0xffu);
     dst_p[27] |= pack_right_shift_u32(firing_mean_sd, 24u, 0xffu);
+    memcpy(&firing_rough, &src_p->firing_rough, sizeof(firing_rough));
+    dst_p[28] |= pack_left_shift_u32(firing_rough, 0u, 0xffu);
+    dst_p[29] |= pack_right_shift_u32(firing_rough, 8u, 0xffu);
+    dst_p[30] |= pack_right_shift_u32(firing_rough, 16u, 0xffu);
+    dst_p[31] |= pack_right_shift_u32(firing_rough, 24u, 0xffu);
     memcpy(&misfire_index, &src_p->misfire_index, sizeof(misfire_index));
-    dst_p[28] |= pack_left_shift_u32(misfire_index, 0u, 0xffu);
-    dst_p[29] |= pack_right_shift_u32(misfire_index, 8u, 0xffu);
-    dst_p[30] |= pack_right_shift_u32(misfire_index, 16u, 0xffu);
-    dst_p[31] |= pack_right_shift_u32(misfire_index, 24u, 0xffu);
+    dst_p[32] |= pack_left_shift_u32(misfire_index, 0u, 0xffu);
+    dst_p[33] |= pack_right_shift_u32(misfire_index, 8u, 0xffu);
+    dst_p[34] |= pack_right_shift_u32(misfire_index, 16u, 0xffu);
+    dst_p[35] |= pack_right_shift_u32(misfire_index, 24u, 0xffu);
     memcpy(&misfire_limit, &src_p->misfire_limit, sizeof(misfire_limit));
-    dst_p[32] |= pack_left_shift_u32(misfire_limit, 0u, 0xffu);
-    dst_p[33] |= pack_right_shift_u32(misfire_limit, 8u, 0xffu);
-    dst_p[34] |= pack_right_shift_u32(misfire_limit, 16u, 0xffu);
-    dst_p[35] |= pack_right_shift_u32(misfire_limit, 24u, 0xffu);
+    dst_p[36] |= pack_left_shift_u32(misfire_limit, 0u, 0xffu);
+    dst_p[37] |= pack_right_shift_u32(misfire_limit, 8u, 0xffu);
+    dst_p[38] |= pack_right_shift_u32(misfire_limit, 16u, 0xffu);
+    dst_p[39] |= pack_right_shift_u32(misfire_limit, 24u, 0xffu);
     memcpy(&misfire_verdict, &src_p->misfire_verdict, sizeof(misfire_verdict));
-    dst_p[36] |= pack_left_shift_u32(misfire_verdict, 0u, 0xffu);
-    dst_p[37] |= pack_right_shift_u32(misfire_verdict, 8u, 0xffu);
-    dst_p[38] |= pack_right_shift_u32(misfire_verdict, 16u, 0xffu);
-    dst_p[39] |= pack_right_shift_u32(misfire_verdict, 24u, 0xffu);
+    dst_p[40] |= pack_left_shift_u32(misfire_verdict, 0u, 0xffu);
+    dst_p[41] |= pack_right_shift_u32(misfire_verdict, 8u, 0xffu);
+    dst_p[42] |= pack_right_shift_u32(misfire_verdict, 16u, 0xffu);
+    dst_p[43] |= pack_right_shift_u32(misfire_verdict, 24u, 0xffu);
     memcpy(&misfire_inhibit, &src_p->misfire_inhibit, sizeof(misfire_inhibit));
-    dst_p[40] |= pack_left_shift_u32(misfire_inhibit, 0u, 0xffu);
-    dst_p[41] |= pack_right_shift_u32(misfire_inhibit, 8u, 0xffu);
-    dst_p[42] |= pack_right_shift_u32(misfire_inhibit, 16u, 0xffu);
-    dst_p[43] |= pack_right_shift_u32(misfire_inhibit, 24u, 0xffu);
+    dst_p[44] |= pack_left_shift_u32(misfire_inhibit, 0u, 0xffu);
+    dst_p[45] |= pack_right_shift_u32(misfire_inhibit, 8u, 0xffu);
+    dst_p[46] |= pack_right_shift_u32(misfire_inhibit, 16u, 0xffu);
+    dst_p[47] |= pack_right_shift_u32(misfire_inhibit, 24u, 0xffu);
     memcpy(&misfire_firing, &src_p->misfire_firing, sizeof(misfire_firing));
-    dst_p[44] |= pack_left_shift_u32(misfire_firing, 0u, 0xffu);
-    dst_p[45] |= pack_right_shift_u32(misfire_firing, 8u, 0xffu);
-    dst_p[46] |= pack_right_shift_u32(misfire_firing, 16u, 0xffu);
-    dst_p[47] |= pack_right_shift_u32(misfire_firing, 24u, 0xffu);
+    dst_p[48] |= pack_left_shift_u32(misfire_firing, 0u, 0xffu);
+    dst_p[49] |= pack_right_shift_u32(misfire_firing, 8u, 0xffu);
+    dst_p[50] |= pack_right_shift_u32(misfire_firing, 16u, 0xffu);
+    dst_p[51] |= pack_right_shift_u32(misfire_firing, 24u, 0xffu);
     memcpy(&misfire_cylinder, &src_p->misfire_cylinder, sizeof(misfire_cylinder));
-    dst_p[48] |= pack_left_shift_u32(misfire_cylinder, 0u, 0xffu);
-    dst_p[49] |= pack_right_shift_u32(misfire_cylinder, 8u, 0xffu);
-    dst_p[50] |= pack_right_shift_u32(misfire_cylinder, 16u, 0xffu);
-    dst_p[51] |= pack_right_shift_u32(misfire_cylinder, 24u, 0xffu);
+    dst_p[52] |= pack_left_shift_u32(misfire_cylinder, 0u, 0xffu);
+    dst_p[53] |= pack_right_shift_u32(misfire_cylinder, 8u, 0xffu);
+    dst_p[54] |= pack_right_shift_u32(misfire_cylinder, 16u, 0xffu);
+    dst_p[55] |= pack_right_shift_u32(misfire_cylinder, 24u, 0xffu);
 
     return (64);
 }
@@ -4814,6 +5022,7 @@ int sd_bus_firing_unpack(
     uint32_t firing_cylinder;
     uint32_t firing_mean;
     uint32_t firing_mean_sd;
+    uint32_t firing_rough;
     uint32_t firing_sd;
     uint32_t firing_torque;
     uint32_t misfire_cylinder;
@@ -4860,35 +5069,40 @@ int sd_bus_firing_unpack(
     firing_mean_sd |= unpack_left_shift_u32(src_p[26], 16u, 0xffu);
     firing_mean_sd |= unpack_left_shift_u32(src_p[27], 24u, 0xffu);
     memcpy(&dst_p->firing_mean_sd, &firing_mean_sd, sizeof(dst_p->firing_mean_sd));
-    misfire_index = unpack_right_shift_u32(src_p[28], 0u, 0xffu);
-    misfire_index |= unpack_left_shift_u32(src_p[29], 8u, 0xffu);
-    misfire_index |= unpack_left_shift_u32(src_p[30], 16u, 0xffu);
-    misfire_index |= unpack_left_shift_u32(src_p[31], 24u, 0xffu);
+    firing_rough = unpack_right_shift_u32(src_p[28], 0u, 0xffu);
+    firing_rough |= unpack_left_shift_u32(src_p[29], 8u, 0xffu);
+    firing_rough |= unpack_left_shift_u32(src_p[30], 16u, 0xffu);
+    firing_rough |= unpack_left_shift_u32(src_p[31], 24u, 0xffu);
+    memcpy(&dst_p->firing_rough, &firing_rough, sizeof(dst_p->firing_rough));
+    misfire_index = unpack_right_shift_u32(src_p[32], 0u, 0xffu);
+    misfire_index |= unpack_left_shift_u32(src_p[33], 8u, 0xffu);
+    misfire_index |= unpack_left_shift_u32(src_p[34], 16u, 0xffu);
+    misfire_index |= unpack_left_shift_u32(src_p[35], 24u, 0xffu);
     memcpy(&dst_p->misfire_index, &misfire_index, sizeof(dst_p->misfire_index));
-    misfire_limit = unpack_right_shift_u32(src_p[32], 0u, 0xffu);
-    misfire_limit |= unpack_left_shift_u32(src_p[33], 8u, 0xffu);
-    misfire_limit |= unpack_left_shift_u32(src_p[34], 16u, 0xffu);
-    misfire_limit |= unpack_left_shift_u32(src_p[35], 24u, 0xffu);
+    misfire_limit = unpack_right_shift_u32(src_p[36], 0u, 0xffu);
+    misfire_limit |= unpack_left_shift_u32(src_p[37], 8u, 0xffu);
+    misfire_limit |= unpack_left_shift_u32(src_p[38], 16u, 0xffu);
+    misfire_limit |= unpack_left_shift_u32(src_p[39], 24u, 0xffu);
     memcpy(&dst_p->misfire_limit, &misfire_limit, sizeof(dst_p->misfire_limit));
-    misfire_verdict = unpack_right_shift_u32(src_p[36], 0u, 0xffu);
-    misfire_verdict |= unpack_left_shift_u32(src_p[37], 8u, 0xffu);
-    misfire_verdict |= unpack_left_shift_u32(src_p[38], 16u, 0xffu);
-    misfire_verdict |= unpack_left_shift_u32(src_p[39], 24u, 0xffu);
+    misfire_verdict = unpack_right_shift_u32(src_p[40], 0u, 0xffu);
+    misfire_verdict |= unpack_left_shift_u32(src_p[41], 8u, 0xffu);
+    misfire_verdict |= unpack_left_shift_u32(src_p[42], 16u, 0xffu);
+    misfire_verdict |= unpack_left_shift_u32(src_p[43], 24u, 0xffu);
     memcpy(&dst_p->misfire_verdict, &misfire_verdict, sizeof(dst_p->misfire_verdict));
-    misfire_inhibit = unpack_right_shift_u32(src_p[40], 0u, 0xffu);
-    misfire_inhibit |= unpack_left_shift_u32(src_p[41], 8u, 0xffu);
-    misfire_inhibit |= unpack_left_shift_u32(src_p[42], 16u, 0xffu);
-    misfire_inhibit |= unpack_left_shift_u32(src_p[43], 24u, 0xffu);
+    misfire_inhibit = unpack_right_shift_u32(src_p[44], 0u, 0xffu);
+    misfire_inhibit |= unpack_left_shift_u32(src_p[45], 8u, 0xffu);
+    misfire_inhibit |= unpack_left_shift_u32(src_p[46], 16u, 0xffu);
+    misfire_inhibit |= unpack_left_shift_u32(src_p[47], 24u, 0xffu);
     memcpy(&dst_p->misfire_inhibit, &misfire_inhibit, sizeof(dst_p->misfire_inhibit));
-    misfire_firing = unpack_right_shift_u32(src_p[44], 0u, 0xffu);
-    misfire_firing |= unpack_left_shift_u32(src_p[45], 8u, 0xffu);
-    misfire_firing |= unpack_left_shift_u32(src_p[46], 16u, 0xffu);
-    misfire_firing |= unpack_left_shift_u32(src_p[47], 24u, 0xffu);
+    misfire_firing = unpack_right_shift_u32(src_p[48], 0u, 0xffu);
+    misfire_firing |= unpack_left_shift_u32(src_p[49], 8u, 0xffu);
+    misfire_firing |= unpack_left_shift_u32(src_p[50], 16u, 0xffu);
+    misfire_firing |= unpack_left_shift_u32(src_p[51], 24u, 0xffu);
     memcpy(&dst_p->misfire_firing, &misfire_firing, sizeof(dst_p->misfire_firing));
-    misfire_cylinder = unpack_right_shift_u32(src_p[48], 0u, 0xffu);
-    misfire_cylinder |= unpack_left_shift_u32(src_p[49], 8u, 0xffu);
-    misfire_cylinder |= unpack_left_shift_u32(src_p[50], 16u, 0xffu);
-    misfire_cylinder |= unpack_left_shift_u32(src_p[51], 24u, 0xffu);
+    misfire_cylinder = unpack_right_shift_u32(src_p[52], 0u, 0xffu);
+    misfire_cylinder |= unpack_left_shift_u32(src_p[53], 8u, 0xffu);
+    misfire_cylinder |= unpack_left_shift_u32(src_p[54], 16u, 0xffu);
+    misfire_cylinder |= unpack_left_shift_u32(src_p[55], 24u, 0xffu);
     memcpy(&dst_p->misfire_cylinder, &misfire_cylinder, sizeof(dst_p->misfire_cylinder));
 
     return (0);
@@ -5109,6 +5323,26 @@ bool sd_bus_firing_firing_mean_sd_is_in_phys_range(double value)
     return ((value >= 0.0) && (value <= 20000.0));
 }
 
+float sd_bus_firing_firing_rough_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_firing_firing_rough_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_firing_firing_rough_is_in_range(float value)
+{
+    return ((value >= 0.0f) && (value <= 1.0f));
+}
+
+bool sd_bus_firing_firing_rough_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 1.0));
+}
+
 float sd_bus_firing_misfire_index_encode(double value)
 {
     return (float)(value);
@@ -5181,12 +5415,12 @@ double sd_bus_firing_misfire_inhibit_decode(float value)
 
 bool sd_bus_firing_misfire_inhibit_is_in_range(float value)
 {
-    return ((value >= 0.0f) && (value <= 63.0f));
+    return ((value >= 0.0f) && (value <= 127.0f));
 }
 
 bool sd_bus_firing_misfire_inhibit_is_in_phys_range(double value)
 {
-    return ((value >= 0.0) && (value <= 63.0));
+    return ((value >= 0.0) && (value <= 127.0));
 }
 
 float sd_bus_firing_misfire_firing_encode(double value)
@@ -5227,147 +5461,6 @@ bool sd_bus_firing_misfire_cylinder_is_in_range(float value)
 bool sd_bus_firing_misfire_cylinder_is_in_phys_range(double value)
 {
     return ((value >= 1.0) && (value <= 8.0));
-}
-
-int sd_bus_done_pack(
-    uint8_t *dst_p,
-    const struct sd_bus_done_t *src_p,
-    size_t size)
-{
-    if (size < 8u) {
-        return (-EINVAL);
-    }
-
-    memset(&dst_p[0], 0, 8);
-
-    dst_p[0] |= pack_left_shift_u32(src_p->tick, 0u, 0xffu);
-    dst_p[1] |= pack_right_shift_u32(src_p->tick, 8u, 0xffu);
-    dst_p[2] |= pack_right_shift_u32(src_p->tick, 16u, 0xffu);
-    dst_p[3] |= pack_right_shift_u32(src_p->tick, 24u, 0xffu);
-    dst_p[4] |= pack_left_shift_u16(src_p->session, 0u, 0xffu);
-    dst_p[5] |= pack_right_shift_u16(src_p->session, 8u, 0xffu);
-    dst_p[6] |= pack_left_shift_u8(src_p->ignored, 0u, 0xffu);
-    dst_p[7] |= pack_left_shift_u8(src_p->unsent, 0u, 0xffu);
-
-    return (8);
-}
-
-int sd_bus_done_unpack(
-    struct sd_bus_done_t *dst_p,
-    const uint8_t *src_p,
-    size_t size)
-{
-    if (size < 8u) {
-        return (-EINVAL);
-    }
-
-    dst_p->tick = unpack_right_shift_u32(src_p[0], 0u, 0xffu);
-    dst_p->tick |= unpack_left_shift_u32(src_p[1], 8u, 0xffu);
-    dst_p->tick |= unpack_left_shift_u32(src_p[2], 16u, 0xffu);
-    dst_p->tick |= unpack_left_shift_u32(src_p[3], 24u, 0xffu);
-    dst_p->session = unpack_right_shift_u16(src_p[4], 0u, 0xffu);
-    dst_p->session |= unpack_left_shift_u16(src_p[5], 8u, 0xffu);
-    dst_p->ignored = unpack_right_shift_u8(src_p[6], 0u, 0xffu);
-    dst_p->unsent = unpack_right_shift_u8(src_p[7], 0u, 0xffu);
-
-    return (0);
-}
-
-int sd_bus_done_init(struct sd_bus_done_t *msg_p)
-{
-    if (msg_p == NULL) return -1;
-
-    memset(msg_p, 0, sizeof(struct sd_bus_done_t));
-
-    return 0;
-}
-
-uint32_t sd_bus_done_tick_encode(double value)
-{
-    return (uint32_t)(cantools_unsigned_from_double(round(value)));
-}
-
-double sd_bus_done_tick_decode(uint32_t value)
-{
-    return ((double)value);
-}
-
-bool sd_bus_done_tick_is_in_range(uint32_t value)
-{
-    (void)value;
-
-    return (true);
-}
-
-bool sd_bus_done_tick_is_in_phys_range(double value)
-{
-    return ((value >= 0.0) && (value <= 4294967295.0));
-}
-
-uint16_t sd_bus_done_session_encode(double value)
-{
-    return (uint16_t)(cantools_unsigned_from_double(round(value)));
-}
-
-double sd_bus_done_session_decode(uint16_t value)
-{
-    return ((double)value);
-}
-
-bool sd_bus_done_session_is_in_range(uint16_t value)
-{
-    (void)value;
-
-    return (true);
-}
-
-bool sd_bus_done_session_is_in_phys_range(double value)
-{
-    return ((value >= 0.0) && (value <= 65535.0));
-}
-
-uint8_t sd_bus_done_ignored_encode(double value)
-{
-    return (uint8_t)(cantools_unsigned_from_double(round(value)));
-}
-
-double sd_bus_done_ignored_decode(uint8_t value)
-{
-    return ((double)value);
-}
-
-bool sd_bus_done_ignored_is_in_range(uint8_t value)
-{
-    (void)value;
-
-    return (true);
-}
-
-bool sd_bus_done_ignored_is_in_phys_range(double value)
-{
-    return ((value >= 0.0) && (value <= 255.0));
-}
-
-uint8_t sd_bus_done_unsent_encode(double value)
-{
-    return (uint8_t)(cantools_unsigned_from_double(round(value)));
-}
-
-double sd_bus_done_unsent_decode(uint8_t value)
-{
-    return ((double)value);
-}
-
-bool sd_bus_done_unsent_is_in_range(uint8_t value)
-{
-    (void)value;
-
-    return (true);
-}
-
-bool sd_bus_done_unsent_is_in_phys_range(double value)
-{
-    return ((value >= 0.0) && (value <= 255.0));
 }
 
 int sd_bus_parameter_request_pack(
@@ -5626,12 +5719,12 @@ double sd_bus_parameter_result_decode(uint8_t value)
 
 bool sd_bus_parameter_result_is_in_range(uint8_t value)
 {
-    return (value <= 3u);
+    return (value <= 4u);
 }
 
 bool sd_bus_parameter_result_is_in_phys_range(double value)
 {
-    return ((value >= 0.0) && (value <= 3.0));
+    return ((value >= 0.0) && (value <= 4.0));
 }
 
 int sd_bus_claim_pack(
@@ -5729,6 +5822,147 @@ bool sd_bus_claim_signature_is_in_range(uint32_t value)
 bool sd_bus_claim_signature_is_in_phys_range(double value)
 {
     return ((value >= 0.0) && (value <= 4294967295.0));
+}
+
+int sd_bus_done_pack(
+    uint8_t *dst_p,
+    const struct sd_bus_done_t *src_p,
+    size_t size)
+{
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    memset(&dst_p[0], 0, 8);
+
+    dst_p[0] |= pack_left_shift_u32(src_p->tick, 0u, 0xffu);
+    dst_p[1] |= pack_right_shift_u32(src_p->tick, 8u, 0xffu);
+    dst_p[2] |= pack_right_shift_u32(src_p->tick, 16u, 0xffu);
+    dst_p[3] |= pack_right_shift_u32(src_p->tick, 24u, 0xffu);
+    dst_p[4] |= pack_left_shift_u16(src_p->session, 0u, 0xffu);
+    dst_p[5] |= pack_right_shift_u16(src_p->session, 8u, 0xffu);
+    dst_p[6] |= pack_left_shift_u8(src_p->ignored, 0u, 0xffu);
+    dst_p[7] |= pack_left_shift_u8(src_p->unsent, 0u, 0xffu);
+
+    return (8);
+}
+
+int sd_bus_done_unpack(
+    struct sd_bus_done_t *dst_p,
+    const uint8_t *src_p,
+    size_t size)
+{
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    dst_p->tick = unpack_right_shift_u32(src_p[0], 0u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[1], 8u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[2], 16u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[3], 24u, 0xffu);
+    dst_p->session = unpack_right_shift_u16(src_p[4], 0u, 0xffu);
+    dst_p->session |= unpack_left_shift_u16(src_p[5], 8u, 0xffu);
+    dst_p->ignored = unpack_right_shift_u8(src_p[6], 0u, 0xffu);
+    dst_p->unsent = unpack_right_shift_u8(src_p[7], 0u, 0xffu);
+
+    return (0);
+}
+
+int sd_bus_done_init(struct sd_bus_done_t *msg_p)
+{
+    if (msg_p == NULL) return -1;
+
+    memset(msg_p, 0, sizeof(struct sd_bus_done_t));
+
+    return 0;
+}
+
+uint32_t sd_bus_done_tick_encode(double value)
+{
+    return (uint32_t)(cantools_unsigned_from_double(round(value)));
+}
+
+double sd_bus_done_tick_decode(uint32_t value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_done_tick_is_in_range(uint32_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool sd_bus_done_tick_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 4294967295.0));
+}
+
+uint16_t sd_bus_done_session_encode(double value)
+{
+    return (uint16_t)(cantools_unsigned_from_double(round(value)));
+}
+
+double sd_bus_done_session_decode(uint16_t value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_done_session_is_in_range(uint16_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool sd_bus_done_session_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 65535.0));
+}
+
+uint8_t sd_bus_done_ignored_encode(double value)
+{
+    return (uint8_t)(cantools_unsigned_from_double(round(value)));
+}
+
+double sd_bus_done_ignored_decode(uint8_t value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_done_ignored_is_in_range(uint8_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool sd_bus_done_ignored_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 255.0));
+}
+
+uint8_t sd_bus_done_unsent_encode(double value)
+{
+    return (uint8_t)(cantools_unsigned_from_double(round(value)));
+}
+
+double sd_bus_done_unsent_decode(uint8_t value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_done_unsent_is_in_range(uint8_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool sd_bus_done_unsent_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 255.0));
 }
 
 int sd_bus_truth_edge_pack(

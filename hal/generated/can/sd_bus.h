@@ -51,9 +51,11 @@ extern "C" {
 #define SD_BUS_TIME_FRAME_ID (0xa1u)
 #define SD_BUS_INPUT_AIR_INTAKE_PRESSURE_FRAME_ID (0xa8u)
 #define SD_BUS_INPUT_FUEL_INJECTED_FRAME_ID (0xa9u)
-#define SD_BUS_INPUT_EXHAUST_LAMBDA_FRAME_ID (0xaau)
-#define SD_BUS_INPUT_EXHAUST_PRESSURE_FRAME_ID (0xabu)
-#define SD_BUS_INPUT_BALANCE_ENABLE_FRAME_ID (0xacu)
+#define SD_BUS_INPUT_FUEL_LEVEL_FRAME_ID (0xaau)
+#define SD_BUS_INPUT_DRIVELINE_SHIFT_FRAME_ID (0xabu)
+#define SD_BUS_INPUT_EXHAUST_LAMBDA_FRAME_ID (0xacu)
+#define SD_BUS_INPUT_EXHAUST_PRESSURE_FRAME_ID (0xadu)
+#define SD_BUS_INPUT_BALANCE_ENABLE_FRAME_ID (0xaeu)
 #define SD_BUS_EDGE_FRAME_ID (0xb0u)
 #define SD_BUS_CYCLE_1_FRAME_ID (0xb1u)
 #define SD_BUS_CYCLE_2_FRAME_ID (0xb2u)
@@ -61,10 +63,10 @@ extern "C" {
 #define SD_BUS_CYCLE_4_FRAME_ID (0xb4u)
 #define SD_BUS_CYCLE_5_FRAME_ID (0xb5u)
 #define SD_BUS_FIRING_FRAME_ID (0xb6u)
-#define SD_BUS_DONE_FRAME_ID (0xb8u)
 #define SD_BUS_PARAMETER_REQUEST_FRAME_ID (0xc0u)
 #define SD_BUS_PARAMETER_FRAME_ID (0xc1u)
 #define SD_BUS_CLAIM_FRAME_ID (0xc2u)
+#define SD_BUS_DONE_FRAME_ID (0xc3u)
 #define SD_BUS_TRUTH_EDGE_FRAME_ID (0xf0u)
 #define SD_BUS_TRUTH_CYCLE_FRAME_ID (0xf1u)
 #define SD_BUS_TRUTH_END_FRAME_ID (0xf2u)
@@ -74,6 +76,8 @@ extern "C" {
 #define SD_BUS_TIME_LENGTH (8u)
 #define SD_BUS_INPUT_AIR_INTAKE_PRESSURE_LENGTH (8u)
 #define SD_BUS_INPUT_FUEL_INJECTED_LENGTH (8u)
+#define SD_BUS_INPUT_FUEL_LEVEL_LENGTH (8u)
+#define SD_BUS_INPUT_DRIVELINE_SHIFT_LENGTH (8u)
 #define SD_BUS_INPUT_EXHAUST_LAMBDA_LENGTH (8u)
 #define SD_BUS_INPUT_EXHAUST_PRESSURE_LENGTH (8u)
 #define SD_BUS_INPUT_BALANCE_ENABLE_LENGTH (8u)
@@ -84,10 +88,10 @@ extern "C" {
 #define SD_BUS_CYCLE_4_LENGTH (64u)
 #define SD_BUS_CYCLE_5_LENGTH (48u)
 #define SD_BUS_FIRING_LENGTH (64u)
-#define SD_BUS_DONE_LENGTH (8u)
 #define SD_BUS_PARAMETER_REQUEST_LENGTH (8u)
 #define SD_BUS_PARAMETER_LENGTH (8u)
 #define SD_BUS_CLAIM_LENGTH (8u)
+#define SD_BUS_DONE_LENGTH (8u)
 #define SD_BUS_TRUTH_EDGE_LENGTH (48u)
 #define SD_BUS_TRUTH_CYCLE_LENGTH (48u)
 #define SD_BUS_TRUTH_END_LENGTH (8u)
@@ -97,6 +101,8 @@ extern "C" {
 #define SD_BUS_TIME_IS_EXTENDED (0)
 #define SD_BUS_INPUT_AIR_INTAKE_PRESSURE_IS_EXTENDED (0)
 #define SD_BUS_INPUT_FUEL_INJECTED_IS_EXTENDED (0)
+#define SD_BUS_INPUT_FUEL_LEVEL_IS_EXTENDED (0)
+#define SD_BUS_INPUT_DRIVELINE_SHIFT_IS_EXTENDED (0)
 #define SD_BUS_INPUT_EXHAUST_LAMBDA_IS_EXTENDED (0)
 #define SD_BUS_INPUT_EXHAUST_PRESSURE_IS_EXTENDED (0)
 #define SD_BUS_INPUT_BALANCE_ENABLE_IS_EXTENDED (0)
@@ -107,10 +113,10 @@ extern "C" {
 #define SD_BUS_CYCLE_4_IS_EXTENDED (0)
 #define SD_BUS_CYCLE_5_IS_EXTENDED (0)
 #define SD_BUS_FIRING_IS_EXTENDED (0)
-#define SD_BUS_DONE_IS_EXTENDED (0)
 #define SD_BUS_PARAMETER_REQUEST_IS_EXTENDED (0)
 #define SD_BUS_PARAMETER_IS_EXTENDED (0)
 #define SD_BUS_CLAIM_IS_EXTENDED (0)
+#define SD_BUS_DONE_IS_EXTENDED (0)
 #define SD_BUS_TRUTH_EDGE_IS_EXTENDED (0)
 #define SD_BUS_TRUTH_CYCLE_IS_EXTENDED (0)
 #define SD_BUS_TRUTH_END_IS_EXTENDED (0)
@@ -119,6 +125,8 @@ extern "C" {
 #define SD_BUS_TIME_CYCLE_TIME_MS (10u)
 #define SD_BUS_INPUT_AIR_INTAKE_PRESSURE_CYCLE_TIME_MS (10u)
 #define SD_BUS_INPUT_FUEL_INJECTED_CYCLE_TIME_MS (10u)
+#define SD_BUS_INPUT_FUEL_LEVEL_CYCLE_TIME_MS (10u)
+#define SD_BUS_INPUT_DRIVELINE_SHIFT_CYCLE_TIME_MS (10u)
 #define SD_BUS_INPUT_EXHAUST_LAMBDA_CYCLE_TIME_MS (10u)
 #define SD_BUS_INPUT_EXHAUST_PRESSURE_CYCLE_TIME_MS (10u)
 #define SD_BUS_INPUT_BALANCE_ENABLE_CYCLE_TIME_MS (10u)
@@ -206,37 +214,41 @@ extern "C" {
 #define SD_BUS_PARAMETER_REQUEST_INDEX_FIRING_EDGE_SD_CHOICE (13u)
 #define SD_BUS_PARAMETER_REQUEST_INDEX_FIRING_PATTERN_CHOICE (14u)
 #define SD_BUS_PARAMETER_REQUEST_INDEX_FIRING_LOAD_WALK_CHOICE (15u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_FIRING_CHANGE_CHOICE (16u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_FIRING_SHAPE_SD_CHOICE (17u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_FIRING_REJECT_CHOICE (18u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_FIRING_SETTLE_CHOICE (19u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_WORK_PER_FUEL_CHOICE (20u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_CYCLIC_CHOICE (21u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_Z_FALSE_CHOICE (22u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_Z_MISSED_CHOICE (23u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_DEFINITION_CHOICE (24u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_PARTIAL_CHOICE (25u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_FUEL_MIN_CHOICE (26u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_TORQUE_MIN_CHOICE (27u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_SPEED_CHANGE_CHOICE (28u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_START_CHOICE (29u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_HOLD_CHOICE (30u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_CONTINUOUS_CHOICE (31u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_EMISSION_CHOICE (32u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_CATALYST_CHOICE (33u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_EMISSION_WINDOWS_CHOICE (34u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_CATALYST_WINDOWS_CHOICE (35u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_NOISE_CHOICE (36u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_DRIFT_CHOICE (37u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_DRIFT_SLOW_CHOICE (38u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_SLOW_ABOVE_CHOICE (39u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_STOICHIOMETRIC_CHOICE (40u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_SOURCE_CHOICE (41u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_GAIN_CHOICE (42u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_RATE_CHOICE (43u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_LIMIT_CHOICE (44u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_SD_MAX_CHOICE (45u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_HOLD_CHOICE (46u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_FIRING_ROUGH_WALK_CHOICE (16u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_FIRING_CHANGE_CHOICE (17u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_FIRING_SHAPE_SD_CHOICE (18u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_FIRING_REJECT_CHOICE (19u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_FIRING_SETTLE_CHOICE (20u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_WORK_PER_FUEL_CHOICE (21u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_CYCLIC_CHOICE (22u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_Z_FALSE_CHOICE (23u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_Z_MISSED_CHOICE (24u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_DEFINITION_CHOICE (25u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_PARTIAL_CHOICE (26u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_FUEL_MIN_CHOICE (27u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_FUEL_LEVEL_MIN_CHOICE (28u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_TORQUE_MIN_CHOICE (29u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_SPEED_CHANGE_CHOICE (30u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_START_CHOICE (31u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_HOLD_CHOICE (32u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_CONTINUOUS_CHOICE (33u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_EMISSION_CHOICE (34u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_CATALYST_CHOICE (35u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_EMISSION_WINDOWS_CHOICE (36u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_CATALYST_WINDOWS_CHOICE (37u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_NOISE_CHOICE (38u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_DRIFT_CHOICE (39u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_JUMP_CHOICE (40u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_DRIFT_SLOW_CHOICE (41u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_SLOW_ABOVE_CHOICE (42u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_STOICHIOMETRIC_CHOICE (43u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_SOURCE_CHOICE (44u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_GAIN_CHOICE (45u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_RATE_CHOICE (46u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_LIMIT_CHOICE (47u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_SD_MAX_CHOICE (48u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_HOLD_CHOICE (49u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_ALL_CHOICE (255u)
 
 #define SD_BUS_PARAMETER_COMMAND_READ_CHOICE (0u)
 #define SD_BUS_PARAMETER_COMMAND_READ_REFERENCE_CHOICE (1u)
@@ -259,48 +271,55 @@ extern "C" {
 #define SD_BUS_PARAMETER_INDEX_FIRING_EDGE_SD_CHOICE (13u)
 #define SD_BUS_PARAMETER_INDEX_FIRING_PATTERN_CHOICE (14u)
 #define SD_BUS_PARAMETER_INDEX_FIRING_LOAD_WALK_CHOICE (15u)
-#define SD_BUS_PARAMETER_INDEX_FIRING_CHANGE_CHOICE (16u)
-#define SD_BUS_PARAMETER_INDEX_FIRING_SHAPE_SD_CHOICE (17u)
-#define SD_BUS_PARAMETER_INDEX_FIRING_REJECT_CHOICE (18u)
-#define SD_BUS_PARAMETER_INDEX_FIRING_SETTLE_CHOICE (19u)
-#define SD_BUS_PARAMETER_INDEX_MISFIRE_WORK_PER_FUEL_CHOICE (20u)
-#define SD_BUS_PARAMETER_INDEX_MISFIRE_CYCLIC_CHOICE (21u)
-#define SD_BUS_PARAMETER_INDEX_MISFIRE_Z_FALSE_CHOICE (22u)
-#define SD_BUS_PARAMETER_INDEX_MISFIRE_Z_MISSED_CHOICE (23u)
-#define SD_BUS_PARAMETER_INDEX_MISFIRE_DEFINITION_CHOICE (24u)
-#define SD_BUS_PARAMETER_INDEX_MISFIRE_PARTIAL_CHOICE (25u)
-#define SD_BUS_PARAMETER_INDEX_MISFIRE_FUEL_MIN_CHOICE (26u)
-#define SD_BUS_PARAMETER_INDEX_MISFIRE_TORQUE_MIN_CHOICE (27u)
-#define SD_BUS_PARAMETER_INDEX_MISFIRE_SPEED_CHANGE_CHOICE (28u)
-#define SD_BUS_PARAMETER_INDEX_MISFIRE_START_CHOICE (29u)
-#define SD_BUS_PARAMETER_INDEX_MISFIRE_HOLD_CHOICE (30u)
-#define SD_BUS_PARAMETER_INDEX_MISFIRE_CONTINUOUS_CHOICE (31u)
-#define SD_BUS_PARAMETER_INDEX_MISFIRE_EMISSION_CHOICE (32u)
-#define SD_BUS_PARAMETER_INDEX_MISFIRE_CATALYST_CHOICE (33u)
-#define SD_BUS_PARAMETER_INDEX_MISFIRE_EMISSION_WINDOWS_CHOICE (34u)
-#define SD_BUS_PARAMETER_INDEX_MISFIRE_CATALYST_WINDOWS_CHOICE (35u)
-#define SD_BUS_PARAMETER_INDEX_AFR_NOISE_CHOICE (36u)
-#define SD_BUS_PARAMETER_INDEX_AFR_DRIFT_CHOICE (37u)
-#define SD_BUS_PARAMETER_INDEX_AFR_DRIFT_SLOW_CHOICE (38u)
-#define SD_BUS_PARAMETER_INDEX_AFR_SLOW_ABOVE_CHOICE (39u)
-#define SD_BUS_PARAMETER_INDEX_AFR_STOICHIOMETRIC_CHOICE (40u)
-#define SD_BUS_PARAMETER_INDEX_BALANCE_SOURCE_CHOICE (41u)
-#define SD_BUS_PARAMETER_INDEX_BALANCE_GAIN_CHOICE (42u)
-#define SD_BUS_PARAMETER_INDEX_BALANCE_RATE_CHOICE (43u)
-#define SD_BUS_PARAMETER_INDEX_BALANCE_LIMIT_CHOICE (44u)
-#define SD_BUS_PARAMETER_INDEX_BALANCE_SD_MAX_CHOICE (45u)
-#define SD_BUS_PARAMETER_INDEX_BALANCE_HOLD_CHOICE (46u)
+#define SD_BUS_PARAMETER_INDEX_FIRING_ROUGH_WALK_CHOICE (16u)
+#define SD_BUS_PARAMETER_INDEX_FIRING_CHANGE_CHOICE (17u)
+#define SD_BUS_PARAMETER_INDEX_FIRING_SHAPE_SD_CHOICE (18u)
+#define SD_BUS_PARAMETER_INDEX_FIRING_REJECT_CHOICE (19u)
+#define SD_BUS_PARAMETER_INDEX_FIRING_SETTLE_CHOICE (20u)
+#define SD_BUS_PARAMETER_INDEX_MISFIRE_WORK_PER_FUEL_CHOICE (21u)
+#define SD_BUS_PARAMETER_INDEX_MISFIRE_CYCLIC_CHOICE (22u)
+#define SD_BUS_PARAMETER_INDEX_MISFIRE_Z_FALSE_CHOICE (23u)
+#define SD_BUS_PARAMETER_INDEX_MISFIRE_Z_MISSED_CHOICE (24u)
+#define SD_BUS_PARAMETER_INDEX_MISFIRE_DEFINITION_CHOICE (25u)
+#define SD_BUS_PARAMETER_INDEX_MISFIRE_PARTIAL_CHOICE (26u)
+#define SD_BUS_PARAMETER_INDEX_MISFIRE_FUEL_MIN_CHOICE (27u)
+#define SD_BUS_PARAMETER_INDEX_MISFIRE_FUEL_LEVEL_MIN_CHOICE (28u)
+#define SD_BUS_PARAMETER_INDEX_MISFIRE_TORQUE_MIN_CHOICE (29u)
+#define SD_BUS_PARAMETER_INDEX_MISFIRE_SPEED_CHANGE_CHOICE (30u)
+#define SD_BUS_PARAMETER_INDEX_MISFIRE_START_CHOICE (31u)
+#define SD_BUS_PARAMETER_INDEX_MISFIRE_HOLD_CHOICE (32u)
+#define SD_BUS_PARAMETER_INDEX_MISFIRE_CONTINUOUS_CHOICE (33u)
+#define SD_BUS_PARAMETER_INDEX_MISFIRE_EMISSION_CHOICE (34u)
+#define SD_BUS_PARAMETER_INDEX_MISFIRE_CATALYST_CHOICE (35u)
+#define SD_BUS_PARAMETER_INDEX_MISFIRE_EMISSION_WINDOWS_CHOICE (36u)
+#define SD_BUS_PARAMETER_INDEX_MISFIRE_CATALYST_WINDOWS_CHOICE (37u)
+#define SD_BUS_PARAMETER_INDEX_AFR_NOISE_CHOICE (38u)
+#define SD_BUS_PARAMETER_INDEX_AFR_DRIFT_CHOICE (39u)
+#define SD_BUS_PARAMETER_INDEX_AFR_JUMP_CHOICE (40u)
+#define SD_BUS_PARAMETER_INDEX_AFR_DRIFT_SLOW_CHOICE (41u)
+#define SD_BUS_PARAMETER_INDEX_AFR_SLOW_ABOVE_CHOICE (42u)
+#define SD_BUS_PARAMETER_INDEX_AFR_STOICHIOMETRIC_CHOICE (43u)
+#define SD_BUS_PARAMETER_INDEX_BALANCE_SOURCE_CHOICE (44u)
+#define SD_BUS_PARAMETER_INDEX_BALANCE_GAIN_CHOICE (45u)
+#define SD_BUS_PARAMETER_INDEX_BALANCE_RATE_CHOICE (46u)
+#define SD_BUS_PARAMETER_INDEX_BALANCE_LIMIT_CHOICE (47u)
+#define SD_BUS_PARAMETER_INDEX_BALANCE_SD_MAX_CHOICE (48u)
+#define SD_BUS_PARAMETER_INDEX_BALANCE_HOLD_CHOICE (49u)
+#define SD_BUS_PARAMETER_INDEX_ALL_CHOICE (255u)
 
 #define SD_BUS_PARAMETER_RESULT_OK_CHOICE (0u)
 #define SD_BUS_PARAMETER_RESULT_UNKNOWN_CHOICE (1u)
 #define SD_BUS_PARAMETER_RESULT_OUT_OF_RANGE_CHOICE (2u)
 #define SD_BUS_PARAMETER_RESULT_REFUSED_CHOICE (3u)
+#define SD_BUS_PARAMETER_RESULT_AT_START_CHOICE (4u)
 
 /* Frame Names. */
 #define SD_BUS_TEETH_NAME "teeth"
 #define SD_BUS_TIME_NAME "time"
 #define SD_BUS_INPUT_AIR_INTAKE_PRESSURE_NAME "input_air_intake_pressure"
 #define SD_BUS_INPUT_FUEL_INJECTED_NAME "input_fuel_injected"
+#define SD_BUS_INPUT_FUEL_LEVEL_NAME "input_fuel_level"
+#define SD_BUS_INPUT_DRIVELINE_SHIFT_NAME "input_driveline_shift"
 #define SD_BUS_INPUT_EXHAUST_LAMBDA_NAME "input_exhaust_lambda"
 #define SD_BUS_INPUT_EXHAUST_PRESSURE_NAME "input_exhaust_pressure"
 #define SD_BUS_INPUT_BALANCE_ENABLE_NAME "input_balance_enable"
@@ -311,10 +330,10 @@ extern "C" {
 #define SD_BUS_CYCLE_4_NAME "cycle_4"
 #define SD_BUS_CYCLE_5_NAME "cycle_5"
 #define SD_BUS_FIRING_NAME "firing"
-#define SD_BUS_DONE_NAME "done"
 #define SD_BUS_PARAMETER_REQUEST_NAME "parameter_request"
 #define SD_BUS_PARAMETER_NAME "parameter"
 #define SD_BUS_CLAIM_NAME "claim"
+#define SD_BUS_DONE_NAME "done"
 #define SD_BUS_TRUTH_EDGE_NAME "truth_edge"
 #define SD_BUS_TRUTH_CYCLE_NAME "truth_cycle"
 #define SD_BUS_TRUTH_END_NAME "truth_end"
@@ -345,6 +364,10 @@ extern "C" {
 #define SD_BUS_INPUT_AIR_INTAKE_PRESSURE_VALUE_NAME "value"
 #define SD_BUS_INPUT_FUEL_INJECTED_TICK_NAME "tick"
 #define SD_BUS_INPUT_FUEL_INJECTED_VALUE_NAME "value"
+#define SD_BUS_INPUT_FUEL_LEVEL_TICK_NAME "tick"
+#define SD_BUS_INPUT_FUEL_LEVEL_VALUE_NAME "value"
+#define SD_BUS_INPUT_DRIVELINE_SHIFT_TICK_NAME "tick"
+#define SD_BUS_INPUT_DRIVELINE_SHIFT_VALUE_NAME "value"
 #define SD_BUS_INPUT_EXHAUST_LAMBDA_TICK_NAME "tick"
 #define SD_BUS_INPUT_EXHAUST_LAMBDA_VALUE_NAME "value"
 #define SD_BUS_INPUT_EXHAUST_PRESSURE_TICK_NAME "tick"
@@ -467,16 +490,13 @@ extern "C" {
 #define SD_BUS_FIRING_FIRING_SD_NAME "firing_sd"
 #define SD_BUS_FIRING_FIRING_MEAN_NAME "firing_mean"
 #define SD_BUS_FIRING_FIRING_MEAN_SD_NAME "firing_mean_sd"
+#define SD_BUS_FIRING_FIRING_ROUGH_NAME "firing_rough"
 #define SD_BUS_FIRING_MISFIRE_INDEX_NAME "misfire_index"
 #define SD_BUS_FIRING_MISFIRE_LIMIT_NAME "misfire_limit"
 #define SD_BUS_FIRING_MISFIRE_VERDICT_NAME "misfire_verdict"
 #define SD_BUS_FIRING_MISFIRE_INHIBIT_NAME "misfire_inhibit"
 #define SD_BUS_FIRING_MISFIRE_FIRING_NAME "misfire_firing"
 #define SD_BUS_FIRING_MISFIRE_CYLINDER_NAME "misfire_cylinder"
-#define SD_BUS_DONE_TICK_NAME "tick"
-#define SD_BUS_DONE_SESSION_NAME "session"
-#define SD_BUS_DONE_IGNORED_NAME "ignored"
-#define SD_BUS_DONE_UNSENT_NAME "unsent"
 #define SD_BUS_PARAMETER_REQUEST_COMMAND_NAME "command"
 #define SD_BUS_PARAMETER_REQUEST_INDEX_NAME "index"
 #define SD_BUS_PARAMETER_REQUEST_VALUE_NAME "value"
@@ -486,6 +506,10 @@ extern "C" {
 #define SD_BUS_PARAMETER_RESULT_NAME "result"
 #define SD_BUS_CLAIM_ID_NAME "id"
 #define SD_BUS_CLAIM_SIGNATURE_NAME "signature"
+#define SD_BUS_DONE_TICK_NAME "tick"
+#define SD_BUS_DONE_SESSION_NAME "session"
+#define SD_BUS_DONE_IGNORED_NAME "ignored"
+#define SD_BUS_DONE_UNSENT_NAME "unsent"
 #define SD_BUS_TRUTH_EDGE_TIME_S_NAME "time_s"
 #define SD_BUS_TRUTH_EDGE_ANGLE_DEG_NAME "angle_deg"
 #define SD_BUS_TRUTH_EDGE_CRANK_DEG_NAME "crank_deg"
@@ -725,6 +749,56 @@ struct sd_bus_input_fuel_injected_t {
      * The controller's own command, a stroke and cylinder; 0 in fuel cut.
      *
      * Range: 0.0..1000.0 (0..1000 mg)
+     * Scale: 1
+     * Offset: 0
+     */
+    float value;
+};
+
+/**
+ * Signals in message input_fuel_level.
+ *
+ * How full the tank is; needed only for the misfire monitor to keep silent on a nearly empty one.
+ *
+ * All signal values are as on the CAN bus.
+ */
+struct sd_bus_input_fuel_level_t {
+    /**
+     * Range: 0..4294967295 (0..4294967295 tick)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint32_t tick;
+
+    /**
+     * How full the tank is; needed only for the misfire monitor to keep silent on a nearly empty one.
+     *
+     * Range: 0.0..100.0 (0..100 %)
+     * Scale: 1
+     * Offset: 0
+     */
+    float value;
+};
+
+/**
+ * Signals in message input_driveline_shift.
+ *
+ * 1: the controller or the gearbox shifts gear; said again within 0.5 s.
+ *
+ * All signal values are as on the CAN bus.
+ */
+struct sd_bus_input_driveline_shift_t {
+    /**
+     * Range: 0..4294967295 (0..4294967295 tick)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint32_t tick;
+
+    /**
+     * 1: the controller or the gearbox shifts gear; said again within 0.5 s.
+     *
+     * Range: 0.0..1.0 (0..1 -)
      * Scale: 1
      * Offset: 0
      */
@@ -1913,6 +1987,15 @@ struct sd_bus_firing_t {
     float firing_mean_sd;
 
     /**
+     * 1: the road is rough, and all of firing comes from the filter whose gains let the load move.
+     *
+     * Range: 0.0..1.0 (0..1 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    float firing_rough;
+
+    /**
      * Work of the firing over the work expected of its fuel: 1 healthy, 0 a misfire; 0 when not judged.
      *
      * Range: -10.0..10.0 (-10..10 -)
@@ -1940,9 +2023,9 @@ struct sd_bus_firing_t {
     float misfire_verdict;
 
     /**
-     * Why not judged, bits: 1 start, 2 fuel cut or too little fuel, 4 gear shift, 8 no estimate, 16 fuel cut or shift ended a moment ago, 32 a faulty tooth or unknown fuel.
+     * Why not judged, bits: 1 start, 2 fuel cut or too little fuel, 4 gear shift, 8 no estimate, 16 fuel cut or shift ended a moment ago, 32 a faulty tooth or unknown fuel, 64 the tank is nearly empty.
      *
-     * Range: 0.0..63.0 (0..63 -)
+     * Range: 0.0..127.0 (0..127 -)
      * Scale: 1
      * Offset: 0
      */
@@ -1968,49 +2051,6 @@ struct sd_bus_firing_t {
 };
 
 /**
- * Signals in message done.
- *
- * All events up to tick are handled, and what they caused is said.
- *
- * All signal values are as on the CAN bus.
- */
-struct sd_bus_done_t {
-    /**
-     * Range: 0..4294967295 (0..4294967295 tick)
-     * Scale: 1
-     * Offset: 0
-     */
-    uint32_t tick;
-
-    /**
-     * Drawn when the ecu starts.
-     *
-     * Range: 0..65535 (0..65535 -)
-     * Scale: 1
-     * Offset: 0
-     */
-    uint16_t session;
-
-    /**
-     * Events ignored since the start, wraps.
-     *
-     * Range: 0..255 (0..255 -)
-     * Scale: 1
-     * Offset: 0
-     */
-    uint8_t ignored;
-
-    /**
-     * Signals without room since the start, wraps.
-     *
-     * Range: 0..255 (0..255 -)
-     * Scale: 1
-     * Offset: 0
-     */
-    uint8_t unsent;
-};
-
-/**
  * Signals in message parameter_request.
  *
  * Reads or sets a parameter.
@@ -2028,7 +2068,7 @@ struct sd_bus_parameter_request_t {
     uint8_t command;
 
     /**
-     * Of the parameter.
+     * Of the parameter; all: to restore.
      *
      * Range: 0..255 (0..255 -)
      * Scale: 1
@@ -2082,7 +2122,7 @@ struct sd_bus_parameter_t {
     /**
      * sd_parameter_result_t.
      *
-     * Range: 0..3 (0..3 -)
+     * Range: 0..4 (0..4 -)
      * Scale: 1
      * Offset: 0
      */
@@ -2114,6 +2154,49 @@ struct sd_bus_claim_t {
      * Offset: 0
      */
     uint32_t signature;
+};
+
+/**
+ * Signals in message done.
+ *
+ * All events up to tick are handled, and what they caused is said.
+ *
+ * All signal values are as on the CAN bus.
+ */
+struct sd_bus_done_t {
+    /**
+     * Range: 0..4294967295 (0..4294967295 tick)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint32_t tick;
+
+    /**
+     * Drawn when the ecu starts.
+     *
+     * Range: 0..65535 (0..65535 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint16_t session;
+
+    /**
+     * Events ignored since the start, wraps.
+     *
+     * Range: 0..255 (0..255 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t ignored;
+
+    /**
+     * Signals without room since the start, wraps.
+     *
+     * Range: 0..255 (0..255 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t unsent;
 };
 
 /**
@@ -3423,6 +3506,240 @@ bool sd_bus_input_fuel_injected_value_is_in_range(float value);
  * @return true if in range, false otherwise.
  */
 bool sd_bus_input_fuel_injected_value_is_in_phys_range(double value);
+
+/**
+ * Pack message input_fuel_level.
+ *
+ * @param[out] dst_p Buffer to pack the message into.
+ * @param[in] src_p Data to pack.
+ * @param[in] size Size of dst_p.
+ *
+ * @return Size of packed data, or negative error code.
+ */
+int sd_bus_input_fuel_level_pack(
+    uint8_t *dst_p,
+    const struct sd_bus_input_fuel_level_t *src_p,
+    size_t size);
+
+/**
+ * Unpack message input_fuel_level.
+ *
+ * @param[out] dst_p Object to unpack the message into.
+ * @param[in] src_p Message to unpack.
+ * @param[in] size Size of src_p.
+ *
+ * @return zero(0) or negative error code.
+ */
+int sd_bus_input_fuel_level_unpack(
+    struct sd_bus_input_fuel_level_t *dst_p,
+    const uint8_t *src_p,
+    size_t size);
+
+/**
+ * Init message fields to default values from input_fuel_level.
+ *
+ * @param[in] msg_p Message to init.
+ *
+ * @return zero(0) on success or (-1) in case of nullptr argument.
+ */
+int sd_bus_input_fuel_level_init(struct sd_bus_input_fuel_level_t *msg_p);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint32_t sd_bus_input_fuel_level_tick_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_input_fuel_level_tick_decode(uint32_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_fuel_level_tick_is_in_range(uint32_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_fuel_level_tick_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_input_fuel_level_value_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_input_fuel_level_value_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_fuel_level_value_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_fuel_level_value_is_in_phys_range(double value);
+
+/**
+ * Pack message input_driveline_shift.
+ *
+ * @param[out] dst_p Buffer to pack the message into.
+ * @param[in] src_p Data to pack.
+ * @param[in] size Size of dst_p.
+ *
+ * @return Size of packed data, or negative error code.
+ */
+int sd_bus_input_driveline_shift_pack(
+    uint8_t *dst_p,
+    const struct sd_bus_input_driveline_shift_t *src_p,
+    size_t size);
+
+/**
+ * Unpack message input_driveline_shift.
+ *
+ * @param[out] dst_p Object to unpack the message into.
+ * @param[in] src_p Message to unpack.
+ * @param[in] size Size of src_p.
+ *
+ * @return zero(0) or negative error code.
+ */
+int sd_bus_input_driveline_shift_unpack(
+    struct sd_bus_input_driveline_shift_t *dst_p,
+    const uint8_t *src_p,
+    size_t size);
+
+/**
+ * Init message fields to default values from input_driveline_shift.
+ *
+ * @param[in] msg_p Message to init.
+ *
+ * @return zero(0) on success or (-1) in case of nullptr argument.
+ */
+int sd_bus_input_driveline_shift_init(struct sd_bus_input_driveline_shift_t *msg_p);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint32_t sd_bus_input_driveline_shift_tick_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_input_driveline_shift_tick_decode(uint32_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_driveline_shift_tick_is_in_range(uint32_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_driveline_shift_tick_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_input_driveline_shift_value_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_input_driveline_shift_value_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_driveline_shift_value_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_driveline_shift_value_is_in_phys_range(double value);
 
 /**
  * Pack message input_exhaust_lambda.
@@ -8681,6 +8998,46 @@ bool sd_bus_firing_firing_mean_sd_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
+float sd_bus_firing_firing_rough_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_firing_firing_rough_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_firing_firing_rough_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_firing_firing_rough_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
 float sd_bus_firing_misfire_index_encode(double value);
 
 /**
@@ -8913,203 +9270,6 @@ bool sd_bus_firing_misfire_cylinder_is_in_range(float value);
  * @return true if in range, false otherwise.
  */
 bool sd_bus_firing_misfire_cylinder_is_in_phys_range(double value);
-
-/**
- * Pack message done.
- *
- * @param[out] dst_p Buffer to pack the message into.
- * @param[in] src_p Data to pack.
- * @param[in] size Size of dst_p.
- *
- * @return Size of packed data, or negative error code.
- */
-int sd_bus_done_pack(
-    uint8_t *dst_p,
-    const struct sd_bus_done_t *src_p,
-    size_t size);
-
-/**
- * Unpack message done.
- *
- * @param[out] dst_p Object to unpack the message into.
- * @param[in] src_p Message to unpack.
- * @param[in] size Size of src_p.
- *
- * @return zero(0) or negative error code.
- */
-int sd_bus_done_unpack(
-    struct sd_bus_done_t *dst_p,
-    const uint8_t *src_p,
-    size_t size);
-
-/**
- * Init message fields to default values from done.
- *
- * @param[in] msg_p Message to init.
- *
- * @return zero(0) on success or (-1) in case of nullptr argument.
- */
-int sd_bus_done_init(struct sd_bus_done_t *msg_p);
-
-/**
- * Encode given signal by applying scaling and offset.
- *
- * @param[in] value Signal to encode.
- *
- * @return Encoded signal.
- */
-uint32_t sd_bus_done_tick_encode(double value);
-
-/**
- * Decode given signal by applying scaling and offset.
- *
- * @param[in] value Signal to decode.
- *
- * @return Decoded signal.
- */
-double sd_bus_done_tick_decode(uint32_t value);
-
-/**
- * Check that given signal is in allowed range.
- *
- * @param[in] value Signal to check.
- *
- * @return true if in range, false otherwise.
- */
-bool sd_bus_done_tick_is_in_range(uint32_t value);
-
-/**
- * Check that given physical value is in allowed range before encoding.
- *
- * Use this BEFORE calling _encode() to avoid silent integer overflow:
- *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
- *   is_in_phys_range(-1.0) correctly returns false.
- *
- * @param[in] value Physical signal value to check.
- *
- * @return true if in range, false otherwise.
- */
-bool sd_bus_done_tick_is_in_phys_range(double value);
-
-/**
- * Encode given signal by applying scaling and offset.
- *
- * @param[in] value Signal to encode.
- *
- * @return Encoded signal.
- */
-uint16_t sd_bus_done_session_encode(double value);
-
-/**
- * Decode given signal by applying scaling and offset.
- *
- * @param[in] value Signal to decode.
- *
- * @return Decoded signal.
- */
-double sd_bus_done_session_decode(uint16_t value);
-
-/**
- * Check that given signal is in allowed range.
- *
- * @param[in] value Signal to check.
- *
- * @return true if in range, false otherwise.
- */
-bool sd_bus_done_session_is_in_range(uint16_t value);
-
-/**
- * Check that given physical value is in allowed range before encoding.
- *
- * Use this BEFORE calling _encode() to avoid silent integer overflow:
- *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
- *   is_in_phys_range(-1.0) correctly returns false.
- *
- * @param[in] value Physical signal value to check.
- *
- * @return true if in range, false otherwise.
- */
-bool sd_bus_done_session_is_in_phys_range(double value);
-
-/**
- * Encode given signal by applying scaling and offset.
- *
- * @param[in] value Signal to encode.
- *
- * @return Encoded signal.
- */
-uint8_t sd_bus_done_ignored_encode(double value);
-
-/**
- * Decode given signal by applying scaling and offset.
- *
- * @param[in] value Signal to decode.
- *
- * @return Decoded signal.
- */
-double sd_bus_done_ignored_decode(uint8_t value);
-
-/**
- * Check that given signal is in allowed range.
- *
- * @param[in] value Signal to check.
- *
- * @return true if in range, false otherwise.
- */
-bool sd_bus_done_ignored_is_in_range(uint8_t value);
-
-/**
- * Check that given physical value is in allowed range before encoding.
- *
- * Use this BEFORE calling _encode() to avoid silent integer overflow:
- *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
- *   is_in_phys_range(-1.0) correctly returns false.
- *
- * @param[in] value Physical signal value to check.
- *
- * @return true if in range, false otherwise.
- */
-bool sd_bus_done_ignored_is_in_phys_range(double value);
-
-/**
- * Encode given signal by applying scaling and offset.
- *
- * @param[in] value Signal to encode.
- *
- * @return Encoded signal.
- */
-uint8_t sd_bus_done_unsent_encode(double value);
-
-/**
- * Decode given signal by applying scaling and offset.
- *
- * @param[in] value Signal to decode.
- *
- * @return Decoded signal.
- */
-double sd_bus_done_unsent_decode(uint8_t value);
-
-/**
- * Check that given signal is in allowed range.
- *
- * @param[in] value Signal to check.
- *
- * @return true if in range, false otherwise.
- */
-bool sd_bus_done_unsent_is_in_range(uint8_t value);
-
-/**
- * Check that given physical value is in allowed range before encoding.
- *
- * Use this BEFORE calling _encode() to avoid silent integer overflow:
- *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
- *   is_in_phys_range(-1.0) correctly returns false.
- *
- * @param[in] value Physical signal value to check.
- *
- * @return true if in range, false otherwise.
- */
-bool sd_bus_done_unsent_is_in_phys_range(double value);
 
 /**
  * Pack message parameter_request.
@@ -9581,6 +9741,203 @@ bool sd_bus_claim_signature_is_in_range(uint32_t value);
  * @return true if in range, false otherwise.
  */
 bool sd_bus_claim_signature_is_in_phys_range(double value);
+
+/**
+ * Pack message done.
+ *
+ * @param[out] dst_p Buffer to pack the message into.
+ * @param[in] src_p Data to pack.
+ * @param[in] size Size of dst_p.
+ *
+ * @return Size of packed data, or negative error code.
+ */
+int sd_bus_done_pack(
+    uint8_t *dst_p,
+    const struct sd_bus_done_t *src_p,
+    size_t size);
+
+/**
+ * Unpack message done.
+ *
+ * @param[out] dst_p Object to unpack the message into.
+ * @param[in] src_p Message to unpack.
+ * @param[in] size Size of src_p.
+ *
+ * @return zero(0) or negative error code.
+ */
+int sd_bus_done_unpack(
+    struct sd_bus_done_t *dst_p,
+    const uint8_t *src_p,
+    size_t size);
+
+/**
+ * Init message fields to default values from done.
+ *
+ * @param[in] msg_p Message to init.
+ *
+ * @return zero(0) on success or (-1) in case of nullptr argument.
+ */
+int sd_bus_done_init(struct sd_bus_done_t *msg_p);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint32_t sd_bus_done_tick_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_done_tick_decode(uint32_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_done_tick_is_in_range(uint32_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_done_tick_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint16_t sd_bus_done_session_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_done_session_decode(uint16_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_done_session_is_in_range(uint16_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_done_session_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint8_t sd_bus_done_ignored_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_done_ignored_decode(uint8_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_done_ignored_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_done_ignored_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint8_t sd_bus_done_unsent_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_done_unsent_decode(uint8_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_done_unsent_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_done_unsent_is_in_phys_range(double value);
 
 /**
  * Pack message truth_edge.

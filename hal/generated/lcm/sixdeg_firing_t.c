@@ -23,12 +23,13 @@ uint64_t __sixdeg_firing_t_hash_recursive(const __lcm_hash_ptr *p)
     cp.v = (void*)__sixdeg_firing_t_get_hash;
     (void) cp;
 
-    uint64_t hash = (uint64_t)0x022f3005f294e3eaLL
+    uint64_t hash = (uint64_t)0x7a0a6196c4f71d5bLL
          + __int32_t_hash_recursive(&cp)
          + __int8_t_hash_recursive(&cp)
          + __int8_t_hash_recursive(&cp)
          + __int8_t_hash_recursive(&cp)
          + __int8_t_hash_recursive(&cp)
+         + __float_hash_recursive(&cp)
          + __float_hash_recursive(&cp)
          + __float_hash_recursive(&cp)
          + __float_hash_recursive(&cp)
@@ -92,6 +93,9 @@ int __sixdeg_firing_t_encode_array(void *buf, int offset, int maxlen, const sixd
         thislen = __float_encode_array(buf, offset + pos, maxlen - pos, &(p[element].firing_mean_sd), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
+        thislen = __float_encode_array(buf, offset + pos, maxlen - pos, &(p[element].firing_rough), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
         thislen = __float_encode_array(buf, offset + pos, maxlen - pos, &(p[element].misfire_index), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
@@ -153,6 +157,8 @@ int __sixdeg_firing_t_encoded_array_size(const sixdeg_firing_t *p, int elements)
 
         size += __float_encoded_array_size(&(p[element].firing_mean_sd), 1);
 
+        size += __float_encoded_array_size(&(p[element].firing_rough), 1);
+
         size += __float_encoded_array_size(&(p[element].misfire_index), 1);
 
         size += __float_encoded_array_size(&(p[element].misfire_limit), 1);
@@ -210,6 +216,9 @@ int __sixdeg_firing_t_decode_array(const void *buf, int offset, int maxlen, sixd
         thislen = __float_decode_array(buf, offset + pos, maxlen - pos, &(p[element].firing_mean_sd), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
+        thislen = __float_decode_array(buf, offset + pos, maxlen - pos, &(p[element].firing_rough), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
         thislen = __float_decode_array(buf, offset + pos, maxlen - pos, &(p[element].misfire_index), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
@@ -256,6 +265,8 @@ int __sixdeg_firing_t_decode_array_cleanup(sixdeg_firing_t *p, int elements)
         __float_decode_array_cleanup(&(p[element].firing_mean), 1);
 
         __float_decode_array_cleanup(&(p[element].firing_mean_sd), 1);
+
+        __float_decode_array_cleanup(&(p[element].firing_rough), 1);
 
         __float_decode_array_cleanup(&(p[element].misfire_index), 1);
 
@@ -318,6 +329,8 @@ int __sixdeg_firing_t_clone_array(const sixdeg_firing_t *p, sixdeg_firing_t *q, 
         __float_clone_array(&(p[element].firing_mean), &(q[element].firing_mean), 1);
 
         __float_clone_array(&(p[element].firing_mean_sd), &(q[element].firing_mean_sd), 1);
+
+        __float_clone_array(&(p[element].firing_rough), &(q[element].firing_rough), 1);
 
         __float_clone_array(&(p[element].misfire_index), &(q[element].misfire_index), 1);
 

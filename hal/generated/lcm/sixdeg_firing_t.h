@@ -30,6 +30,7 @@ struct _sixdeg_firing_t
     float      firing_sd;
     float      firing_mean;
     float      firing_mean_sd;
+    float      firing_rough;
     float      misfire_index;
     float      misfire_limit;
     float      misfire_verdict;

@@ -227,7 +227,7 @@ class BusCases:
         self.assertEqual(ask("diff").out, "")
         ask("set", "torque.harmonics=6", "crank.stall=0.25", "misfire.partial=0.7", "balance.gain=0.1", "firing.settle=5")
         changed = ("crank.stall: 0.25, reference 0.5\ntorque.harmonics: 6, reference 4\nfiring.settle: 5, reference 3\n"
-                   "misfire.partial: 0.7, reference 0.8\nbalance.gain: 0.1, reference 0.07\n")
+                   "misfire.partial: 0.7, reference 0.8\nbalance.gain: 0.1, reference 0.25\n")
         self.assertEqual(ask("diff").out, changed)
         for assignment, says in (("torque.harmonics=99", "out of range; allowed is [0, 12]"),
                                  ("firing.change=30", "goes into tables that `sixdeg calibrate` makes"),

@@ -21,7 +21,7 @@ bool sd_road_step(sd_road_t *self, const sd_firing_t *smooth, const sd_firing_t 
     const bool usable = (i < SD_KALMAN_FIRINGS_MAX) && (rough->index == i) && (difference > -1e6f) && (difference < 1e6f) &&
                         (limit > 0.0f) && (limit < 1e12f);
     if (!usable) { return self->rough != 0u; }
-    if (((self->seen >> i) & 1u) != 0u) {
+    if ((self->seen & (1u << i)) != 0u) {
         const float change = square(difference - self->difference_nm[i]);
         const float size = (change < MOST * limit) ? change / limit : MOST;
         self->evidence += (size - self->evidence) / MEMORY;

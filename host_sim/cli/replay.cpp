@@ -45,14 +45,13 @@ void print_counts(const ReplayResult &result) {
     if (result.rpm_last) fmt::print("{:.1f} rpm in the last revolution\n", *result.rpm_last);
 }
 
-void write_replay(const ReplayOptions &options, const nlohmann::ordered_json &summary, const ReplayResult &result,
-                  const std::vector<int> &firing_order) {
+void write_replay(const ReplayOptions &options, const nlohmann::ordered_json &summary, const ReplayTables &tables) {
     const std::string text = summary.dump(2) + "\n";
     if (!options.out.empty()) {
         OutputFolder out(options.out);
         out.add("summary.json", text);
-        out.add("teeth.csv", teeth_csv(result));
-        out.add("cycles.csv", cycles_csv(result, firing_order));
+        out.add("teeth.csv", tables.teeth_csv);
+        out.add("cycles.csv", tables.cycles_csv);
         out.commit();
     }
     if (!options.json.empty()) write_file(options.json, text);
@@ -146,11 +145,12 @@ void print_figures(const Inputs &inputs, const ReplayResult &result) {
 }
 
 void run(const ReplayOptions &options) {
+    if (!options.truth.empty()) throw InputError(options.file, "--truth", "a recording has none; allowed beside an event log");
     const Inputs inputs = read_inputs(options);
     const sd_calibration_t calibration = calibrate(inputs.engine, inputs.tune, options.tune.empty() ? "tune" : options.tune);
     const bool with_cam = inputs.engine.has_cam && inputs.guess.cam.has_value();
     const ReplayResult result = replay(options.file, inputs.guess.time_s, with_cam ? inputs.guess.cam->time_s : std::vector<double>{}, calibration);
-    write_replay(options, summarise(inputs, result), result, inputs.engine.firing_order);
+    write_replay(options, summarise(inputs, result), {teeth_csv(result), cycles_csv(result, inputs.engine.firing_order)});
     print_figures(inputs, result);
 }
 
@@ -167,6 +167,7 @@ void add_replay(CLI::App &app) {
     command->add_option("--tune", options->tune, "tune file");
     command->add_option("--set", options->set, "key=value, over the tune file")->allow_extra_args(false);
     command->add_option("--number", options->number, "f32 or q31")->check(CLI::IsMember({"f32", "q31"}));
+    command->add_option("--truth", options->truth, "folder of the run that an event log is of: its truth beside the replay");
     command->add_option("--out", options->out, "folder for summary.json, teeth.csv and cycles.csv");
     command->add_option("--json", options->json, "the summary alone");
     command->callback([options] { is_log(options->file) ? replay_event_log(*options) : run(*options); });

@@ -10,7 +10,7 @@
 namespace sixdeg {
 
 struct ReplayOptions {
-    std::string file, wheel, edge, engine, tune, number, out, json;
+    std::string file, wheel, edge, engine, tune, number, truth, out, json;
     int column = 0;
     std::vector<std::string> set;
 };
@@ -19,9 +19,11 @@ struct ReplayOptions {
 nlohmann::ordered_json figures_json(const ReplayResult &result);
 nlohmann::ordered_json decoder_json(const ReplayResult &result);
 void print_counts(const ReplayResult &result);
+struct ReplayTables {
+    std::string teeth_csv, cycles_csv;
+};
 /// summary.json and the tables, wherever the options want them.
-void write_replay(const ReplayOptions &options, const nlohmann::ordered_json &summary,
-                  const ReplayResult &result, const std::vector<int> &firing_order);
+void write_replay(const ReplayOptions &options, const nlohmann::ordered_json &summary, const ReplayTables &tables);
 
 /// The command for an event log.
 void replay_event_log(const ReplayOptions &options);

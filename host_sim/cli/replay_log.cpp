@@ -9,6 +9,7 @@
 #include "cli/tune_options.hpp"
 #include "common/error.hpp"
 #include "common/files.hpp"
+#include "run/truth_folder.hpp"
 
 namespace sixdeg {
 namespace {
@@ -38,15 +39,28 @@ Json about(const EventLog &log, const std::string &file) {
     return json;
 }
 
+/// The engine that the log holds.
+EngineFile engine_of(const std::string &file, const Json &about, const char *what_for) {
+    const auto engine_file = about.find("engine_file");
+    if (engine_file == about.end() || !engine_file->is_string())
+        throw InputError(file, "", fmt::format("holds no engine file, so {}", what_for));
+    TomlFile engine(file + ": engine_file", engine_file->get<std::string>());
+    return read_engine(engine);
+}
+
 /// The page with the parameters asked for. Parts of it follow from engine and parameters together, so it is
 /// made anew.
 sd_calibration_t changed_page(const std::string &file, const Json &about, const sd_parameters_t &parameters,
                               const std::string &tune_name) {
-    const auto engine_file = about.find("engine_file");
-    if (engine_file == about.end() || !engine_file->is_string())
-        throw InputError(file, "", "holds no engine file, so its parameters cannot be changed");
-    TomlFile engine(file + ": engine_file", engine_file->get<std::string>());
-    return calibrate(read_engine(engine), parameters, tune_name);
+    return calibrate(engine_of(file, about, "its parameters cannot be changed"), parameters, tune_name);
+}
+
+ReplayTables tables_of(const ReplayOptions &options, const Json &about, const sd_calibration_t &page, const LogReplay &replayed) {
+    if (options.truth.empty())
+        return {teeth_csv(replayed.rows), cycles_csv(replayed.rows, {page.firing_order, page.firing_order + page.cylinders})};
+    const RunTables tables =
+        beside_truth(options.truth, engine_of(options.file, about, "truth has nothing to stand beside"), replayed);
+    return {tables.teeth_csv(), tables.cycles_csv()};
 }
 
 Json outputs_json(const LogReplay &replayed) {
@@ -69,9 +83,10 @@ void replay_event_log(const ReplayOptions &options) {
     const sd_calibration_t page = is_changed(options)
                                       ? changed_page(options.file, description, parameters, tune.name())
                                       : log.calibration;
+    const LogReplay replayed = replay_log(log, page);
+    const ReplayTables tables = tables_of(options, description, page, replayed);
     description.erase("engine_file"); // long, and `files` has its checksum
     Json summary = {{"log", description}};
-    const LogReplay replayed = replay_log(log, page);
     summary.update(figures_json(replayed.rows));
     summary["decoder"] = decoder_json(replayed.rows);
     summary["events_in"] = replayed.events_in;
@@ -81,8 +96,7 @@ void replay_event_log(const ReplayOptions &options) {
     summary["files"][options.file] = sha256(read_file(options.file));
     if (!options.tune.empty()) summary["files"][options.tune] = sha256(tune.content());
 
-    const std::vector<int> firing_order(page.firing_order, page.firing_order + page.cylinders);
-    write_replay(options, summary, replayed.rows, firing_order);
+    write_replay(options, summary, tables);
     fmt::print("{} events in, {} out\n", replayed.events_in, replayed.replayed_out);
     print_counts(replayed.rows);
     if (replayed.first_difference) {

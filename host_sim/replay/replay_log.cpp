@@ -22,7 +22,7 @@ double TickClock::seconds(std::uint32_t tick) {
 
 LogReplay replay_log(const EventLog &log, const sd_calibration_t &calibration) {
     LogReplay result;
-    std::vector<sd_event_t> recorded, replayed;
+    std::vector<sd_event_t> recorded, &replayed = result.said;
     const auto bench = std::make_unique<EcuBench>(calibration);
     bench->listen([&](bool out, const sd_event_t &event) {
         if (out) replayed.push_back(event);
@@ -38,7 +38,9 @@ LogReplay replay_log(const EventLog &log, const sd_calibration_t &calibration) {
         ++result.events_in;
         const double t_s = clock.seconds(event.tick);
         const bool cycle_ended = bench->exchange(event);
-        if (event.kind == SD_EVENT_CRANK_EDGE) rows.edge(t_s, cycle_ended, *bench);
+        if (event.kind != SD_EVENT_CRANK_EDGE) continue;
+        rows.edge(t_s, cycle_ended, *bench);
+        result.edge_ticks.push_back(event.tick);
     }
     result.rows = rows.finish(*bench);
     result.recorded_out = recorded.size();

@@ -3,6 +3,7 @@
 #pragma once
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "log/event_log.hpp"
 #include "replay/replay.hpp"
@@ -11,6 +12,8 @@ namespace sixdeg {
 
 struct LogReplay {
     ReplayResult rows; ///< t_s is the time of the capture timer.
+    std::vector<sd_event_t> said;            ///< Events out.
+    std::vector<std::uint32_t> edge_ticks;   ///< Of the crank edges in.
     std::size_t events_in = 0, recorded_out = 0, replayed_out = 0;
     std::optional<std::size_t>
         first_difference; ///< Index among the events out; none: they are the same to the bit.

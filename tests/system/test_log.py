@@ -65,6 +65,22 @@ class Replay(LogFolder):
         self.assertGreater(len(theirs), 50)
         self.assertLessEqual(theirs, ours)
 
+    def test_beside_its_truth_the_replay_gives_the_runs_tables_to_the_byte(self):
+        log = self.record(cycles=40)
+        _, *again = self.replay(log, "--truth", self.folder / "a_run")
+        self.assertEqual(again, [(self.folder / "a_run" / name).read_bytes() for name in ("teeth.csv", "cycles.csv")])
+        _, teeth, _ = self.replay(log, "--truth", self.folder / "a_run", "--set", "torque.harmonics=8")
+        self.assertNotEqual(teeth, again[0])
+
+    def test_truth_of_another_run_is_refused_by_name(self):
+        log, _ = self.record(), self.record("other", cycles=26)
+        out = self.folder / "never"
+        for folder, named in (("other_run", "teeth.csv"), ("nowhere", "teeth.csv"), ("replayed", "row 1, angle_deg")):
+            if folder == "replayed": self.replay(log)
+            done = self.sixdeg("replay", log, "--truth", self.folder / folder, "--out", out, status=2)
+            self.assertIn(named, done.stderr)
+            self.assertFalse(out.exists())
+
     def test_other_parameters_give_what_a_run_with_them_gives(self):
         plain, eight = self.record(), self.record("eight", "--set", "torque.harmonics=8")
         summary, *changed = self.replay(plain, "--set", "torque.harmonics=8")

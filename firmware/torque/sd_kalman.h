@@ -148,6 +148,9 @@ typedef struct sd_kalman_choice {
 /// Writes them into *tables. What is out of range there, init refuses.
 void sd_kalman_choose(sd_kalman_tables_t *tables, const sd_kalman_choice_t *choice);
 
+/// Whether every field is in its range, so that init takes them.
+bool sd_kalman_tables_ok(const sd_kalman_tables_t *tables);
+
 /// Floats of `pool` that such tables use.
 uint32_t sd_kalman_pool_used(const sd_kalman_tables_t *tables);
 

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "common/error.hpp"
+#include "common/random.hpp"
 #include "run/afr_blocks.hpp"
 
 using namespace sixdeg;
@@ -206,6 +207,79 @@ TEST(AfrJoint, SettlesInFourCyclesNearItsBoundAndStatesItsDeviation) {
     EXPECT_LT(step().error_points(clean, 5), 2.5); // bias included
     EXPECT_LT(rms, 1.5 * bound);
     EXPECT_NEAR(clean.sd.back() / rms, 1, 0.45); // its own drift is part of it; the truth does not drift
+}
+
+// Steps the filter over a gas of four cylinders in turn that the sensor has long followed, with white noise.
+int jumps_after(float jump, double moved_lambda) {
+    const sd_afr_joint_config_t c{4, 0.03f, 0.015f, 2e-4f, 0.003f, 0.1f, 1000};
+    sd_afr_joint_t f;
+    must(sd_afr_joint_init(&f, &c));
+    sd_afr_joint_set(&f, 1e-3f, 0.003f, jump);
+    RandomStream noise(7, 0);
+    sd_exhaust_now_f32_t now{};
+    now.charge = 0.1f, now.mass = 0.1f;
+    int before = 0;
+    for (int k = 0; k < 12000; ++k) {
+        for (int i = 0; i < 4; ++i) now.share[i] = (k + 120 - 30 * i) % 120 < 40 ? 0.025f : 0;
+        if (k == 6000) before = f.jumps;
+        const double gas = 0.5 + (k < 6000 ? 0 : moved_lambda);
+        sd_afr_joint_step(&f, &now, float(gas + 4.5e-3 * noise.normal()), nullptr);
+    }
+    EXPECT_EQ(before, 0) << "noise alone is no step";
+    EXPECT_NEAR(1 - double(sd_afr_joint_lambda(&f, 0)), 0.5 + moved_lambda, 0.02);
+    return f.jumps;
+}
+
+TEST(AfrJoint, AStepIsSeenInTheMeanInnovationAndNoiseIsNot) {
+    EXPECT_EQ(jumps_after(0.1f, 0), 0);
+    EXPECT_GE(jumps_after(0.1f, 0.05), 1);
+    EXPECT_EQ(jumps_after(0, 0.05), 0) << "switched off";
+}
+
+// Least squares written out: mean of all and one cylinder's deviation are free, each cylinder in turn.
+TEST(AfrJoint, BlameIsTheOneCylinderThatExplainsMost) {
+    RandomStream draw(11, 0);
+    sd_afr_joint_t f;
+    const sd_afr_joint_config_t c{4, 0.03f, 0.015f, 2e-4f, 0.01f, 0.1f, 1000};
+    must(sd_afr_joint_init(&f, &c));
+    float deviation = 1;
+    EXPECT_EQ(sd_afr_joint_blame(&f, true, 0.02f, &deviation), 0u);
+    EXPECT_EQ(deviation, 0) << "not running";
+    f.running = 1;
+    int other_than_richest = 0;
+    for (int round = 0; round < 200; ++round) {
+        Eigen::Matrix4d root;
+        Eigen::Vector4d lambda;
+        for (int i = 0; i < 16; ++i) root(i / 4, i % 4) = 0.03 * draw.normal();
+        for (int i = 0; i < 4; ++i) lambda(i) = 0.5 + 0.05 * draw.normal();
+        const Eigen::Matrix4d p = root * root.transpose();
+        for (int i = 0; i < 4; ++i) {
+            f.air_fraction[i] = float(1 - lambda(i));
+            for (int j = 0; j <= i; ++j) f.covariance[(1 + i) * (2 + i) / 2 + 1 + j] = float(p(i, j));
+        }
+        const Eigen::Matrix4d whiten = Eigen::Matrix4d((p + 4e-4 * Eigen::Matrix4d::Identity()).inverse().llt().matrixU());
+        for (bool rich : {true, false}) {
+            const double together = (whiten * lambda - whiten * Eigen::Vector4d::Ones() *
+                                     (whiten * Eigen::Vector4d::Ones()).dot(whiten * lambda) / (whiten * Eigen::Vector4d::Ones()).squaredNorm()).squaredNorm();
+            int best = 0;
+            double most = 0, by = 0;
+            for (int i = 0; i < 4; ++i) {
+                Eigen::Matrix<double, 4, 2> design;
+                design << whiten * Eigen::Vector4d::Ones(), whiten * Eigen::Vector4d::Unit(i);
+                const Eigen::Vector2d fit = design.colPivHouseholderQr().solve(whiten * lambda);
+                const double explained = together - (whiten * lambda - design * fit).squaredNorm();
+                if ((fit(1) > 0) == rich && explained > most) most = explained, best = i, by = fit(1);
+            }
+            EXPECT_EQ(int(sd_afr_joint_blame(&f, rich, 0.02f, &deviation)), best) << round;
+            EXPECT_NEAR(double(deviation), by, 1e-4);
+            int richest = 0;
+            lambda.maxCoeff(&richest);
+            other_than_richest += rich && best != richest;
+        }
+    }
+    EXPECT_GT(other_than_richest, 20) << "or the weights would not matter";
+    EXPECT_EQ(sd_afr_joint_blame(&f, true, NAN, &deviation), 0u);
+    EXPECT_EQ(deviation, 0);
 }
 
 TEST(AfrJoint, ForgetsWhatIsNotANumber) {

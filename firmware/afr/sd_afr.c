@@ -74,8 +74,10 @@ void sd_afr_cycle(sd_afr_t *self, const sd_afr_grid_t *grid, float speed_radps, 
     const float step_s = 12.566371f / (speed_radps * (float)self->config.cycle_positions);
     const float charge_kg = grid->air_kg_per_bar * intake_bar + 1e-6f * fuel_mg;
     const sd_exhaust_point_t point = { .share = self->share, .charge_kg = charge_kg, .rate_hz = node.rate_hz, .z0_kg = node.z0_kg,
-                                       .pipe_kg = node.transport_kg, .delay_positions = grid->dead_s / step_s + LAG_LEAD };
+                                       .pipe_kg = node.transport_kg, .delay_positions = (grid->dead_s + self->late_s) / step_s + LAG_LEAD };
     if (sd_exhaust_set_f32(&self->exhaust, &point, step_s) != SD_OK) { return; }
+    self->joint.config.tau1_s = grid->tau1_s * (1.0f + self->lag);
+    self->joint.config.tau2_s = grid->tau2_s * (1.0f + self->lag);
     const uint8_t slow = (speed_radps * (grid->tau1_s + grid->tau2_s) > self->config.slow_above) ? 1u : 0u;
     if (slow != self->slow) { self->cycles = 0; }
     self->slow = slow;
@@ -85,6 +87,12 @@ void sd_afr_cycle(sd_afr_t *self, const sd_afr_grid_t *grid, float speed_radps, 
     if ((self->joint.running != 0u) && (self->cycles < UINT32_MAX)) { self->cycles++; }
 }
 
+void sd_afr_correct(sd_afr_t *self, float late_s, float lag) {
+    if (!((late_s >= -0.05f) && (late_s <= 0.05f) && (lag >= -0.5f) && (lag <= 0.5f))) { return; }
+    self->late_s = late_s;
+    self->lag = lag;
+}
+
 void sd_afr_restart(sd_afr_t *self) {
     sd_afr_joint_restart(&self->joint);
     self->cycles = 0;
@@ -92,9 +100,8 @@ void sd_afr_restart(sd_afr_t *self) {
 
 void sd_afr_step(sd_afr_t *self, uint32_t cycle_position, float lambda) {
     if (self->placed == 0u) { return; }
-    sd_exhaust_now_f32_t now;
-    sd_exhaust_step_f32(&self->exhaust, cycle_position, &now);
-    sd_afr_joint_step(&self->joint, &now, (lambda < 2.0f) ? 1.0f - lambda : SD_AFR_NO_SAMPLE, NULL);
+    sd_exhaust_step_f32(&self->exhaust, cycle_position, &self->now);
+    sd_afr_joint_step(&self->joint, &self->now, (lambda < 2.0f) ? 1.0f - lambda : SD_AFR_NO_SAMPLE, NULL);
     if (self->joint.running == 0u) { self->cycles = 0; }
 }
 

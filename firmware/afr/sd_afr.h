@@ -7,6 +7,7 @@
 /// sd_afr_cycle passes over 8 grid points. One writer per state.
 #ifndef SD_AFR_H
 #define SD_AFR_H
+#include "sd_afr_delay.h"
 #include "sd_afr_joint.h"
 
 #define SD_AFR_SPEEDS    4
@@ -50,6 +51,8 @@ typedef struct sd_afr {
     sd_afr_config_t    config;
     sd_exhaust_f32_t   exhaust;
     sd_afr_joint_t     joint;
+    sd_exhaust_now_f32_t now;             ///< What the sensor met at the last position.
+    float    late_s, lag;                 ///< As in sd_afr_learned_t.
     float    share[SD_AFR_POSITIONS_MAX]; ///< At the present point.
     float    mean_lambda;                 ///< Of all cylinders, last cycle.
     uint32_t cycles;                      ///< Since a start.
@@ -61,6 +64,9 @@ typedef struct sd_afr {
 sd_result_t sd_afr_init(sd_afr_t *self, const sd_afr_config_t *config, const sd_afr_grid_t *grid);
 /// Operating point of the coming cycle. Out of the grid its edge stands; numbers not above 0 (NaN too) keep the last.
 void sd_afr_cycle(sd_afr_t *self, const sd_afr_grid_t *grid, float speed_radps, float intake_bar, float fuel_mg);
+/// From the next cycle on the delay is longer by late_s and the lags by the share lag (sd_afr_delay.h), +-50 ms and +-0.5;
+/// ignored beyond (NaN too).
+void sd_afr_correct(sd_afr_t *self, float late_s, float lag);
 /// Angle lost, or off by a revolution: begins anew.
 void sd_afr_restart(sd_afr_t *self);
 /// Next wheel position; lambda: mean of its samples, or SD_AFR_NO_SAMPLE.

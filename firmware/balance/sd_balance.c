@@ -32,6 +32,12 @@ void sd_balance_restart(sd_balance_t *self) {
     self->diverged = self->at_limit = 0;
 }
 
+void sd_balance_resume(sd_balance_t *self) {
+    sd_watch_init(&self->watch, self->config.cylinders);
+    self->diverged = 0;
+    self->hold = self->config.hold_cycles;
+}
+
 static float clamp(float x, float limit) { return (x > limit) ? limit : (x < -limit) ? -limit : x; }
 
 sd_result_t sd_balance_configure(sd_balance_t *self, const sd_balance_config_t *c) {

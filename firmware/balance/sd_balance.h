@@ -53,6 +53,8 @@ sd_result_t sd_balance_init(sd_balance_t *self, const sd_balance_config_t *confi
 sd_result_t sd_balance_configure(sd_balance_t *self, const sd_balance_config_t *config);
 /// Switched off: trims to 0, everything forgotten.
 void sd_balance_restart(sd_balance_t *self);
+/// The estimate was mended: the watch begins anew, and trims go on from where they are after a hold.
+void sd_balance_resume(sd_balance_t *self);
 /// One cycle. A number that is not finite counts as an invalid estimate.
 void sd_balance_step(sd_balance_t *self, const sd_balance_input_t *input);
 /// Valid while learning; degraded on hold or at a limit; invalid when the phase is wrong.

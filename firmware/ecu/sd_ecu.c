@@ -84,6 +84,7 @@ sd_result_t sd_ecu_init(sd_ecu_t *self, const sd_calibration_t *calibration) {
     sd_kalman_t filter;
     sd_misfire_t misfire;
     sd_afr_t afr;
+    sd_afr_delay_t afr_delay;
     sd_balance_t balance;
     const sd_misfire_config_t misfire_config = sd_calibration_misfire(calibration);
     if (sd_crank_init(&crank, &crank_config) != SD_OK) { return SD_ERR_CONFIG; }
@@ -95,7 +96,8 @@ sd_result_t sd_ecu_init(sd_ecu_t *self, const sd_calibration_t *calibration) {
     const bool has_filter = calibration->kalman.positions != 0u;
     if (has_filter && (calibration->kalman.positions != calibration->positions)) { return SD_ERR_CONFIG; }
     if (has_filter && (sd_kalman_init(&filter, &calibration->kalman) != SD_OK)) { return SD_ERR_CONFIG; }
-    if ((sd_ecu_afr_init(&afr, calibration) != SD_OK) || (sd_ecu_balance_init(&balance, calibration) != SD_OK)) { return SD_ERR_CONFIG; }
+    if ((sd_ecu_afr_init(&afr, calibration) != SD_OK) || (sd_ecu_delay_init(&afr_delay, calibration) != SD_OK) ||
+        (sd_ecu_balance_init(&balance, calibration) != SD_OK)) { return SD_ERR_CONFIG; }
     memset(self, 0, sizeof *self); /* from here on nothing fails; the struct is too large to be built aside */
     for (uint32_t owner = 0; owner < SD_OWNER_COUNT; ++owner) {
         self->status[owner] = (sd_status_t){ .health = SD_INVALID, .why = SD_WHY_NO_SYNC };
@@ -106,6 +108,7 @@ sd_result_t sd_ecu_init(sd_ecu_t *self, const sd_calibration_t *calibration) {
     self->torque = torque;
     self->misfire = misfire;
     self->afr = afr;
+    self->afr_delay = afr_delay;
     self->balance = balance;
     if (has_filter) {
         self->filter = filter;
@@ -202,12 +205,12 @@ static void follow(sd_ecu_t *self, const sd_tooth_t *tooth) {
     if ((self->following == 0u) || ((off != 0u) && (off != self->calibration.positions))) {
         torque_restart(self);
         sd_ecu_firing_restart(self);
-        sd_afr_restart(&self->afr);
+        sd_ecu_afr_restart(self);
         begin_cycle(self);
     } else if (off != 0u) {
         torque_shift(self);
         sd_ecu_firing_restart(self);
-        sd_afr_restart(&self->afr);
+        sd_ecu_afr_restart(self);
         begin_cycle(self);
     }
     self->following = 1;
@@ -232,7 +235,7 @@ static void on_tooth(sd_ecu_t *self, const sd_port_t *port, const sd_tooth_t *to
 
 static void lose_angle(sd_ecu_t *self, uint8_t why) {
     self->following = 0;
-    sd_afr_restart(&self->afr);
+    sd_ecu_afr_restart(self);
     self->signals.torque_mass_nm = 0.0f;
     sd_ecu_worst_of(&self->status[SD_OWNER_TORQUE], SD_INVALID, why);
     sd_ecu_worst_of(&self->status[SD_OWNER_FIRING], SD_INVALID, why);

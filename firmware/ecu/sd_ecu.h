@@ -57,11 +57,14 @@ typedef struct sd_ecu {
     uint16_t firing_doubt;        ///< Positions until no firing under way holds a tooth that was not trusted.
     uint16_t motored;             ///< Positions since the fuel was cut, saturating.
     sd_afr_t     afr;             ///< Idle without an exhaust in the calibration.
+    sd_afr_delay_t afr_delay;     ///< Idle as afr is; what it learned survives a loss of sync.
     sd_balance_t balance;
     float    burned_sum;          ///< Of the wide-band samples since the last tooth,
     uint32_t burned_count;        ///< and how many.
     sd_cycle_firings_t cycle_firings;
-    float    last_trim[SD_BALANCE_CYLINDERS_MAX]; ///< Of the last cycle, by firing order.
+    float    fuel_trim[SD_BALANCE_CYLINDERS_MAX]; ///< As commanded, by firing order: the balance's and a probe's.
+    float    last_trim[SD_BALANCE_CYLINDERS_MAX]; ///< Of the last cycle.
+    uint8_t  probe_failed;        ///< Since the trims were allowed.
     float    last_variance;       ///< Of a cylinder's mixture, of the mean, last cycle.
     float    last_speed_radps, last_fuel_mg; ///< Of the last cycle, for transients.
     uint32_t burned_seen;         ///< Samples in this cycle.

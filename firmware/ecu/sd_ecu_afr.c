@@ -38,6 +38,11 @@ sd_result_t sd_ecu_balance_init(sd_balance_t *balance, const sd_calibration_t *c
     return (config.cylinders < 2u) ? SD_OK : sd_balance_init(balance, &config);
 }
 
+void sd_ecu_afr_restart(sd_ecu_t *self) {
+    sd_afr_restart(&self->afr);
+    sd_afr_delay_restart(&self->afr_delay);
+}
+
 void sd_ecu_afr_sample(sd_ecu_t *self, float lambda) {
     const float s = self->calibration.parameters.afr_stoichiometric;
     self->burned_sum += (1.0f + s) / (1.0f + s * lambda);
@@ -45,16 +50,20 @@ void sd_ecu_afr_sample(sd_ecu_t *self, float lambda) {
     self->burned_seen++;
 }
 
+static void step(sd_ecu_t *self, uint32_t cycle_position, float lambda) {
+    sd_afr_step(&self->afr, cycle_position, lambda);
+    sd_afr_delay_step(&self->afr_delay, &self->afr.now, cycle_position, 1.0f - lambda); /* no sample is none there either */
+}
+
 void sd_ecu_afr_tooth(sd_ecu_t *self, const sd_tooth_t *tooth) {
     if (ready(self)) {
         const uint32_t cycle = self->afr.config.cycle_positions;
         for (uint32_t back = tooth->advance; back-- > 1u;) {
-            sd_afr_step(&self->afr, (tooth->cycle_position + cycle - back) % cycle, SD_AFR_NO_SAMPLE);
+            step(self, (tooth->cycle_position + cycle - back) % cycle, SD_AFR_NO_SAMPLE);
         }
         /* Across a mark the mean belongs to no one position. */
         const bool sampled = (self->burned_count > 0u) && (tooth->advance == 1u);
-        sd_afr_step(&self->afr, tooth->cycle_position,
-                    sampled ? self->burned_sum / (float)self->burned_count : SD_AFR_NO_SAMPLE);
+        step(self, tooth->cycle_position, sampled ? self->burned_sum / (float)self->burned_count : SD_AFR_NO_SAMPLE);
     }
     self->burned_sum = 0.0f;
     self->burned_count = 0;
@@ -137,13 +146,23 @@ static void balance(sd_ecu_t *self, uint8_t transient) {
         sd_balance_restart(b);
     }
     self->status[SD_OWNER_BALANCE] = sd_balance_status(b);
-    for (uint32_t i = 0; i < c->cylinders; ++i) { self->signals.balance_trim[c->firing_order[i] - 1u] = b->trim[i]; }
+}
+
+/* The probe's trim comes on top of the balance's, within the same limit. */
+static void command_trims(sd_ecu_t *self) {
+    const sd_calibration_t *c = &self->calibration;
+    const float limit = c->parameters.balance_limit, size = c->parameters.afr_probe;
+    for (uint32_t i = 0; i < self->balance.config.cylinders; ++i) {
+        const float trim = self->balance.trim[i] + size * sd_afr_delay_probe_trim(&self->afr_delay, i);
+        self->fuel_trim[i] = (trim > limit) ? limit : (trim < -limit) ? -limit : trim;
+        self->signals.balance_trim[c->firing_order[i] - 1u] = self->fuel_trim[i];
+    }
 }
 
 /* Trims of a cycle ago reach the sensor about now: the filter need not find out what is known. */
 static void tell_trims(sd_ecu_t *self) {
     for (uint32_t i = 0; i < self->balance.config.cylinders; ++i) {
-        const float trim = self->balance.trim[i];
+        const float trim = self->fuel_trim[i];
         if (ready(self)) { sd_afr_trimmed(&self->afr, i, (1.0f + trim) / (1.0f + self->last_trim[i])); }
         self->last_trim[i] = trim;
     }
@@ -151,11 +170,13 @@ static void tell_trims(sd_ecu_t *self) {
 
 void sd_ecu_afr_cycle(sd_ecu_t *self) {
     const float speed = self->signals.cycle_speed_rpm * RADPS_PER_RPM, fuel = self->sample[SD_INPUT_FUEL_INJECTED].value;
-    tell_trims(self);
-    read_afr(self, speed);
     const bool moves = (changed(speed, self->last_speed_radps) > TRANSIENT_SPEED) || (changed(fuel, self->last_fuel_mg) > TRANSIENT_FUEL);
+    tell_trims(self);
+    if (ready(self)) { sd_ecu_delay_cycle(self, speed, moves || (fuel <= 0.0f)); }
+    read_afr(self, speed);
     /* What has not burned is no mixture to be trimmed. */
-    balance(self, (moves || (fuel <= 0.0f) || (self->cycle_firings.misfired != 0u)) ? 1u : 0u);
+    balance(self, (moves || (fuel <= 0.0f) || (self->cycle_firings.misfired != 0u) || (self->afr_delay.probed != 0u)) ? 1u : 0u);
+    command_trims(self);
     self->cycle_firings.count = self->cycle_firings.health = self->cycle_firings.misfired = 0;
     self->last_speed_radps = speed;
     self->last_fuel_mg = fuel;

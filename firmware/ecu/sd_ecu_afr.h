@@ -6,8 +6,13 @@
 
 /// From the working page, anew; what fails changes nothing. SD_OK without an exhaust: the block stays idle and says so.
 sd_result_t sd_ecu_afr_init(sd_afr_t *afr, const sd_calibration_t *c);
+sd_result_t sd_ecu_delay_init(sd_afr_delay_t *delay, const sd_calibration_t *c);
+/// End of a cycle, the trims told to the filter: learns the delay, and starts or ends a probe. moves: speed or fuel does.
+void sd_ecu_delay_cycle(sd_ecu_t *self, float speed_radps, bool moves);
 sd_balance_config_t sd_ecu_balance_config(const sd_calibration_t *c);
 sd_result_t sd_ecu_balance_init(sd_balance_t *balance, const sd_calibration_t *c);
+/// The angle is lost, or off by a revolution.
+void sd_ecu_afr_restart(sd_ecu_t *self);
 /// A reading of the lambda sensor, air to fuel over stoichiometric.
 void sd_ecu_afr_sample(sd_ecu_t *self, float lambda);
 void sd_ecu_afr_tooth(sd_ecu_t *self, const sd_tooth_t *tooth);

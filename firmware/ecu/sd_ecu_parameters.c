@@ -37,6 +37,11 @@ static sd_result_t apply_balance(sd_ecu_t *self, uint32_t index) {
     return sd_balance_configure(&self->balance, &config);
 }
 
+static sd_result_t apply_afr(sd_ecu_t *self, uint32_t index) {
+    if ((index == INDEX_OF(afr_identify)) || (index == INDEX_OF(afr_probe))) { return SD_OK; } /* read at the end of each cycle */
+    return sd_ecu_afr_init(&self->afr, &self->calibration);
+}
+
 /* Takes the working page over into the block that owns the parameter: whole, or on an error not at all. */
 static sd_result_t apply(sd_ecu_t *self, uint32_t index) {
     const sd_calibration_t *c = &self->calibration;
@@ -46,7 +51,7 @@ static sd_result_t apply(sd_ecu_t *self, uint32_t index) {
     case SD_OWNER_TORQUE:  return apply_torque(self, index);
     case SD_OWNER_FIRING:  return apply_firing(self, index);
     case SD_OWNER_MISFIRE: return sd_misfire_configure(&self->misfire, &misfire);
-    case SD_OWNER_AFR:     return sd_ecu_afr_init(&self->afr, c);
+    case SD_OWNER_AFR:     return apply_afr(self, index);
     case SD_OWNER_BALANCE: return apply_balance(self, index);
     default:               return SD_ERR_CONFIG; /* no other block has any */
     }

@@ -7,7 +7,7 @@
 #include <stdint.h>
 
 /// Changes whenever the table does; calibration pages and logs carry it.
-#define SD_SIGNALS_SIGNATURE 0x1976ce25u
+#define SD_SIGNALS_SIGNATURE 0x3f83810fu
 
 /// Channel of an SD_EVENT_SAMPLE.
 typedef enum sd_input {
@@ -46,22 +46,26 @@ typedef enum sd_signal {
     SD_SIGNAL_AFR_CYLINDER_BURNED = 34, ///< Burned share of each cylinder's exhaust gas, by physical number: lambda = 1 - air/gas of document 004, above 1 where air is missing. [-, 8 channels]
     SD_SIGNAL_AFR_CYLINDER_SD = 42, ///< Standard deviation that the filter states for a cylinder's deviation from the mean, over the mean. [-, 8 channels]
     SD_SIGNAL_AFR_SLOW = 50, ///< 1: the sensor is too slow for this speed; the estimate learns over some tens of seconds. [-]
-    SD_SIGNAL_BALANCE_TRIM = 51, ///< Fuel to add to each cylinder, over its nominal, by physical number; their mean is 0. [-, 8 channels]
-    SD_SIGNAL_MISFIRE_INDEX = 59, ///< Work of the firing over the work expected of its fuel: 1 healthy, 0 a misfire; 0 when not judged. [-]
-    SD_SIGNAL_MISFIRE_LIMIT = 60, ///< Index below which this firing counted as a misfire; 0 when not judged. [-]
-    SD_SIGNAL_MISFIRE_VERDICT = 61, ///< 0 healthy, 1 partial burn, 2 misfire, 3 not judged. [-]
-    SD_SIGNAL_MISFIRE_INHIBIT = 62, ///< Why not judged, bits: 1 start, 2 fuel cut or too little fuel, 4 gear shift, 8 no estimate, 16 fuel cut or shift ended a moment ago, 32 a faulty tooth or unknown fuel, 64 the tank is nearly empty. [-]
-    SD_SIGNAL_MISFIRE_FIRING = 63, ///< Which firing of the firing order, from 0. [-]
-    SD_SIGNAL_MISFIRE_CYLINDER = 64, ///< Its physical cylinder. [-]
-    SD_SIGNAL_MISFIRE_RATE_200 = 65, ///< Misfires of the cylinder in the last complete window of 200 judged revolutions, of its firings. [%, 8 channels]
-    SD_SIGNAL_MISFIRE_RATE_1000 = 73, ///< The same in 1000. [%, 8 channels]
-    SD_SIGNAL_MISFIRE_CONTINUOUS = 81, ///< Bit n - 1: cylinder n misfires each time. [-]
-    SD_SIGNAL_MISFIRE_SUSPECTS = 82, ///< Bit n - 1: cylinder n had over a tenth of the misfires of the window that moved the lamp. [-]
-    SD_SIGNAL_MISFIRE_LAMP = 83, ///< Decision in the shape of OBD II, not verified against it: 0 off, 1 pending, 2 on, 3 blinking. [-]
-    SD_SIGNAL_MISFIRE_COUNT = 84, ///< Misfires since init. [-]
-    SD_SIGNAL_MISFIRE_PARTIAL_BURNS = 85, ///< Partial burns since init. [-]
+    SD_SIGNAL_AFR_LATE = 51, ///< How much later than calibrated the gas reaches the lambda sensor, as learned from the trims. [s]
+    SD_SIGNAL_AFR_LATE_SD = 52, ///< Its standard deviation; 0.01 before anything was learned. [s]
+    SD_SIGNAL_AFR_LAG = 53, ///< By what share the lambda sensor's lags are longer than calibrated, as learned from a probe. [-]
+    SD_SIGNAL_AFR_PROBING = 54, ///< 1: a trim on one cylinder asks the sensor for its delay. [-]
+    SD_SIGNAL_BALANCE_TRIM = 55, ///< Fuel to add to each cylinder, over its nominal, by physical number; their mean is 0. [-, 8 channels]
+    SD_SIGNAL_MISFIRE_INDEX = 63, ///< Work of the firing over the work expected of its fuel: 1 healthy, 0 a misfire; 0 when not judged. [-]
+    SD_SIGNAL_MISFIRE_LIMIT = 64, ///< Index below which this firing counted as a misfire; 0 when not judged. [-]
+    SD_SIGNAL_MISFIRE_VERDICT = 65, ///< 0 healthy, 1 partial burn, 2 misfire, 3 not judged. [-]
+    SD_SIGNAL_MISFIRE_INHIBIT = 66, ///< Why not judged, bits: 1 start, 2 fuel cut or too little fuel, 4 gear shift, 8 no estimate, 16 fuel cut or shift ended a moment ago, 32 a faulty tooth or unknown fuel, 64 the tank is nearly empty. [-]
+    SD_SIGNAL_MISFIRE_FIRING = 67, ///< Which firing of the firing order, from 0. [-]
+    SD_SIGNAL_MISFIRE_CYLINDER = 68, ///< Its physical cylinder. [-]
+    SD_SIGNAL_MISFIRE_RATE_200 = 69, ///< Misfires of the cylinder in the last complete window of 200 judged revolutions, of its firings. [%, 8 channels]
+    SD_SIGNAL_MISFIRE_RATE_1000 = 77, ///< The same in 1000. [%, 8 channels]
+    SD_SIGNAL_MISFIRE_CONTINUOUS = 85, ///< Bit n - 1: cylinder n misfires each time. [-]
+    SD_SIGNAL_MISFIRE_SUSPECTS = 86, ///< Bit n - 1: cylinder n had over a tenth of the misfires of the window that moved the lamp. [-]
+    SD_SIGNAL_MISFIRE_LAMP = 87, ///< Decision in the shape of OBD II, not verified against it: 0 off, 1 pending, 2 on, 3 blinking. [-]
+    SD_SIGNAL_MISFIRE_COUNT = 88, ///< Misfires since init. [-]
+    SD_SIGNAL_MISFIRE_PARTIAL_BURNS = 89, ///< Partial burns since init. [-]
 } sd_signal_t;
-#define SD_SIGNAL_COUNT 86u
+#define SD_SIGNAL_COUNT 90u
 
 /// Present values, in channel order.
 typedef struct sd_signals {
@@ -88,6 +92,10 @@ typedef struct sd_signals {
     float afr_cylinder_burned[8];
     float afr_cylinder_sd[8];
     float afr_slow;
+    float afr_late_s;
+    float afr_late_sd_s;
+    float afr_lag;
+    float afr_probing;
     float balance_trim[8];
     float misfire_index;
     float misfire_limit;
@@ -150,6 +158,8 @@ typedef struct sd_parameters {
     float afr_drift_slow; ///< The same in slow mode.
     float afr_slow_above; ///< Slow mode where crank speed (rad/s) times the sum of the sensor's lags (s) is above this.
     float afr_stoichiometric; ///< Air to fuel of the fuel in use.
+    float afr_identify; ///< Delay of the lambda sensor: 0 as calibrated, 1 learned from what the trims do, 2 also by a probe where trims are allowed and it is not known to 10 deg crank, or trims had to be given up.
+    float afr_probe; ///< Size of the probe: fuel trim on one cylinder.
     float balance_source; ///< 0 no trims, 1 from afr.cylinder_burned, 2 from firing.torque; no trims follow a misfire.
     float balance_gain; ///< Of the deviation, taken off the trim each cycle.
     float balance_rate; ///< Largest change of a trim in a cycle.
@@ -157,7 +167,7 @@ typedef struct sd_parameters {
     float balance_sd_max; ///< Stated standard deviation of a deviation above which nothing is learned.
     float balance_hold_cycles; ///< How long trims hold after a transient or an estimate that is not valid.
 } sd_parameters_t;
-#define SD_PARAMETER_COUNT 50u
+#define SD_PARAMETER_COUNT 52u
 
 typedef enum sd_rate { SD_RATE_EDGE, SD_RATE_CYCLE, SD_RATE_FIRING } sd_rate_t;
 typedef enum sd_owner { SD_OWNER_CRANK, SD_OWNER_TORQUE, SD_OWNER_CYLINDER, SD_OWNER_FIRING, SD_OWNER_MISFIRE, SD_OWNER_AFR, SD_OWNER_BALANCE, SD_OWNER_COUNT } sd_owner_t;

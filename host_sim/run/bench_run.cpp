@@ -40,6 +40,7 @@ class Run {
         result_.misfire = misfire_.result();
         result_.sync_losses = said_.sync_losses();
         result_.unanswered = answers_.missing();
+        result_.afr_late_s = double(said_.signals().afr_late_s);
         if (plant_.exhaust()) result_.afr = afr_score_.estimate(), result_.balance = balance_score_.result();
         if (scenario_.speed_mode == SpeedMode::prescribed) return result_;
         result_.torque = score_.result();

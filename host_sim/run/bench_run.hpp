@@ -41,6 +41,7 @@ struct RunResult {
     double pattern_sd_deg = 0;           ///< and its standard deviation; 0: nothing learned.
     std::optional<AfrFigures> afr;            ///< With a wideband sensor only.
     std::optional<BalanceFigures> balance;    ///< Where fuel trims were allowed.
+    double afr_late_s = 0;                    ///< What was learned of the delay to the lambda sensor (signal afr.late).
 };
 
 /// Whoever gets the plant's truth as it happens; the ecu does not.

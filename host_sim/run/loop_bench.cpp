@@ -70,6 +70,20 @@ void seeds(const char *name, const Texts &scenario, const Texts &tune, bool pert
     print(fmt::format("{}, worst of {}", name, count), percentile(runs, 1));
 }
 
+/// What is left of a wrong delay in the end, deg crank: median and worst; and the loop's figures.
+void delays(const std::string &name, double error, const Texts &tune, int count) {
+    std::vector<BalanceFigures> runs;
+    std::vector<double> left;
+    for (int seed = 1; seed <= count; ++seed) {
+        const RunResult r = run_loop({{"run.duration_s=28"}, tune, error, false, std::uint64_t(seed)});
+        runs.push_back(r.balance.value());
+        left.push_back(std::abs(error + r.afr_late_s * 1500 * 6));
+    }
+    std::sort(left.begin(), left.end());
+    print(fmt::format("{}, median (left: {:.0f} deg)", name, left[left.size() / 2]), percentile(runs, 0.5));
+    print(fmt::format("{}, worst of {} (left: {:.0f} deg)", name, count, left.back()), percentile(runs, 1));
+}
+
 } // namespace
 
 int main(int argc, char **argv) {
@@ -92,9 +106,11 @@ int main(int argc, char **argv) {
         seeds("from lambda, nominal", changed, lambda, false, (count + 1) / 2, kSlow);
         seeds("from lambda, perturbed", changed, lambda, true, (count + 1) / 2, kSlow);
     }
-    header("delay of the calibration wrong");
-    for (double error : {0, -30, 30, -60, 60, -90, 90, -120, 120, -150, 150, -180, 180})
-        print(fmt::format("{:+.0f} deg", error), figures({{"run.duration_s=20"}, lambda, double(error), false, 1}));
+    for (const auto &[identify, title] : {std::pair{0, "delay wrong, as calibrated"}, {1, "delay wrong, learned from the trims"}, {2, "the same, and by a probe"}}) {
+        header(title);
+        for (double error : {0, -10, 10, -30, 30, -60, 60, -90, 90, -120, 120, -150, 150, -180, 180})
+            delays(fmt::format("{:+.0f} deg", error), error, join(lambda, {fmt::format("afr.identify={}", identify)}), (count + 3) / 4);
+    }
     header("moves, cylinders balanced before");
     for (bool noisy : {false, true}) {
         for (const Move &move : kMoves) {

@@ -129,10 +129,36 @@ TEST(AfrLoop, StableWithSixtyDegreesOfDelayError) {
     }
 }
 
+/// What the trims themselves tell: before it gives up.
+TEST(AfrLoop, LearnsAWrongDelayFromItsTrims) {
+    for (double error : {90.0, -90.0}) {
+        const RunResult r = run_loop({{}, {}, error});
+        ASSERT_TRUE(r.balance);
+        EXPECT_GE(r.balance->cycles_to_3_percent, 4) << error;
+        EXPECT_LE(r.balance->cycles_to_3_percent, 100) << error;
+        EXPECT_EQ(r.balance->gave_up_cycles, -1) << error;
+        EXPECT_LT(r.balance->residual_percent, 2) << error;
+        EXPECT_NEAR(r.afr_late_s * 1500 * 6, -error, 45);
+    }
+    EXPECT_EQ(run_loop({}).afr_late_s, 0) << "nothing is to be learned from";
+}
+
+/// A loop that gave up asks the sensor, and balances then.
+TEST(AfrLoop, AProbeMendsALoopThatGaveUp) {
+    for (double error : {180.0, -180.0}) {
+        const RunResult r = run_loop({{"run.duration_s=26"}, {"afr.identify=2"}, error});
+        ASSERT_TRUE(r.balance);
+        EXPECT_GE(r.balance->gave_up_cycles, 4) << error;
+        EXPECT_GE(r.balance->cycles_to_3_percent, 4) << error;
+        EXPECT_LT(r.balance->residual_percent, 2) << error;
+        EXPECT_NEAR(r.afr_late_s * 1500 * 6, -error, 25);
+    }
+}
+
 /// At 90 deg the alternating pattern is neither corrected nor driven; beyond, it is driven apart, and the watch stops that.
 TEST(AfrLoop, GivesUpBeforeAWrongPhaseDoesHarm) {
     for (double error : {90.0, -90.0, 120.0, -120.0, 150.0, -150.0, 180.0}) {
-        const BalanceFigures b = balanced({{}, {}, error});
+        const BalanceFigures b = balanced({{}, {"afr.identify=0"}, error});
         EXPECT_LT(b.largest_spread_percent, 2 * b.spread_before_percent) << error;
         if (std::abs(error) > 100) {
             EXPECT_GE(b.gave_up_cycles, 4) << error;

@@ -3278,12 +3278,12 @@ int sd_bus_cycle_3_pack(
     uint32_t afr_cylinder_sd_6;
     uint32_t afr_cylinder_sd_7;
     uint32_t afr_cylinder_sd_8;
+    uint32_t afr_lag;
+    uint32_t afr_late;
+    uint32_t afr_late_sd;
+    uint32_t afr_probing;
     uint32_t afr_slow;
     uint32_t balance_trim_1;
-    uint32_t balance_trim_2;
-    uint32_t balance_trim_3;
-    uint32_t balance_trim_4;
-    uint32_t balance_trim_5;
 
     if (size < 64u) {
         return (-EINVAL);
@@ -3344,31 +3344,31 @@ int sd_bus_cycle_3_pack(
     dst_p[41] |= pack_right_shift_u32(afr_slow, 8u, 0xffu);
     dst_p[42] |= pack_right_shift_u32(afr_slow, 16u, 0xffu);
     dst_p[43] |= pack_right_shift_u32(afr_slow, 24u, 0xffu);
+    memcpy(&afr_late, &src_p->afr_late, sizeof(afr_late));
+    dst_p[44] |= pack_left_shift_u32(afr_late, 0u, 0xffu);
+    dst_p[45] |= pack_right_shift_u32(afr_late, 8u, 0xffu);
+    dst_p[46] |= pack_right_shift_u32(afr_late, 16u, 0xffu);
+    dst_p[47] |= pack_right_shift_u32(afr_late, 24u, 0xffu);
+    memcpy(&afr_late_sd, &src_p->afr_late_sd, sizeof(afr_late_sd));
+    dst_p[48] |= pack_left_shift_u32(afr_late_sd, 0u, 0xffu);
+    dst_p[49] |= pack_right_shift_u32(afr_late_sd, 8u, 0xffu);
+    dst_p[50] |= pack_right_shift_u32(afr_late_sd, 16u, 0xffu);
+    dst_p[51] |= pack_right_shift_u32(afr_late_sd, 24u, 0xffu);
+    memcpy(&afr_lag, &src_p->afr_lag, sizeof(afr_lag));
+    dst_p[52] |= pack_left_shift_u32(afr_lag, 0u, 0xffu);
+    dst_p[53] |= pack_right_shift_u32(afr_lag, 8u, 0xffu);
+    dst_p[54] |= pack_right_shift_u32(afr_lag, 16u, 0xffu);
+    dst_p[55] |= pack_right_shift_u32(afr_lag, 24u, 0xffu);
+    memcpy(&afr_probing, &src_p->afr_probing, sizeof(afr_probing));
+    dst_p[56] |= pack_left_shift_u32(afr_probing, 0u, 0xffu);
+    dst_p[57] |= pack_right_shift_u32(afr_probing, 8u, 0xffu);
+    dst_p[58] |= pack_right_shift_u32(afr_probing, 16u, 0xffu);
+    dst_p[59] |= pack_right_shift_u32(afr_probing, 24u, 0xffu);
     memcpy(&balance_trim_1, &src_p->balance_trim_1, sizeof(balance_trim_1));
-    dst_p[44] |= pack_left_shift_u32(balance_trim_1, 0u, 0xffu);
-    dst_p[45] |= pack_right_shift_u32(balance_trim_1, 8u, 0xffu);
-    dst_p[46] |= pack_right_shift_u32(balance_trim_1, 16u, 0xffu);
-    dst_p[47] |= pack_right_shift_u32(balance_trim_1, 24u, 0xffu);
-    memcpy(&balance_trim_2, &src_p->balance_trim_2, sizeof(balance_trim_2));
-    dst_p[48] |= pack_left_shift_u32(balance_trim_2, 0u, 0xffu);
-    dst_p[49] |= pack_right_shift_u32(balance_trim_2, 8u, 0xffu);
-    dst_p[50] |= pack_right_shift_u32(balance_trim_2, 16u, 0xffu);
-    dst_p[51] |= pack_right_shift_u32(balance_trim_2, 24u, 0xffu);
-    memcpy(&balance_trim_3, &src_p->balance_trim_3, sizeof(balance_trim_3));
-    dst_p[52] |= pack_left_shift_u32(balance_trim_3, 0u, 0xffu);
-    dst_p[53] |= pack_right_shift_u32(balance_trim_3, 8u, 0xffu);
-    dst_p[54] |= pack_right_shift_u32(balance_trim_3, 16u, 0xffu);
-    dst_p[55] |= pack_right_shift_u32(balance_trim_3, 24u, 0xffu);
-    memcpy(&balance_trim_4, &src_p->balance_trim_4, sizeof(balance_trim_4));
-    dst_p[56] |= pack_left_shift_u32(balance_trim_4, 0u, 0xffu);
-    dst_p[57] |= pack_right_shift_u32(balance_trim_4, 8u, 0xffu);
-    dst_p[58] |= pack_right_shift_u32(balance_trim_4, 16u, 0xffu);
-    dst_p[59] |= pack_right_shift_u32(balance_trim_4, 24u, 0xffu);
-    memcpy(&balance_trim_5, &src_p->balance_trim_5, sizeof(balance_trim_5));
-    dst_p[60] |= pack_left_shift_u32(balance_trim_5, 0u, 0xffu);
-    dst_p[61] |= pack_right_shift_u32(balance_trim_5, 8u, 0xffu);
-    dst_p[62] |= pack_right_shift_u32(balance_trim_5, 16u, 0xffu);
-    dst_p[63] |= pack_right_shift_u32(balance_trim_5, 24u, 0xffu);
+    dst_p[60] |= pack_left_shift_u32(balance_trim_1, 0u, 0xffu);
+    dst_p[61] |= pack_right_shift_u32(balance_trim_1, 8u, 0xffu);
+    dst_p[62] |= pack_right_shift_u32(balance_trim_1, 16u, 0xffu);
+    dst_p[63] |= pack_right_shift_u32(balance_trim_1, 24u, 0xffu);
 
     return (64);
 }
@@ -3386,12 +3386,12 @@ int sd_bus_cycle_3_unpack(
     uint32_t afr_cylinder_sd_6;
     uint32_t afr_cylinder_sd_7;
     uint32_t afr_cylinder_sd_8;
+    uint32_t afr_lag;
+    uint32_t afr_late;
+    uint32_t afr_late_sd;
+    uint32_t afr_probing;
     uint32_t afr_slow;
     uint32_t balance_trim_1;
-    uint32_t balance_trim_2;
-    uint32_t balance_trim_3;
-    uint32_t balance_trim_4;
-    uint32_t balance_trim_5;
 
     if (size < 64u) {
         return (-EINVAL);
@@ -3450,31 +3450,31 @@ int sd_bus_cycle_3_unpack(
     afr_slow |= unpack_left_shift_u32(src_p[42], 16u, 0xffu);
     afr_slow |= unpack_left_shift_u32(src_p[43], 24u, 0xffu);
     memcpy(&dst_p->afr_slow, &afr_slow, sizeof(dst_p->afr_slow));
-    balance_trim_1 = unpack_right_shift_u32(src_p[44], 0u, 0xffu);
-    balance_trim_1 |= unpack_left_shift_u32(src_p[45], 8u, 0xffu);
-    balance_trim_1 |= unpack_left_shift_u32(src_p[46], 16u, 0xffu);
-    balance_trim_1 |= unpack_left_shift_u32(src_p[47], 24u, 0xffu);
+    afr_late = unpack_right_shift_u32(src_p[44], 0u, 0xffu);
+    afr_late |= unpack_left_shift_u32(src_p[45], 8u, 0xffu);
+    afr_late |= unpack_left_shift_u32(src_p[46], 16u, 0xffu);
+    afr_late |= unpack_left_shift_u32(src_p[47], 24u, 0xffu);
+    memcpy(&dst_p->afr_late, &afr_late, sizeof(dst_p->afr_late));
+    afr_late_sd = unpack_right_shift_u32(src_p[48], 0u, 0xffu);
+    afr_late_sd |= unpack_left_shift_u32(src_p[49], 8u, 0xffu);
+    afr_late_sd |= unpack_left_shift_u32(src_p[50], 16u, 0xffu);
+    afr_late_sd |= unpack_left_shift_u32(src_p[51], 24u, 0xffu);
+    memcpy(&dst_p->afr_late_sd, &afr_late_sd, sizeof(dst_p->afr_late_sd));
+    afr_lag = unpack_right_shift_u32(src_p[52], 0u, 0xffu);
+    afr_lag |= unpack_left_shift_u32(src_p[53], 8u, 0xffu);
+    afr_lag |= unpack_left_shift_u32(src_p[54], 16u, 0xffu);
+    afr_lag |= unpack_left_shift_u32(src_p[55], 24u, 0xffu);
+    memcpy(&dst_p->afr_lag, &afr_lag, sizeof(dst_p->afr_lag));
+    afr_probing = unpack_right_shift_u32(src_p[56], 0u, 0xffu);
+    afr_probing |= unpack_left_shift_u32(src_p[57], 8u, 0xffu);
+    afr_probing |= unpack_left_shift_u32(src_p[58], 16u, 0xffu);
+    afr_probing |= unpack_left_shift_u32(src_p[59], 24u, 0xffu);
+    memcpy(&dst_p->afr_probing, &afr_probing, sizeof(dst_p->afr_probing));
+    balance_trim_1 = unpack_right_shift_u32(src_p[60], 0u, 0xffu);
+    balance_trim_1 |= unpack_left_shift_u32(src_p[61], 8u, 0xffu);
+    balance_trim_1 |= unpack_left_shift_u32(src_p[62], 16u, 0xffu);
+    balance_trim_1 |= unpack_left_shift_u32(src_p[63], 24u, 0xffu);
     memcpy(&dst_p->balance_trim_1, &balance_trim_1, sizeof(dst_p->balance_trim_1));
-    balance_trim_2 = unpack_right_shift_u32(src_p[48], 0u, 0xffu);
-    balance_trim_2 |= unpack_left_shift_u32(src_p[49], 8u, 0xffu);
-    balance_trim_2 |= unpack_left_shift_u32(src_p[50], 16u, 0xffu);
-    balance_trim_2 |= unpack_left_shift_u32(src_p[51], 24u, 0xffu);
-    memcpy(&dst_p->balance_trim_2, &balance_trim_2, sizeof(dst_p->balance_trim_2));
-    balance_trim_3 = unpack_right_shift_u32(src_p[52], 0u, 0xffu);
-    balance_trim_3 |= unpack_left_shift_u32(src_p[53], 8u, 0xffu);
-    balance_trim_3 |= unpack_left_shift_u32(src_p[54], 16u, 0xffu);
-    balance_trim_3 |= unpack_left_shift_u32(src_p[55], 24u, 0xffu);
-    memcpy(&dst_p->balance_trim_3, &balance_trim_3, sizeof(dst_p->balance_trim_3));
-    balance_trim_4 = unpack_right_shift_u32(src_p[56], 0u, 0xffu);
-    balance_trim_4 |= unpack_left_shift_u32(src_p[57], 8u, 0xffu);
-    balance_trim_4 |= unpack_left_shift_u32(src_p[58], 16u, 0xffu);
-    balance_trim_4 |= unpack_left_shift_u32(src_p[59], 24u, 0xffu);
-    memcpy(&dst_p->balance_trim_4, &balance_trim_4, sizeof(dst_p->balance_trim_4));
-    balance_trim_5 = unpack_right_shift_u32(src_p[60], 0u, 0xffu);
-    balance_trim_5 |= unpack_left_shift_u32(src_p[61], 8u, 0xffu);
-    balance_trim_5 |= unpack_left_shift_u32(src_p[62], 16u, 0xffu);
-    balance_trim_5 |= unpack_left_shift_u32(src_p[63], 24u, 0xffu);
-    memcpy(&dst_p->balance_trim_5, &balance_trim_5, sizeof(dst_p->balance_trim_5));
 
     return (0);
 }
@@ -3774,6 +3774,86 @@ bool sd_bus_cycle_3_afr_slow_is_in_phys_range(double value)
     return ((value >= 0.0) && (value <= 1.0));
 }
 
+float sd_bus_cycle_3_afr_late_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_cycle_3_afr_late_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_cycle_3_afr_late_is_in_range(float value)
+{
+    return ((value >= -0.05f) && (value <= 0.05f));
+}
+
+bool sd_bus_cycle_3_afr_late_is_in_phys_range(double value)
+{
+    return ((value >= -0.05) && (value <= 0.05));
+}
+
+float sd_bus_cycle_3_afr_late_sd_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_cycle_3_afr_late_sd_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_cycle_3_afr_late_sd_is_in_range(float value)
+{
+    return ((value >= 0.0f) && (value <= 0.05f));
+}
+
+bool sd_bus_cycle_3_afr_late_sd_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 0.05));
+}
+
+float sd_bus_cycle_3_afr_lag_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_cycle_3_afr_lag_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_cycle_3_afr_lag_is_in_range(float value)
+{
+    return ((value >= -0.5f) && (value <= 0.5f));
+}
+
+bool sd_bus_cycle_3_afr_lag_is_in_phys_range(double value)
+{
+    return ((value >= -0.5) && (value <= 0.5));
+}
+
+float sd_bus_cycle_3_afr_probing_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_cycle_3_afr_probing_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_cycle_3_afr_probing_is_in_range(float value)
+{
+    return ((value >= 0.0f) && (value <= 1.0f));
+}
+
+bool sd_bus_cycle_3_afr_probing_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 1.0));
+}
+
 float sd_bus_cycle_3_balance_trim_1_encode(double value)
 {
     return (float)(value);
@@ -3794,97 +3874,18 @@ bool sd_bus_cycle_3_balance_trim_1_is_in_phys_range(double value)
     return ((value >= -0.5) && (value <= 0.5));
 }
 
-float sd_bus_cycle_3_balance_trim_2_encode(double value)
-{
-    return (float)(value);
-}
-
-double sd_bus_cycle_3_balance_trim_2_decode(float value)
-{
-    return ((double)value);
-}
-
-bool sd_bus_cycle_3_balance_trim_2_is_in_range(float value)
-{
-    return ((value >= -0.5f) && (value <= 0.5f));
-}
-
-bool sd_bus_cycle_3_balance_trim_2_is_in_phys_range(double value)
-{
-    return ((value >= -0.5) && (value <= 0.5));
-}
-
-float sd_bus_cycle_3_balance_trim_3_encode(double value)
-{
-    return (float)(value);
-}
-
-double sd_bus_cycle_3_balance_trim_3_decode(float value)
-{
-    return ((double)value);
-}
-
-bool sd_bus_cycle_3_balance_trim_3_is_in_range(float value)
-{
-    return ((value >= -0.5f) && (value <= 0.5f));
-}
-
-bool sd_bus_cycle_3_balance_trim_3_is_in_phys_range(double value)
-{
-    return ((value >= -0.5) && (value <= 0.5));
-}
-
-float sd_bus_cycle_3_balance_trim_4_encode(double value)
-{
-    return (float)(value);
-}
-
-double sd_bus_cycle_3_balance_trim_4_decode(float value)
-{
-    return ((double)value);
-}
-
-bool sd_bus_cycle_3_balance_trim_4_is_in_range(float value)
-{
-    return ((value >= -0.5f) && (value <= 0.5f));
-}
-
-bool sd_bus_cycle_3_balance_trim_4_is_in_phys_range(double value)
-{
-    return ((value >= -0.5) && (value <= 0.5));
-}
-
-float sd_bus_cycle_3_balance_trim_5_encode(double value)
-{
-    return (float)(value);
-}
-
-double sd_bus_cycle_3_balance_trim_5_decode(float value)
-{
-    return ((double)value);
-}
-
-bool sd_bus_cycle_3_balance_trim_5_is_in_range(float value)
-{
-    return ((value >= -0.5f) && (value <= 0.5f));
-}
-
-bool sd_bus_cycle_3_balance_trim_5_is_in_phys_range(double value)
-{
-    return ((value >= -0.5) && (value <= 0.5));
-}
-
 int sd_bus_cycle_4_pack(
     uint8_t *dst_p,
     const struct sd_bus_cycle_4_t *src_p,
     size_t size)
 {
+    uint32_t balance_trim_2;
+    uint32_t balance_trim_3;
+    uint32_t balance_trim_4;
+    uint32_t balance_trim_5;
     uint32_t balance_trim_6;
     uint32_t balance_trim_7;
     uint32_t balance_trim_8;
-    uint32_t misfire_rate_1000_1;
-    uint32_t misfire_rate_1000_2;
-    uint32_t misfire_rate_1000_3;
     uint32_t misfire_rate_200_1;
     uint32_t misfire_rate_200_2;
     uint32_t misfire_rate_200_3;
@@ -3892,7 +3893,6 @@ int sd_bus_cycle_4_pack(
     uint32_t misfire_rate_200_5;
     uint32_t misfire_rate_200_6;
     uint32_t misfire_rate_200_7;
-    uint32_t misfire_rate_200_8;
 
     if (size < 64u) {
         return (-EINVAL);
@@ -3908,76 +3908,76 @@ int sd_bus_cycle_4_pack(
     dst_p[5] |= pack_left_shift_u8(src_p->balance_why, 0u, 0xffu);
     dst_p[6] |= pack_left_shift_u8(src_p->misfire_health, 0u, 0xffu);
     dst_p[7] |= pack_left_shift_u8(src_p->misfire_why, 0u, 0xffu);
+    memcpy(&balance_trim_2, &src_p->balance_trim_2, sizeof(balance_trim_2));
+    dst_p[8] |= pack_left_shift_u32(balance_trim_2, 0u, 0xffu);
+    dst_p[9] |= pack_right_shift_u32(balance_trim_2, 8u, 0xffu);
+    dst_p[10] |= pack_right_shift_u32(balance_trim_2, 16u, 0xffu);
+    dst_p[11] |= pack_right_shift_u32(balance_trim_2, 24u, 0xffu);
+    memcpy(&balance_trim_3, &src_p->balance_trim_3, sizeof(balance_trim_3));
+    dst_p[12] |= pack_left_shift_u32(balance_trim_3, 0u, 0xffu);
+    dst_p[13] |= pack_right_shift_u32(balance_trim_3, 8u, 0xffu);
+    dst_p[14] |= pack_right_shift_u32(balance_trim_3, 16u, 0xffu);
+    dst_p[15] |= pack_right_shift_u32(balance_trim_3, 24u, 0xffu);
+    memcpy(&balance_trim_4, &src_p->balance_trim_4, sizeof(balance_trim_4));
+    dst_p[16] |= pack_left_shift_u32(balance_trim_4, 0u, 0xffu);
+    dst_p[17] |= pack_right_shift_u32(balance_trim_4, 8u, 0xffu);
+    dst_p[18] |= pack_right_shift_u32(balance_trim_4, 16u, 0xffu);
+    dst_p[19] |= pack_right_shift_u32(balance_trim_4, 24u, 0xffu);
+    memcpy(&balance_trim_5, &src_p->balance_trim_5, sizeof(balance_trim_5));
+    dst_p[20] |= pack_left_shift_u32(balance_trim_5, 0u, 0xffu);
+    dst_p[21] |= pack_right_shift_u32(balance_trim_5, 8u, 0xffu);
+    dst_p[22] |= pack_right_shift_u32(balance_trim_5, 16u, 0xffu);
+    dst_p[23] |= pack_right_shift_u32(balance_trim_5, 24u, 0xffu);
     memcpy(&balance_trim_6, &src_p->balance_trim_6, sizeof(balance_trim_6));
-    dst_p[8] |= pack_left_shift_u32(balance_trim_6, 0u, 0xffu);
-    dst_p[9] |= pack_right_shift_u32(balance_trim_6, 8u, 0xffu);
-    dst_p[10] |= pack_right_shift_u32(balance_trim_6, 16u, 0xffu);
-    dst_p[11] |= pack_right_shift_u32(balance_trim_6, 24u, 0xffu);
+    dst_p[24] |= pack_left_shift_u32(balance_trim_6, 0u, 0xffu);
+    dst_p[25] |= pack_right_shift_u32(balance_trim_6, 8u, 0xffu);
+    dst_p[26] |= pack_right_shift_u32(balance_trim_6, 16u, 0xffu);
+    dst_p[27] |= pack_right_shift_u32(balance_trim_6, 24u, 0xffu);
     memcpy(&balance_trim_7, &src_p->balance_trim_7, sizeof(balance_trim_7));
-    dst_p[12] |= pack_left_shift_u32(balance_trim_7, 0u, 0xffu);
-    dst_p[13] |= pack_right_shift_u32(balance_trim_7, 8u, 0xffu);
-    dst_p[14] |= pack_right_shift_u32(balance_trim_7, 16u, 0xffu);
-    dst_p[15] |= pack_right_shift_u32(balance_trim_7, 24u, 0xffu);
+    dst_p[28] |= pack_left_shift_u32(balance_trim_7, 0u, 0xffu);
+    dst_p[29] |= pack_right_shift_u32(balance_trim_7, 8u, 0xffu);
+    dst_p[30] |= pack_right_shift_u32(balance_trim_7, 16u, 0xffu);
+    dst_p[31] |= pack_right_shift_u32(balance_trim_7, 24u, 0xffu);
     memcpy(&balance_trim_8, &src_p->balance_trim_8, sizeof(balance_trim_8));
-    dst_p[16] |= pack_left_shift_u32(balance_trim_8, 0u, 0xffu);
-    dst_p[17] |= pack_right_shift_u32(balance_trim_8, 8u, 0xffu);
-    dst_p[18] |= pack_right_shift_u32(balance_trim_8, 16u, 0xffu);
-    dst_p[19] |= pack_right_shift_u32(balance_trim_8, 24u, 0xffu);
+    dst_p[32] |= pack_left_shift_u32(balance_trim_8, 0u, 0xffu);
+    dst_p[33] |= pack_right_shift_u32(balance_trim_8, 8u, 0xffu);
+    dst_p[34] |= pack_right_shift_u32(balance_trim_8, 16u, 0xffu);
+    dst_p[35] |= pack_right_shift_u32(balance_trim_8, 24u, 0xffu);
     memcpy(&misfire_rate_200_1, &src_p->misfire_rate_200_1, sizeof(misfire_rate_200_1));
-    dst_p[20] |= pack_left_shift_u32(misfire_rate_200_1, 0u, 0xffu);
-    dst_p[21] |= pack_right_shift_u32(misfire_rate_200_1, 8u, 0xffu);
-    dst_p[22] |= pack_right_shift_u32(misfire_rate_200_1, 16u, 0xffu);
-    dst_p[23] |= pack_right_shift_u32(misfire_rate_200_1, 24u, 0xffu);
+    dst_p[36] |= pack_left_shift_u32(misfire_rate_200_1, 0u, 0xffu);
+    dst_p[37] |= pack_right_shift_u32(misfire_rate_200_1, 8u, 0xffu);
+    dst_p[38] |= pack_right_shift_u32(misfire_rate_200_1, 16u, 0xffu);
+    dst_p[39] |= pack_right_shift_u32(misfire_rate_200_1, 24u, 0xffu);
     memcpy(&misfire_rate_200_2, &src_p->misfire_rate_200_2, sizeof(misfire_rate_200_2));
-    dst_p[24] |= pack_left_shift_u32(misfire_rate_200_2, 0u, 0xffu);
-    dst_p[25] |= pack_right_shift_u32(misfire_rate_200_2, 8u, 0xffu);
-    dst_p[26] |= pack_right_shift_u32(misfire_rate_200_2, 16u, 0xffu);
-    dst_p[27] |= pack_right_shift_u32(misfire_rate_200_2, 24u, 0xffu);
+    dst_p[40] |= pack_left_shift_u32(misfire_rate_200_2, 0u, 0xffu);
+    dst_p[41] |= pack_right_shift_u32(misfire_rate_200_2, 8u, 0xffu);
+    dst_p[42] |= pack_right_shift_u32(misfire_rate_200_2, 16u, 0xffu);
+    dst_p[43] |= pack_right_shift_u32(misfire_rate_200_2, 24u, 0xffu);
     memcpy(&misfire_rate_200_3, &src_p->misfire_rate_200_3, sizeof(misfire_rate_200_3));
-    dst_p[28] |= pack_left_shift_u32(misfire_rate_200_3, 0u, 0xffu);
-    dst_p[29] |= pack_right_shift_u32(misfire_rate_200_3, 8u, 0xffu);
-    dst_p[30] |= pack_right_shift_u32(misfire_rate_200_3, 16u, 0xffu);
-    dst_p[31] |= pack_right_shift_u32(misfire_rate_200_3, 24u, 0xffu);
+    dst_p[44] |= pack_left_shift_u32(misfire_rate_200_3, 0u, 0xffu);
+    dst_p[45] |= pack_right_shift_u32(misfire_rate_200_3, 8u, 0xffu);
+    dst_p[46] |= pack_right_shift_u32(misfire_rate_200_3, 16u, 0xffu);
+    dst_p[47] |= pack_right_shift_u32(misfire_rate_200_3, 24u, 0xffu);
     memcpy(&misfire_rate_200_4, &src_p->misfire_rate_200_4, sizeof(misfire_rate_200_4));
-    dst_p[32] |= pack_left_shift_u32(misfire_rate_200_4, 0u, 0xffu);
-    dst_p[33] |= pack_right_shift_u32(misfire_rate_200_4, 8u, 0xffu);
-    dst_p[34] |= pack_right_shift_u32(misfire_rate_200_4, 16u, 0xffu);
-    dst_p[35] |= pack_right_shift_u32(misfire_rate_200_4, 24u, 0xffu);
+    dst_p[48] |= pack_left_shift_u32(misfire_rate_200_4, 0u, 0xffu);
+    dst_p[49] |= pack_right_shift_u32(misfire_rate_200_4, 8u, 0xffu);
+    dst_p[50] |= pack_right_shift_u32(misfire_rate_200_4, 16u, 0xffu);
+    dst_p[51] |= pack_right_shift_u32(misfire_rate_200_4, 24u, 0xffu);
     memcpy(&misfire_rate_200_5, &src_p->misfire_rate_200_5, sizeof(misfire_rate_200_5));
-    dst_p[36] |= pack_left_shift_u32(misfire_rate_200_5, 0u, 0xffu);
-    dst_p[37] |= pack_right_shift_u32(misfire_rate_200_5, 8u, 0xffu);
-    dst_p[38] |= pack_right_shift_u32(misfire_rate_200_5, 16u, 0xffu);
-    dst_p[39] |= pack_right_shift_u32(misfire_rate_200_5, 24u, 0xffu);
+    dst_p[52] |= pack_left_shift_u32(misfire_rate_200_5, 0u, 0xffu);
+    dst_p[53] |= pack_right_shift_u32(misfire_rate_200_5, 8u, 0xffu);
+    dst_p[54] |= pack_right_shift_u32(misfire_rate_200_5, 16u, 0xffu);
+    dst_p[55] |= pack_right_shift_u32(misfire_rate_200_5, 24u, 0xffu);
     memcpy(&misfire_rate_200_6, &src_p->misfire_rate_200_6, sizeof(misfire_rate_200_6));
-    dst_p[40] |= pack_left_shift_u32(misfire_rate_200_6, 0u, 0xffu);
-    dst_p[41] |= pack_right_shift_u32(misfire_rate_200_6, 8u, 0xffu);
-    dst_p[42] |= pack_right_shift_u32(misfire_rate_200_6, 16u, 0xffu);
-    dst_p[43] |= pack_right_shift_u32(misfire_rate_200_6, 24u, 0xffu);
+    dst_p[56] |= pack_left_shift_u32(misfire_rate_200_6, 0u, 0xffu);
+    dst_p[57] |= pack_right_shift_u32(misfire_rate_200_6, 8u, 0xffu);
+    dst_p[58] |= pack_right_shift_u32(misfire_rate_200_6, 16u, 0xffu);
+    dst_p[59] |= pack_right_shift_u32(misfire_rate_200_6, 24u, 0xffu);
     memcpy(&misfire_rate_200_7, &src_p->misfire_rate_200_7, sizeof(misfire_rate_200_7));
-    dst_p[44] |= pack_left_shift_u32(misfire_rate_200_7, 0u, 0xffu);
-    dst_p[45] |= pack_right_shift_u32(misfire_rate_200_7, 8u, 0xffu);
-    dst_p[46] |= pack_right_shift_u32(misfire_rate_200_7, 16u, 0xffu);
-    dst_p[47] |= pack_right_shift_u32(misfire_rate_200_7, 24u, 0xffu);
-    memcpy(&misfire_rate_200_8, &src_p->misfire_rate_200_8, sizeof(misfire_rate_200_8));
-    dst_p[48] |= pack_left_shift_u32(misfire_rate_200_8, 0u, 0xffu);
-    dst_p[49] |= pack_right_shift_u32(misfire_rate_200_8, 8u, 0xffu);
-    dst_p[50] |= pack_right_shift_u32(misfire_rate_200_8, 16u, 0xffu);
-    dst_p[51] |= pack_right_shift_u32(misfire_rate_200_8, 24u, 0xffu);
-    memcpy(&misfire_rate_1000_1, &src_p->misfire_rate_1000_1, sizeof(misfire_rate_1000_1));
-    dst_p[52] |= pack_left_shift_u32(misfire_rate_1000_1, 0u, 0xffu);
-    dst_p[53] |= pack_right_shift_u32(misfire_rate_1000_1, 8u, 0xffu);
-    dst_p[54] |= pack_right_shift_u32(misfire_rate_1000_1, 16u, 0xffu);
-    dst_p[55] |= pack_right_shift_u32(misfire_rate_1000_1, 24u, 0xffu);
-    memcpy(&misfire_rate_1000_2, &src_p->misfire_rate_1000_2, sizeof(misfire_rate_1000_2));
-    dst_p[56] |= pack_left_shift_u32(misfire_rate_1000_2, 0u, 0xffu);
-    dst_p[57] |= pack_right_shift_u32(misfire_rate_1000_2, 8u, 0xffu);
-    dst_p[58] |= pack_right_shift_u32(misfire_rate_1000_2, 16u, 0xffu);
-    dst_p[59] |= pack_right_shift_u32(misfire_rate_1000_2, 24u, 0xffu);
-    memcpy(&misfire_rate_1000_3, &src_p->misfire_rate_1000_3, sizeof(misfire_rate_1000_3));
-    dst_p[60] |= pack_left_shift_u32(misfire_rate_1000_3, 0u, 0xffu);
-    dst_p[61] |= pack_right_shift_u32(misfire_rate_1000_3, 8u, 0xffu);
-    dst_p[62] |= pack_right_shift_u32(misfire_rate_1000_3, 16u, 0xffu);
-    dst_p[63] |= pack_right_shift_u32(misfire_rate_1000_3, 24u, 0xffu);
+    dst_p[60] |= pack_left_shift_u32(misfire_rate_200_7, 0u, 0xffu);
+    dst_p[61] |= pack_right_shift_u32(misfire_rate_200_7, 8u, 0xffu);
+    dst_p[62] |= pack_right_shift_u32(misfire_rate_200_7, 16u, 0xffu);
+    dst_p[63] |= pack_right_shift_u32(misfire_rate_200_7, 24u, 0xffu);
 
     return (64);
 }
@@ -3987,12 +3987,13 @@ int sd_bus_cycle_4_unpack(
     const uint8_t *src_p,
     size_t size)
 {
+    uint32_t balance_trim_2;
+    uint32_t balance_trim_3;
+    uint32_t balance_trim_4;
+    uint32_t balance_trim_5;
     uint32_t balance_trim_6;
     uint32_t balance_trim_7;
     uint32_t balance_trim_8;
-    uint32_t misfire_rate_1000_1;
-    uint32_t misfire_rate_1000_2;
-    uint32_t misfire_rate_1000_3;
     uint32_t misfire_rate_200_1;
     uint32_t misfire_rate_200_2;
     uint32_t misfire_rate_200_3;
@@ -4000,7 +4001,6 @@ int sd_bus_cycle_4_unpack(
     uint32_t misfire_rate_200_5;
     uint32_t misfire_rate_200_6;
     uint32_t misfire_rate_200_7;
-    uint32_t misfire_rate_200_8;
 
     if (size < 64u) {
         return (-EINVAL);
@@ -4014,76 +4014,76 @@ int sd_bus_cycle_4_unpack(
     dst_p->balance_why = unpack_right_shift_u8(src_p[5], 0u, 0xffu);
     dst_p->misfire_health = unpack_right_shift_u8(src_p[6], 0u, 0xffu);
     dst_p->misfire_why = unpack_right_shift_u8(src_p[7], 0u, 0xffu);
-    balance_trim_6 = unpack_right_shift_u32(src_p[8], 0u, 0xffu);
-    balance_trim_6 |= unpack_left_shift_u32(src_p[9], 8u, 0xffu);
-    balance_trim_6 |= unpack_left_shift_u32(src_p[10], 16u, 0xffu);
-    balance_trim_6 |= unpack_left_shift_u32(src_p[11], 24u, 0xffu);
+    balance_trim_2 = unpack_right_shift_u32(src_p[8], 0u, 0xffu);
+    balance_trim_2 |= unpack_left_shift_u32(src_p[9], 8u, 0xffu);
+    balance_trim_2 |= unpack_left_shift_u32(src_p[10], 16u, 0xffu);
+    balance_trim_2 |= unpack_left_shift_u32(src_p[11], 24u, 0xffu);
+    memcpy(&dst_p->balance_trim_2, &balance_trim_2, sizeof(dst_p->balance_trim_2));
+    balance_trim_3 = unpack_right_shift_u32(src_p[12], 0u, 0xffu);
+    balance_trim_3 |= unpack_left_shift_u32(src_p[13], 8u, 0xffu);
+    balance_trim_3 |= unpack_left_shift_u32(src_p[14], 16u, 0xffu);
+    balance_trim_3 |= unpack_left_shift_u32(src_p[15], 24u, 0xffu);
+    memcpy(&dst_p->balance_trim_3, &balance_trim_3, sizeof(dst_p->balance_trim_3));
+    balance_trim_4 = unpack_right_shift_u32(src_p[16], 0u, 0xffu);
+    balance_trim_4 |= unpack_left_shift_u32(src_p[17], 8u, 0xffu);
+    balance_trim_4 |= unpack_left_shift_u32(src_p[18], 16u, 0xffu);
+    balance_trim_4 |= unpack_left_shift_u32(src_p[19], 24u, 0xffu);
+    memcpy(&dst_p->balance_trim_4, &balance_trim_4, sizeof(dst_p->balance_trim_4));
+    balance_trim_5 = unpack_right_shift_u32(src_p[20], 0u, 0xffu);
+    balance_trim_5 |= unpack_left_shift_u32(src_p[21], 8u, 0xffu);
+    balance_trim_5 |= unpack_left_shift_u32(src_p[22], 16u, 0xffu);
+    balance_trim_5 |= unpack_left_shift_u32(src_p[23], 24u, 0xffu);
+    memcpy(&dst_p->balance_trim_5, &balance_trim_5, sizeof(dst_p->balance_trim_5));
+    balance_trim_6 = unpack_right_shift_u32(src_p[24], 0u, 0xffu);
+    balance_trim_6 |= unpack_left_shift_u32(src_p[25], 8u, 0xffu);
+    balance_trim_6 |= unpack_left_shift_u32(src_p[26], 16u, 0xffu);
+    balance_trim_6 |= unpack_left_shift_u32(src_p[27], 24u, 0xffu);
     memcpy(&dst_p->balance_trim_6, &balance_trim_6, sizeof(dst_p->balance_trim_6));
-    balance_trim_7 = unpack_right_shift_u32(src_p[12], 0u, 0xffu);
-    balance_trim_7 |= unpack_left_shift_u32(src_p[13], 8u, 0xffu);
-    balance_trim_7 |= unpack_left_shift_u32(src_p[14], 16u, 0xffu);
-    balance_trim_7 |= unpack_left_shift_u32(src_p[15], 24u, 0xffu);
+    balance_trim_7 = unpack_right_shift_u32(src_p[28], 0u, 0xffu);
+    balance_trim_7 |= unpack_left_shift_u32(src_p[29], 8u, 0xffu);
+    balance_trim_7 |= unpack_left_shift_u32(src_p[30], 16u, 0xffu);
+    balance_trim_7 |= unpack_left_shift_u32(src_p[31], 24u, 0xffu);
     memcpy(&dst_p->balance_trim_7, &balance_trim_7, sizeof(dst_p->balance_trim_7));
-    balance_trim_8 = unpack_right_shift_u32(src_p[16], 0u, 0xffu);
-    balance_trim_8 |= unpack_left_shift_u32(src_p[17], 8u, 0xffu);
-    balance_trim_8 |= unpack_left_shift_u32(src_p[18], 16u, 0xffu);
-    balance_trim_8 |= unpack_left_shift_u32(src_p[19], 24u, 0xffu);
+    balance_trim_8 = unpack_right_shift_u32(src_p[32], 0u, 0xffu);
+    balance_trim_8 |= unpack_left_shift_u32(src_p[33], 8u, 0xffu);
+    balance_trim_8 |= unpack_left_shift_u32(src_p[34], 16u, 0xffu);
+    balance_trim_8 |= unpack_left_shift_u32(src_p[35], 24u, 0xffu);
     memcpy(&dst_p->balance_trim_8, &balance_trim_8, sizeof(dst_p->balance_trim_8));
-    misfire_rate_200_1 = unpack_right_shift_u32(src_p[20], 0u, 0xffu);
-    misfire_rate_200_1 |= unpack_left_shift_u32(src_p[21], 8u, 0xffu);
-    misfire_rate_200_1 |= unpack_left_shift_u32(src_p[22], 16u, 0xffu);
-    misfire_rate_200_1 |= unpack_left_shift_u32(src_p[23], 24u, 0xffu);
+    misfire_rate_200_1 = unpack_right_shift_u32(src_p[36], 0u, 0xffu);
+    misfire_rate_200_1 |= unpack_left_shift_u32(src_p[37], 8u, 0xffu);
+    misfire_rate_200_1 |= unpack_left_shift_u32(src_p[38], 16u, 0xffu);
+    misfire_rate_200_1 |= unpack_left_shift_u32(src_p[39], 24u, 0xffu);
     memcpy(&dst_p->misfire_rate_200_1, &misfire_rate_200_1, sizeof(dst_p->misfire_rate_200_1));
-    misfire_rate_200_2 = unpack_right_shift_u32(src_p[24], 0u, 0xffu);
-    misfire_rate_200_2 |= unpack_left_shift_u32(src_p[25], 8u, 0xffu);
-    misfire_rate_200_2 |= unpack_left_shift_u32(src_p[26], 16u, 0xffu);
-    misfire_rate_200_2 |= unpack_left_shift_u32(src_p[27], 24u, 0xffu);
+    misfire_rate_200_2 = unpack_right_shift_u32(src_p[40], 0u, 0xffu);
+    misfire_rate_200_2 |= unpack_left_shift_u32(src_p[41], 8u, 0xffu);
+    misfire_rate_200_2 |= unpack_left_shift_u32(src_p[42], 16u, 0xffu);
+    misfire_rate_200_2 |= unpack_left_shift_u32(src_p[43], 24u, 0xffu);
     memcpy(&dst_p->misfire_rate_200_2, &misfire_rate_200_2, sizeof(dst_p->misfire_rate_200_2));
-    misfire_rate_200_3 = unpack_right_shift_u32(src_p[28], 0u, 0xffu);
-    misfire_rate_200_3 |= unpack_left_shift_u32(src_p[29], 8u, 0xffu);
-    misfire_rate_200_3 |= unpack_left_shift_u32(src_p[30], 16u, 0xffu);
-    misfire_rate_200_3 |= unpack_left_shift_u32(src_p[31], 24u, 0xffu);
+    misfire_rate_200_3 = unpack_right_shift_u32(src_p[44], 0u, 0xffu);
+    misfire_rate_200_3 |= unpack_left_shift_u32(src_p[45], 8u, 0xffu);
+    misfire_rate_200_3 |= unpack_left_shift_u32(src_p[46], 16u, 0xffu);
+    misfire_rate_200_3 |= unpack_left_shift_u32(src_p[47], 24u, 0xffu);
     memcpy(&dst_p->misfire_rate_200_3, &misfire_rate_200_3, sizeof(dst_p->misfire_rate_200_3));
-    misfire_rate_200_4 = unpack_right_shift_u32(src_p[32], 0u, 0xffu);
-    misfire_rate_200_4 |= unpack_left_shift_u32(src_p[33], 8u, 0xffu);
-    misfire_rate_200_4 |= unpack_left_shift_u32(src_p[34], 16u, 0xffu);
-    misfire_rate_200_4 |= unpack_left_shift_u32(src_p[35], 24u, 0xffu);
+    misfire_rate_200_4 = unpack_right_shift_u32(src_p[48], 0u, 0xffu);
+    misfire_rate_200_4 |= unpack_left_shift_u32(src_p[49], 8u, 0xffu);
+    misfire_rate_200_4 |= unpack_left_shift_u32(src_p[50], 16u, 0xffu);
+    misfire_rate_200_4 |= unpack_left_shift_u32(src_p[51], 24u, 0xffu);
     memcpy(&dst_p->misfire_rate_200_4, &misfire_rate_200_4, sizeof(dst_p->misfire_rate_200_4));
-    misfire_rate_200_5 = unpack_right_shift_u32(src_p[36], 0u, 0xffu);
-    misfire_rate_200_5 |= unpack_left_shift_u32(src_p[37], 8u, 0xffu);
-    misfire_rate_200_5 |= unpack_left_shift_u32(src_p[38], 16u, 0xffu);
-    misfire_rate_200_5 |= unpack_left_shift_u32(src_p[39], 24u, 0xffu);
+    misfire_rate_200_5 = unpack_right_shift_u32(src_p[52], 0u, 0xffu);
+    misfire_rate_200_5 |= unpack_left_shift_u32(src_p[53], 8u, 0xffu);
+    misfire_rate_200_5 |= unpack_left_shift_u32(src_p[54], 16u, 0xffu);
+    misfire_rate_200_5 |= unpack_left_shift_u32(src_p[55], 24u, 0xffu);
     memcpy(&dst_p->misfire_rate_200_5, &misfire_rate_200_5, sizeof(dst_p->misfire_rate_200_5));
-    misfire_rate_200_6 = unpack_right_shift_u32(src_p[40], 0u, 0xffu);
-    misfire_rate_200_6 |= unpack_left_shift_u32(src_p[41], 8u, 0xffu);
-    misfire_rate_200_6 |= unpack_left_shift_u32(src_p[42], 16u, 0xffu);
-    misfire_rate_200_6 |= unpack_left_shift_u32(src_p[43], 24u, 0xffu);
+    misfire_rate_200_6 = unpack_right_shift_u32(src_p[56], 0u, 0xffu);
+    misfire_rate_200_6 |= unpack_left_shift_u32(src_p[57], 8u, 0xffu);
+    misfire_rate_200_6 |= unpack_left_shift_u32(src_p[58], 16u, 0xffu);
+    misfire_rate_200_6 |= unpack_left_shift_u32(src_p[59], 24u, 0xffu);
     memcpy(&dst_p->misfire_rate_200_6, &misfire_rate_200_6, sizeof(dst_p->misfire_rate_200_6));
-    misfire_rate_200_7 = unpack_right_shift_u32(src_p[44], 0u, 0xffu);
-    misfire_rate_200_7 |= unpack_left_shift_u32(src_p[45], 8u, 0xffu);
-    misfire_rate_200_7 |= unpack_left_shift_u32(src_p[46], 16u, 0xffu);
-    misfire_rate_200_7 |= unpack_left_shift_u32(src_p[47], 24u, 0xffu);
+    misfire_rate_200_7 = unpack_right_shift_u32(src_p[60], 0u, 0xffu);
+    misfire_rate_200_7 |= unpack_left_shift_u32(src_p[61], 8u, 0xffu);
+    misfire_rate_200_7 |= unpack_left_shift_u32(src_p[62], 16u, 0xffu);
+    misfire_rate_200_7 |= unpack_left_shift_u32(src_p[63], 24u, 0xffu);
     memcpy(&dst_p->misfire_rate_200_7, &misfire_rate_200_7, sizeof(dst_p->misfire_rate_200_7));
-    misfire_rate_200_8 = unpack_right_shift_u32(src_p[48], 0u, 0xffu);
-    misfire_rate_200_8 |= unpack_left_shift_u32(src_p[49], 8u, 0xffu);
-    misfire_rate_200_8 |= unpack_left_shift_u32(src_p[50], 16u, 0xffu);
-    misfire_rate_200_8 |= unpack_left_shift_u32(src_p[51], 24u, 0xffu);
-    memcpy(&dst_p->misfire_rate_200_8, &misfire_rate_200_8, sizeof(dst_p->misfire_rate_200_8));
-    misfire_rate_1000_1 = unpack_right_shift_u32(src_p[52], 0u, 0xffu);
-    misfire_rate_1000_1 |= unpack_left_shift_u32(src_p[53], 8u, 0xffu);
-    misfire_rate_1000_1 |= unpack_left_shift_u32(src_p[54], 16u, 0xffu);
-    misfire_rate_1000_1 |= unpack_left_shift_u32(src_p[55], 24u, 0xffu);
-    memcpy(&dst_p->misfire_rate_1000_1, &misfire_rate_1000_1, sizeof(dst_p->misfire_rate_1000_1));
-    misfire_rate_1000_2 = unpack_right_shift_u32(src_p[56], 0u, 0xffu);
-    misfire_rate_1000_2 |= unpack_left_shift_u32(src_p[57], 8u, 0xffu);
-    misfire_rate_1000_2 |= unpack_left_shift_u32(src_p[58], 16u, 0xffu);
-    misfire_rate_1000_2 |= unpack_left_shift_u32(src_p[59], 24u, 0xffu);
-    memcpy(&dst_p->misfire_rate_1000_2, &misfire_rate_1000_2, sizeof(dst_p->misfire_rate_1000_2));
-    misfire_rate_1000_3 = unpack_right_shift_u32(src_p[60], 0u, 0xffu);
-    misfire_rate_1000_3 |= unpack_left_shift_u32(src_p[61], 8u, 0xffu);
-    misfire_rate_1000_3 |= unpack_left_shift_u32(src_p[62], 16u, 0xffu);
-    misfire_rate_1000_3 |= unpack_left_shift_u32(src_p[63], 24u, 0xffu);
-    memcpy(&dst_p->misfire_rate_1000_3, &misfire_rate_1000_3, sizeof(dst_p->misfire_rate_1000_3));
 
     return (0);
 }
@@ -4201,6 +4201,86 @@ bool sd_bus_cycle_4_misfire_why_is_in_range(uint8_t value)
 bool sd_bus_cycle_4_misfire_why_is_in_phys_range(double value)
 {
     return ((value >= 0.0) && (value <= 255.0));
+}
+
+float sd_bus_cycle_4_balance_trim_2_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_cycle_4_balance_trim_2_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_cycle_4_balance_trim_2_is_in_range(float value)
+{
+    return ((value >= -0.5f) && (value <= 0.5f));
+}
+
+bool sd_bus_cycle_4_balance_trim_2_is_in_phys_range(double value)
+{
+    return ((value >= -0.5) && (value <= 0.5));
+}
+
+float sd_bus_cycle_4_balance_trim_3_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_cycle_4_balance_trim_3_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_cycle_4_balance_trim_3_is_in_range(float value)
+{
+    return ((value >= -0.5f) && (value <= 0.5f));
+}
+
+bool sd_bus_cycle_4_balance_trim_3_is_in_phys_range(double value)
+{
+    return ((value >= -0.5) && (value <= 0.5));
+}
+
+float sd_bus_cycle_4_balance_trim_4_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_cycle_4_balance_trim_4_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_cycle_4_balance_trim_4_is_in_range(float value)
+{
+    return ((value >= -0.5f) && (value <= 0.5f));
+}
+
+bool sd_bus_cycle_4_balance_trim_4_is_in_phys_range(double value)
+{
+    return ((value >= -0.5) && (value <= 0.5));
+}
+
+float sd_bus_cycle_4_balance_trim_5_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_cycle_4_balance_trim_5_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_cycle_4_balance_trim_5_is_in_range(float value)
+{
+    return ((value >= -0.5f) && (value <= 0.5f));
+}
+
+bool sd_bus_cycle_4_balance_trim_5_is_in_phys_range(double value)
+{
+    return ((value >= -0.5) && (value <= 0.5));
 }
 
 float sd_bus_cycle_4_balance_trim_6_encode(double value)
@@ -4403,86 +4483,6 @@ bool sd_bus_cycle_4_misfire_rate_200_7_is_in_phys_range(double value)
     return ((value >= 0.0) && (value <= 100.0));
 }
 
-float sd_bus_cycle_4_misfire_rate_200_8_encode(double value)
-{
-    return (float)(value);
-}
-
-double sd_bus_cycle_4_misfire_rate_200_8_decode(float value)
-{
-    return ((double)value);
-}
-
-bool sd_bus_cycle_4_misfire_rate_200_8_is_in_range(float value)
-{
-    return ((value >= 0.0f) && (value <= 100.0f));
-}
-
-bool sd_bus_cycle_4_misfire_rate_200_8_is_in_phys_range(double value)
-{
-    return ((value >= 0.0) && (value <= 100.0));
-}
-
-float sd_bus_cycle_4_misfire_rate_1000_1_encode(double value)
-{
-    return (float)(value);
-}
-
-double sd_bus_cycle_4_misfire_rate_1000_1_decode(float value)
-{
-    return ((double)value);
-}
-
-bool sd_bus_cycle_4_misfire_rate_1000_1_is_in_range(float value)
-{
-    return ((value >= 0.0f) && (value <= 100.0f));
-}
-
-bool sd_bus_cycle_4_misfire_rate_1000_1_is_in_phys_range(double value)
-{
-    return ((value >= 0.0) && (value <= 100.0));
-}
-
-float sd_bus_cycle_4_misfire_rate_1000_2_encode(double value)
-{
-    return (float)(value);
-}
-
-double sd_bus_cycle_4_misfire_rate_1000_2_decode(float value)
-{
-    return ((double)value);
-}
-
-bool sd_bus_cycle_4_misfire_rate_1000_2_is_in_range(float value)
-{
-    return ((value >= 0.0f) && (value <= 100.0f));
-}
-
-bool sd_bus_cycle_4_misfire_rate_1000_2_is_in_phys_range(double value)
-{
-    return ((value >= 0.0) && (value <= 100.0));
-}
-
-float sd_bus_cycle_4_misfire_rate_1000_3_encode(double value)
-{
-    return (float)(value);
-}
-
-double sd_bus_cycle_4_misfire_rate_1000_3_decode(float value)
-{
-    return ((double)value);
-}
-
-bool sd_bus_cycle_4_misfire_rate_1000_3_is_in_range(float value)
-{
-    return ((value >= 0.0f) && (value <= 100.0f));
-}
-
-bool sd_bus_cycle_4_misfire_rate_1000_3_is_in_phys_range(double value)
-{
-    return ((value >= 0.0) && (value <= 100.0));
-}
-
 int sd_bus_cycle_5_pack(
     uint8_t *dst_p,
     const struct sd_bus_cycle_5_t *src_p,
@@ -4492,18 +4492,22 @@ int sd_bus_cycle_5_pack(
     uint32_t misfire_count;
     uint32_t misfire_lamp;
     uint32_t misfire_partial_burns;
+    uint32_t misfire_rate_1000_1;
+    uint32_t misfire_rate_1000_2;
+    uint32_t misfire_rate_1000_3;
     uint32_t misfire_rate_1000_4;
     uint32_t misfire_rate_1000_5;
     uint32_t misfire_rate_1000_6;
     uint32_t misfire_rate_1000_7;
     uint32_t misfire_rate_1000_8;
+    uint32_t misfire_rate_200_8;
     uint32_t misfire_suspects;
 
-    if (size < 48u) {
+    if (size < 64u) {
         return (-EINVAL);
     }
 
-    memset(&dst_p[0], 0, 48);
+    memset(&dst_p[0], 0, 64);
 
     dst_p[0] |= pack_left_shift_u32(src_p->tick, 0u, 0xffu);
     dst_p[1] |= pack_right_shift_u32(src_p->tick, 8u, 0xffu);
@@ -4511,58 +4515,78 @@ int sd_bus_cycle_5_pack(
     dst_p[3] |= pack_right_shift_u32(src_p->tick, 24u, 0xffu);
     dst_p[4] |= pack_left_shift_u8(src_p->misfire_health, 0u, 0xffu);
     dst_p[5] |= pack_left_shift_u8(src_p->misfire_why, 0u, 0xffu);
+    memcpy(&misfire_rate_200_8, &src_p->misfire_rate_200_8, sizeof(misfire_rate_200_8));
+    dst_p[6] |= pack_left_shift_u32(misfire_rate_200_8, 0u, 0xffu);
+    dst_p[7] |= pack_right_shift_u32(misfire_rate_200_8, 8u, 0xffu);
+    dst_p[8] |= pack_right_shift_u32(misfire_rate_200_8, 16u, 0xffu);
+    dst_p[9] |= pack_right_shift_u32(misfire_rate_200_8, 24u, 0xffu);
+    memcpy(&misfire_rate_1000_1, &src_p->misfire_rate_1000_1, sizeof(misfire_rate_1000_1));
+    dst_p[10] |= pack_left_shift_u32(misfire_rate_1000_1, 0u, 0xffu);
+    dst_p[11] |= pack_right_shift_u32(misfire_rate_1000_1, 8u, 0xffu);
+    dst_p[12] |= pack_right_shift_u32(misfire_rate_1000_1, 16u, 0xffu);
+    dst_p[13] |= pack_right_shift_u32(misfire_rate_1000_1, 24u, 0xffu);
+    memcpy(&misfire_rate_1000_2, &src_p->misfire_rate_1000_2, sizeof(misfire_rate_1000_2));
+    dst_p[14] |= pack_left_shift_u32(misfire_rate_1000_2, 0u, 0xffu);
+    dst_p[15] |= pack_right_shift_u32(misfire_rate_1000_2, 8u, 0xffu);
+    dst_p[16] |= pack_right_shift_u32(misfire_rate_1000_2, 16u, 0xffu);
+    dst_p[17] |= pack_right_shift_u32(misfire_rate_1000_2, 24u, 0xffu);
+    memcpy(&misfire_rate_1000_3, &src_p->misfire_rate_1000_3, sizeof(misfire_rate_1000_3));
+    dst_p[18] |= pack_left_shift_u32(misfire_rate_1000_3, 0u, 0xffu);
+    dst_p[19] |= pack_right_shift_u32(misfire_rate_1000_3, 8u, 0xffu);
+    dst_p[20] |= pack_right_shift_u32(misfire_rate_1000_3, 16u, 0xffu);
+    dst_p[21] |= pack_right_shift_u32(misfire_rate_1000_3, 24u, 0xffu);
     memcpy(&misfire_rate_1000_4, &src_p->misfire_rate_1000_4, sizeof(misfire_rate_1000_4));
-    dst_p[6] |= pack_left_shift_u32(misfire_rate_1000_4, 0u, 0xffu);
-    dst_p[7] |= pack_right_shift_u32(misfire_rate_1000_4, 8u, 0xffu);
-    dst_p[8] |= pack_right_shift_u32(misfire_rate_1000_4, 16u, 0xffu);
-    dst_p[9] |= pack_right_shift_u32(misfire_rate_1000_4, 24u, 0xffu);
+    dst_p[22] |= pack_left_shift_u32(misfire_rate_1000_4, 0u, 0xffu);
+    dst_p[23] |= pack_right_shift_u32(misfire_rate_1000_4, 8u, 0xffu);
+    dst_p[24] |= pack_right_shift_u32(misfire_rate_1000_4, 16u, 0xffu);
+    dst_p[25] |= pack_right_shift_u32(misfire_rate_1000_4, 24u, 0xffu);
     memcpy(&misfire_rate_1000_5, &src_p->misfire_rate_1000_5, sizeof(misfire_rate_1000_5));
-    dst_p[10] |= pack_left_shift_u32(misfire_rate_1000_5, 0u, 0xffu);
-    dst_p[11] |= pack_right_shift_u32(misfire_rate_1000_5, 8u, 0xffu);
-    dst_p[12] |= pack_right_shift_u32(misfire_rate_1000_5, 16u, 0xffu);
-    dst_p[13] |= pack_right_shift_u32(misfire_rate_1000_5, 24u, 0xffu);
+    dst_p[26] |= pack_left_shift_u32(misfire_rate_1000_5, 0u, 0xffu);
+    dst_p[27] |= pack_right_shift_u32(misfire_rate_1000_5, 8u, 0xffu);
+    dst_p[28] |= pack_right_shift_u32(misfire_rate_1000_5, 16u, 0xffu);
+    dst_p[29] |= pack_right_shift_u32(misfire_rate_1000_5, 24u, 0xffu);
     memcpy(&misfire_rate_1000_6, &src_p->misfire_rate_1000_6, sizeof(misfire_rate_1000_6));
-    dst_p[14] |= pack_left_shift_u32(misfire_rate_1000_6, 0u, 0xffu);
-    dst_p[15] |= pack_right_shift_u32(misfire_rate_1000_6, 8u, 0xffu);
-    dst_p[16] |= pack_right_shift_u32(misfire_rate_1000_6, 16u, 0xffu);
-    dst_p[17] |= pack_right_shift_u32(misfire_rate_1000_6, 24u, 0xffu);
+    dst_p[30] |= pack_left_shift_u32(misfire_rate_1000_6, 0u, 0xffu);
+    dst_p[31] |= pack_right_shift_u32(misfire_rate_1000_6, 8u, 0xffu);
+    dst_p[32] |= pack_right_shift_u32(misfire_rate_1000_6, 16u, 0xffu);
+    dst_p[33] |= pack_right_shift_u32(misfire_rate_1000_6, 24u, 0xffu);
     memcpy(&misfire_rate_1000_7, &src_p->misfire_rate_1000_7, sizeof(misfire_rate_1000_7));
-    dst_p[18] |= pack_left_shift_u32(misfire_rate_1000_7, 0u, 0xffu);
-    dst_p[19] |= pack_right_shift_u32(misfire_rate_1000_7, 8u, 0xffu);
-    dst_p[20] |= pack_right_shift_u32(misfire_rate_1000_7, 16u, 0xffu);
-    dst_p[21] |= pack_right_shift_u32(misfire_rate_1000_7, 24u, 0xffu);
+    dst_p[34] |= pack_left_shift_u32(misfire_rate_1000_7, 0u, 0xffu);
+    dst_p[35] |= pack_right_shift_u32(misfire_rate_1000_7, 8u, 0xffu);
+    dst_p[36] |= pack_right_shift_u32(misfire_rate_1000_7, 16u, 0xffu);
+    dst_p[37] |= pack_right_shift_u32(misfire_rate_1000_7, 24u, 0xffu);
     memcpy(&misfire_rate_1000_8, &src_p->misfire_rate_1000_8, sizeof(misfire_rate_1000_8));
-    dst_p[22] |= pack_left_shift_u32(misfire_rate_1000_8, 0u, 0xffu);
-    dst_p[23] |= pack_right_shift_u32(misfire_rate_1000_8, 8u, 0xffu);
-    dst_p[24] |= pack_right_shift_u32(misfire_rate_1000_8, 16u, 0xffu);
-    dst_p[25] |= pack_right_shift_u32(misfire_rate_1000_8, 24u, 0xffu);
+    dst_p[38] |= pack_left_shift_u32(misfire_rate_1000_8, 0u, 0xffu);
+    dst_p[39] |= pack_right_shift_u32(misfire_rate_1000_8, 8u, 0xffu);
+    dst_p[40] |= pack_right_shift_u32(misfire_rate_1000_8, 16u, 0xffu);
+    dst_p[41] |= pack_right_shift_u32(misfire_rate_1000_8, 24u, 0xffu);
     memcpy(&misfire_continuous, &src_p->misfire_continuous, sizeof(misfire_continuous));
-    dst_p[26] |= pack_left_shift_u32(misfire_continuous, 0u, 0xffu);
-    dst_p[27] |= pack_right_shift_u32(misfire_continuous, 8u, 0xffu);
-    dst_p[28] |= pack_right_shift_u32(misfire_continuous, 16u, 0xffu);
-    dst_p[29] |= pack_right_shift_u32(misfire_continuous, 24u, 0xffu);
+    dst_p[42] |= pack_left_shift_u32(misfire_continuous, 0u, 0xffu);
+    dst_p[43] |= pack_right_shift_u32(misfire_continuous, 8u, 0xffu);
+    dst_p[44] |= pack_right_shift_u32(misfire_continuous, 16u, 0xffu);
+    dst_p[45] |= pack_right_shift_u32(misfire_continuous, 24u, 0xffu);
     memcpy(&misfire_suspects, &src_p->misfire_suspects, sizeof(misfire_suspects));
-    dst_p[30] |= pack_left_shift_u32(misfire_suspects, 0u, 0xffu);
-    dst_p[31] |= pack_right_shift_u32(misfire_suspects, 8u, 0xffu);
-    dst_p[32] |= pack_right_shift_u32(misfire_suspects, 16u, 0xffu);
-    dst_p[33] |= pack_right_shift_u32(misfire_suspects, 24u, 0xffu);
+    dst_p[46] |= pack_left_shift_u32(misfire_suspects, 0u, 0xffu);
+    dst_p[47] |= pack_right_shift_u32(misfire_suspects, 8u, 0xffu);
+    dst_p[48] |= pack_right_shift_u32(misfire_suspects, 16u, 0xffu);
+    dst_p[49] |= pack_right_shift_u32(misfire_suspects, 24u, 0xffu);
     memcpy(&misfire_lamp, &src_p->misfire_lamp, sizeof(misfire_lamp));
-    dst_p[34] |= pack_left_shift_u32(misfire_lamp, 0u, 0xffu);
-    dst_p[35] |= pack_right_shift_u32(misfire_lamp, 8u, 0xffu);
-    dst_p[36] |= pack_right_shift_u32(misfire_lamp, 16u, 0xffu);
-    dst_p[37] |= pack_right_shift_u32(misfire_lamp, 24u, 0xffu);
+    dst_p[50] |= pack_left_shift_u32(misfire_lamp, 0u, 0xffu);
+    dst_p[51] |= pack_right_shift_u32(misfire_lamp, 8u, 0xffu);
+    dst_p[52] |= pack_right_shift_u32(misfire_lamp, 16u, 0xffu);
+    dst_p[53] |= pack_right_shift_u32(misfire_lamp, 24u, 0xffu);
     memcpy(&misfire_count, &src_p->misfire_count, sizeof(misfire_count));
-    dst_p[38] |= pack_left_shift_u32(misfire_count, 0u, 0xffu);
-    dst_p[39] |= pack_right_shift_u32(misfire_count, 8u, 0xffu);
-    dst_p[40] |= pack_right_shift_u32(misfire_count, 16u, 0xffu);
-    dst_p[41] |= pack_right_shift_u32(misfire_count, 24u, 0xffu);
+    dst_p[54] |= pack_left_shift_u32(misfire_count, 0u, 0xffu);
+    dst_p[55] |= pack_right_shift_u32(misfire_count, 8u, 0xffu);
+    dst_p[56] |= pack_right_shift_u32(misfire_count, 16u, 0xffu);
+    dst_p[57] |= pack_right_shift_u32(misfire_count, 24u, 0xffu);
     memcpy(&misfire_partial_burns, &src_p->misfire_partial_burns, sizeof(misfire_partial_burns));
-    dst_p[42] |= pack_left_shift_u32(misfire_partial_burns, 0u, 0xffu);
-    dst_p[43] |= pack_right_shift_u32(misfire_partial_burns, 8u, 0xffu);
-    dst_p[44] |= pack_right_shift_u32(misfire_partial_burns, 16u, 0xffu);
-    dst_p[45] |= pack_right_shift_u32(misfire_partial_burns, 24u, 0xffu);
+    dst_p[58] |= pack_left_shift_u32(misfire_partial_burns, 0u, 0xffu);
+    dst_p[59] |= pack_right_shift_u32(misfire_partial_burns, 8u, 0xffu);
+    dst_p[60] |= pack_right_shift_u32(misfire_partial_burns, 16u, 0xffu);
+    dst_p[61] |= pack_right_shift_u32(misfire_partial_burns, 24u, 0xffu);
 
-    return (48);
+    return (64);
 }
 
 int sd_bus_cycle_5_unpack(
@@ -4574,14 +4598,18 @@ int sd_bus_cycle_5_unpack(
     uint32_t misfire_count;
     uint32_t misfire_lamp;
     uint32_t misfire_partial_burns;
+    uint32_t misfire_rate_1000_1;
+    uint32_t misfire_rate_1000_2;
+    uint32_t misfire_rate_1000_3;
     uint32_t misfire_rate_1000_4;
     uint32_t misfire_rate_1000_5;
     uint32_t misfire_rate_1000_6;
     uint32_t misfire_rate_1000_7;
     uint32_t misfire_rate_1000_8;
+    uint32_t misfire_rate_200_8;
     uint32_t misfire_suspects;
 
-    if (size < 48u) {
+    if (size < 64u) {
         return (-EINVAL);
     }
 
@@ -4591,55 +4619,75 @@ int sd_bus_cycle_5_unpack(
     dst_p->tick |= unpack_left_shift_u32(src_p[3], 24u, 0xffu);
     dst_p->misfire_health = unpack_right_shift_u8(src_p[4], 0u, 0xffu);
     dst_p->misfire_why = unpack_right_shift_u8(src_p[5], 0u, 0xffu);
-    misfire_rate_1000_4 = unpack_right_shift_u32(src_p[6], 0u, 0xffu);
-    misfire_rate_1000_4 |= unpack_left_shift_u32(src_p[7], 8u, 0xffu);
-    misfire_rate_1000_4 |= unpack_left_shift_u32(src_p[8], 16u, 0xffu);
-    misfire_rate_1000_4 |= unpack_left_shift_u32(src_p[9], 24u, 0xffu);
+    misfire_rate_200_8 = unpack_right_shift_u32(src_p[6], 0u, 0xffu);
+    misfire_rate_200_8 |= unpack_left_shift_u32(src_p[7], 8u, 0xffu);
+    misfire_rate_200_8 |= unpack_left_shift_u32(src_p[8], 16u, 0xffu);
+    misfire_rate_200_8 |= unpack_left_shift_u32(src_p[9], 24u, 0xffu);
+    memcpy(&dst_p->misfire_rate_200_8, &misfire_rate_200_8, sizeof(dst_p->misfire_rate_200_8));
+    misfire_rate_1000_1 = unpack_right_shift_u32(src_p[10], 0u, 0xffu);
+    misfire_rate_1000_1 |= unpack_left_shift_u32(src_p[11], 8u, 0xffu);
+    misfire_rate_1000_1 |= unpack_left_shift_u32(src_p[12], 16u, 0xffu);
+    misfire_rate_1000_1 |= unpack_left_shift_u32(src_p[13], 24u, 0xffu);
+    memcpy(&dst_p->misfire_rate_1000_1, &misfire_rate_1000_1, sizeof(dst_p->misfire_rate_1000_1));
+    misfire_rate_1000_2 = unpack_right_shift_u32(src_p[14], 0u, 0xffu);
+    misfire_rate_1000_2 |= unpack_left_shift_u32(src_p[15], 8u, 0xffu);
+    misfire_rate_1000_2 |= unpack_left_shift_u32(src_p[16], 16u, 0xffu);
+    misfire_rate_1000_2 |= unpack_left_shift_u32(src_p[17], 24u, 0xffu);
+    memcpy(&dst_p->misfire_rate_1000_2, &misfire_rate_1000_2, sizeof(dst_p->misfire_rate_1000_2));
+    misfire_rate_1000_3 = unpack_right_shift_u32(src_p[18], 0u, 0xffu);
+    misfire_rate_1000_3 |= unpack_left_shift_u32(src_p[19], 8u, 0xffu);
+    misfire_rate_1000_3 |= unpack_left_shift_u32(src_p[20], 16u, 0xffu);
+    misfire_rate_1000_3 |= unpack_left_shift_u32(src_p[21], 24u, 0xffu);
+    memcpy(&dst_p->misfire_rate_1000_3, &misfire_rate_1000_3, sizeof(dst_p->misfire_rate_1000_3));
+    misfire_rate_1000_4 = unpack_right_shift_u32(src_p[22], 0u, 0xffu);
+    misfire_rate_1000_4 |= unpack_left_shift_u32(src_p[23], 8u, 0xffu);
+    misfire_rate_1000_4 |= unpack_left_shift_u32(src_p[24], 16u, 0xffu);
+    misfire_rate_1000_4 |= unpack_left_shift_u32(src_p[25], 24u, 0xffu);
     memcpy(&dst_p->misfire_rate_1000_4, &misfire_rate_1000_4, sizeof(dst_p->misfire_rate_1000_4));
-    misfire_rate_1000_5 = unpack_right_shift_u32(src_p[10], 0u, 0xffu);
-    misfire_rate_1000_5 |= unpack_left_shift_u32(src_p[11], 8u, 0xffu);
-    misfire_rate_1000_5 |= unpack_left_shift_u32(src_p[12], 16u, 0xffu);
-    misfire_rate_1000_5 |= unpack_left_shift_u32(src_p[13], 24u, 0xffu);
+    misfire_rate_1000_5 = unpack_right_shift_u32(src_p[26], 0u, 0xffu);
+    misfire_rate_1000_5 |= unpack_left_shift_u32(src_p[27], 8u, 0xffu);
+    misfire_rate_1000_5 |= unpack_left_shift_u32(src_p[28], 16u, 0xffu);
+    misfire_rate_1000_5 |= unpack_left_shift_u32(src_p[29], 24u, 0xffu);
     memcpy(&dst_p->misfire_rate_1000_5, &misfire_rate_1000_5, sizeof(dst_p->misfire_rate_1000_5));
-    misfire_rate_1000_6 = unpack_right_shift_u32(src_p[14], 0u, 0xffu);
-    misfire_rate_1000_6 |= unpack_left_shift_u32(src_p[15], 8u, 0xffu);
-    misfire_rate_1000_6 |= unpack_left_shift_u32(src_p[16], 16u, 0xffu);
-    misfire_rate_1000_6 |= unpack_left_shift_u32(src_p[17], 24u, 0xffu);
+    misfire_rate_1000_6 = unpack_right_shift_u32(src_p[30], 0u, 0xffu);
+    misfire_rate_1000_6 |= unpack_left_shift_u32(src_p[31], 8u, 0xffu);
+    misfire_rate_1000_6 |= unpack_left_shift_u32(src_p[32], 16u, 0xffu);
+    misfire_rate_1000_6 |= unpack_left_shift_u32(src_p[33], 24u, 0xffu);
     memcpy(&dst_p->misfire_rate_1000_6, &misfire_rate_1000_6, sizeof(dst_p->misfire_rate_1000_6));
-    misfire_rate_1000_7 = unpack_right_shift_u32(src_p[18], 0u, 0xffu);
-    misfire_rate_1000_7 |= unpack_left_shift_u32(src_p[19], 8u, 0xffu);
-    misfire_rate_1000_7 |= unpack_left_shift_u32(src_p[20], 16u, 0xffu);
-    misfire_rate_1000_7 |= unpack_left_shift_u32(src_p[21], 24u, 0xffu);
+    misfire_rate_1000_7 = unpack_right_shift_u32(src_p[34], 0u, 0xffu);
+    misfire_rate_1000_7 |= unpack_left_shift_u32(src_p[35], 8u, 0xffu);
+    misfire_rate_1000_7 |= unpack_left_shift_u32(src_p[36], 16u, 0xffu);
+    misfire_rate_1000_7 |= unpack_left_shift_u32(src_p[37], 24u, 0xffu);
     memcpy(&dst_p->misfire_rate_1000_7, &misfire_rate_1000_7, sizeof(dst_p->misfire_rate_1000_7));
-    misfire_rate_1000_8 = unpack_right_shift_u32(src_p[22], 0u, 0xffu);
-    misfire_rate_1000_8 |= unpack_left_shift_u32(src_p[23], 8u, 0xffu);
-    misfire_rate_1000_8 |= unpack_left_shift_u32(src_p[24], 16u, 0xffu);
-    misfire_rate_1000_8 |= unpack_left_shift_u32(src_p[25], 24u, 0xffu);
+    misfire_rate_1000_8 = unpack_right_shift_u32(src_p[38], 0u, 0xffu);
+    misfire_rate_1000_8 |= unpack_left_shift_u32(src_p[39], 8u, 0xffu);
+    misfire_rate_1000_8 |= unpack_left_shift_u32(src_p[40], 16u, 0xffu);
+    misfire_rate_1000_8 |= unpack_left_shift_u32(src_p[41], 24u, 0xffu);
     memcpy(&dst_p->misfire_rate_1000_8, &misfire_rate_1000_8, sizeof(dst_p->misfire_rate_1000_8));
-    misfire_continuous = unpack_right_shift_u32(src_p[26], 0u, 0xffu);
-    misfire_continuous |= unpack_left_shift_u32(src_p[27], 8u, 0xffu);
-    misfire_continuous |= unpack_left_shift_u32(src_p[28], 16u, 0xffu);
-    misfire_continuous |= unpack_left_shift_u32(src_p[29], 24u, 0xffu);
+    misfire_continuous = unpack_right_shift_u32(src_p[42], 0u, 0xffu);
+    misfire_continuous |= unpack_left_shift_u32(src_p[43], 8u, 0xffu);
+    misfire_continuous |= unpack_left_shift_u32(src_p[44], 16u, 0xffu);
+    misfire_continuous |= unpack_left_shift_u32(src_p[45], 24u, 0xffu);
     memcpy(&dst_p->misfire_continuous, &misfire_continuous, sizeof(dst_p->misfire_continuous));
-    misfire_suspects = unpack_right_shift_u32(src_p[30], 0u, 0xffu);
-    misfire_suspects |= unpack_left_shift_u32(src_p[31], 8u, 0xffu);
-    misfire_suspects |= unpack_left_shift_u32(src_p[32], 16u, 0xffu);
-    misfire_suspects |= unpack_left_shift_u32(src_p[33], 24u, 0xffu);
+    misfire_suspects = unpack_right_shift_u32(src_p[46], 0u, 0xffu);
+    misfire_suspects |= unpack_left_shift_u32(src_p[47], 8u, 0xffu);
+    misfire_suspects |= unpack_left_shift_u32(src_p[48], 16u, 0xffu);
+    misfire_suspects |= unpack_left_shift_u32(src_p[49], 24u, 0xffu);
     memcpy(&dst_p->misfire_suspects, &misfire_suspects, sizeof(dst_p->misfire_suspects));
-    misfire_lamp = unpack_right_shift_u32(src_p[34], 0u, 0xffu);
-    misfire_lamp |= unpack_left_shift_u32(src_p[35], 8u, 0xffu);
-    misfire_lamp |= unpack_left_shift_u32(src_p[36], 16u, 0xffu);
-    misfire_lamp |= unpack_left_shift_u32(src_p[37], 24u, 0xffu);
+    misfire_lamp = unpack_right_shift_u32(src_p[50], 0u, 0xffu);
+    misfire_lamp |= unpack_left_shift_u32(src_p[51], 8u, 0xffu);
+    misfire_lamp |= unpack_left_shift_u32(src_p[52], 16u, 0xffu);
+    misfire_lamp |= unpack_left_shift_u32(src_p[53], 24u, 0xffu);
     memcpy(&dst_p->misfire_lamp, &misfire_lamp, sizeof(dst_p->misfire_lamp));
-    misfire_count = unpack_right_shift_u32(src_p[38], 0u, 0xffu);
-    misfire_count |= unpack_left_shift_u32(src_p[39], 8u, 0xffu);
-    misfire_count |= unpack_left_shift_u32(src_p[40], 16u, 0xffu);
-    misfire_count |= unpack_left_shift_u32(src_p[41], 24u, 0xffu);
+    misfire_count = unpack_right_shift_u32(src_p[54], 0u, 0xffu);
+    misfire_count |= unpack_left_shift_u32(src_p[55], 8u, 0xffu);
+    misfire_count |= unpack_left_shift_u32(src_p[56], 16u, 0xffu);
+    misfire_count |= unpack_left_shift_u32(src_p[57], 24u, 0xffu);
     memcpy(&dst_p->misfire_count, &misfire_count, sizeof(dst_p->misfire_count));
-    misfire_partial_burns = unpack_right_shift_u32(src_p[42], 0u, 0xffu);
-    misfire_partial_burns |= unpack_left_shift_u32(src_p[43], 8u, 0xffu);
-    misfire_partial_burns |= unpack_left_shift_u32(src_p[44], 16u, 0xffu);
-    misfire_partial_burns |= unpack_left_shift_u32(src_p[45], 24u, 0xffu);
+    misfire_partial_burns = unpack_right_shift_u32(src_p[58], 0u, 0xffu);
+    misfire_partial_burns |= unpack_left_shift_u32(src_p[59], 8u, 0xffu);
+    misfire_partial_burns |= unpack_left_shift_u32(src_p[60], 16u, 0xffu);
+    misfire_partial_burns |= unpack_left_shift_u32(src_p[61], 24u, 0xffu);
     memcpy(&dst_p->misfire_partial_burns, &misfire_partial_burns, sizeof(dst_p->misfire_partial_burns));
 
     return (0);
@@ -4716,6 +4764,86 @@ bool sd_bus_cycle_5_misfire_why_is_in_range(uint8_t value)
 bool sd_bus_cycle_5_misfire_why_is_in_phys_range(double value)
 {
     return ((value >= 0.0) && (value <= 255.0));
+}
+
+float sd_bus_cycle_5_misfire_rate_200_8_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_cycle_5_misfire_rate_200_8_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_cycle_5_misfire_rate_200_8_is_in_range(float value)
+{
+    return ((value >= 0.0f) && (value <= 100.0f));
+}
+
+bool sd_bus_cycle_5_misfire_rate_200_8_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 100.0));
+}
+
+float sd_bus_cycle_5_misfire_rate_1000_1_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_cycle_5_misfire_rate_1000_1_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_cycle_5_misfire_rate_1000_1_is_in_range(float value)
+{
+    return ((value >= 0.0f) && (value <= 100.0f));
+}
+
+bool sd_bus_cycle_5_misfire_rate_1000_1_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 100.0));
+}
+
+float sd_bus_cycle_5_misfire_rate_1000_2_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_cycle_5_misfire_rate_1000_2_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_cycle_5_misfire_rate_1000_2_is_in_range(float value)
+{
+    return ((value >= 0.0f) && (value <= 100.0f));
+}
+
+bool sd_bus_cycle_5_misfire_rate_1000_2_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 100.0));
+}
+
+float sd_bus_cycle_5_misfire_rate_1000_3_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_cycle_5_misfire_rate_1000_3_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_cycle_5_misfire_rate_1000_3_is_in_range(float value)
+{
+    return ((value >= 0.0f) && (value <= 100.0f));
+}
+
+bool sd_bus_cycle_5_misfire_rate_1000_3_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 100.0));
 }
 
 float sd_bus_cycle_5_misfire_rate_1000_4_encode(double value)

@@ -86,7 +86,7 @@ extern "C" {
 #define SD_BUS_CYCLE_2_LENGTH (64u)
 #define SD_BUS_CYCLE_3_LENGTH (64u)
 #define SD_BUS_CYCLE_4_LENGTH (64u)
-#define SD_BUS_CYCLE_5_LENGTH (48u)
+#define SD_BUS_CYCLE_5_LENGTH (64u)
 #define SD_BUS_FIRING_LENGTH (64u)
 #define SD_BUS_PARAMETER_REQUEST_LENGTH (8u)
 #define SD_BUS_PARAMETER_LENGTH (8u)
@@ -242,12 +242,14 @@ extern "C" {
 #define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_DRIFT_SLOW_CHOICE (41u)
 #define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_SLOW_ABOVE_CHOICE (42u)
 #define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_STOICHIOMETRIC_CHOICE (43u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_SOURCE_CHOICE (44u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_GAIN_CHOICE (45u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_RATE_CHOICE (46u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_LIMIT_CHOICE (47u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_SD_MAX_CHOICE (48u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_HOLD_CHOICE (49u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_IDENTIFY_CHOICE (44u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_PROBE_CHOICE (45u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_SOURCE_CHOICE (46u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_GAIN_CHOICE (47u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_RATE_CHOICE (48u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_LIMIT_CHOICE (49u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_SD_MAX_CHOICE (50u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_HOLD_CHOICE (51u)
 #define SD_BUS_PARAMETER_REQUEST_INDEX_ALL_CHOICE (255u)
 
 #define SD_BUS_PARAMETER_COMMAND_READ_CHOICE (0u)
@@ -299,12 +301,14 @@ extern "C" {
 #define SD_BUS_PARAMETER_INDEX_AFR_DRIFT_SLOW_CHOICE (41u)
 #define SD_BUS_PARAMETER_INDEX_AFR_SLOW_ABOVE_CHOICE (42u)
 #define SD_BUS_PARAMETER_INDEX_AFR_STOICHIOMETRIC_CHOICE (43u)
-#define SD_BUS_PARAMETER_INDEX_BALANCE_SOURCE_CHOICE (44u)
-#define SD_BUS_PARAMETER_INDEX_BALANCE_GAIN_CHOICE (45u)
-#define SD_BUS_PARAMETER_INDEX_BALANCE_RATE_CHOICE (46u)
-#define SD_BUS_PARAMETER_INDEX_BALANCE_LIMIT_CHOICE (47u)
-#define SD_BUS_PARAMETER_INDEX_BALANCE_SD_MAX_CHOICE (48u)
-#define SD_BUS_PARAMETER_INDEX_BALANCE_HOLD_CHOICE (49u)
+#define SD_BUS_PARAMETER_INDEX_AFR_IDENTIFY_CHOICE (44u)
+#define SD_BUS_PARAMETER_INDEX_AFR_PROBE_CHOICE (45u)
+#define SD_BUS_PARAMETER_INDEX_BALANCE_SOURCE_CHOICE (46u)
+#define SD_BUS_PARAMETER_INDEX_BALANCE_GAIN_CHOICE (47u)
+#define SD_BUS_PARAMETER_INDEX_BALANCE_RATE_CHOICE (48u)
+#define SD_BUS_PARAMETER_INDEX_BALANCE_LIMIT_CHOICE (49u)
+#define SD_BUS_PARAMETER_INDEX_BALANCE_SD_MAX_CHOICE (50u)
+#define SD_BUS_PARAMETER_INDEX_BALANCE_HOLD_CHOICE (51u)
 #define SD_BUS_PARAMETER_INDEX_ALL_CHOICE (255u)
 
 #define SD_BUS_PARAMETER_RESULT_OK_CHOICE (0u)
@@ -443,16 +447,20 @@ extern "C" {
 #define SD_BUS_CYCLE_3_AFR_CYLINDER_SD_7_NAME "afr_cylinder_sd_7"
 #define SD_BUS_CYCLE_3_AFR_CYLINDER_SD_8_NAME "afr_cylinder_sd_8"
 #define SD_BUS_CYCLE_3_AFR_SLOW_NAME "afr_slow"
+#define SD_BUS_CYCLE_3_AFR_LATE_NAME "afr_late"
+#define SD_BUS_CYCLE_3_AFR_LATE_SD_NAME "afr_late_sd"
+#define SD_BUS_CYCLE_3_AFR_LAG_NAME "afr_lag"
+#define SD_BUS_CYCLE_3_AFR_PROBING_NAME "afr_probing"
 #define SD_BUS_CYCLE_3_BALANCE_TRIM_1_NAME "balance_trim_1"
-#define SD_BUS_CYCLE_3_BALANCE_TRIM_2_NAME "balance_trim_2"
-#define SD_BUS_CYCLE_3_BALANCE_TRIM_3_NAME "balance_trim_3"
-#define SD_BUS_CYCLE_3_BALANCE_TRIM_4_NAME "balance_trim_4"
-#define SD_BUS_CYCLE_3_BALANCE_TRIM_5_NAME "balance_trim_5"
 #define SD_BUS_CYCLE_4_TICK_NAME "tick"
 #define SD_BUS_CYCLE_4_BALANCE_HEALTH_NAME "balance_health"
 #define SD_BUS_CYCLE_4_BALANCE_WHY_NAME "balance_why"
 #define SD_BUS_CYCLE_4_MISFIRE_HEALTH_NAME "misfire_health"
 #define SD_BUS_CYCLE_4_MISFIRE_WHY_NAME "misfire_why"
+#define SD_BUS_CYCLE_4_BALANCE_TRIM_2_NAME "balance_trim_2"
+#define SD_BUS_CYCLE_4_BALANCE_TRIM_3_NAME "balance_trim_3"
+#define SD_BUS_CYCLE_4_BALANCE_TRIM_4_NAME "balance_trim_4"
+#define SD_BUS_CYCLE_4_BALANCE_TRIM_5_NAME "balance_trim_5"
 #define SD_BUS_CYCLE_4_BALANCE_TRIM_6_NAME "balance_trim_6"
 #define SD_BUS_CYCLE_4_BALANCE_TRIM_7_NAME "balance_trim_7"
 #define SD_BUS_CYCLE_4_BALANCE_TRIM_8_NAME "balance_trim_8"
@@ -463,13 +471,13 @@ extern "C" {
 #define SD_BUS_CYCLE_4_MISFIRE_RATE_200_5_NAME "misfire_rate_200_5"
 #define SD_BUS_CYCLE_4_MISFIRE_RATE_200_6_NAME "misfire_rate_200_6"
 #define SD_BUS_CYCLE_4_MISFIRE_RATE_200_7_NAME "misfire_rate_200_7"
-#define SD_BUS_CYCLE_4_MISFIRE_RATE_200_8_NAME "misfire_rate_200_8"
-#define SD_BUS_CYCLE_4_MISFIRE_RATE_1000_1_NAME "misfire_rate_1000_1"
-#define SD_BUS_CYCLE_4_MISFIRE_RATE_1000_2_NAME "misfire_rate_1000_2"
-#define SD_BUS_CYCLE_4_MISFIRE_RATE_1000_3_NAME "misfire_rate_1000_3"
 #define SD_BUS_CYCLE_5_TICK_NAME "tick"
 #define SD_BUS_CYCLE_5_MISFIRE_HEALTH_NAME "misfire_health"
 #define SD_BUS_CYCLE_5_MISFIRE_WHY_NAME "misfire_why"
+#define SD_BUS_CYCLE_5_MISFIRE_RATE_200_8_NAME "misfire_rate_200_8"
+#define SD_BUS_CYCLE_5_MISFIRE_RATE_1000_1_NAME "misfire_rate_1000_1"
+#define SD_BUS_CYCLE_5_MISFIRE_RATE_1000_2_NAME "misfire_rate_1000_2"
+#define SD_BUS_CYCLE_5_MISFIRE_RATE_1000_3_NAME "misfire_rate_1000_3"
 #define SD_BUS_CYCLE_5_MISFIRE_RATE_1000_4_NAME "misfire_rate_1000_4"
 #define SD_BUS_CYCLE_5_MISFIRE_RATE_1000_5_NAME "misfire_rate_1000_5"
 #define SD_BUS_CYCLE_5_MISFIRE_RATE_1000_6_NAME "misfire_rate_1000_6"
@@ -1537,6 +1545,42 @@ struct sd_bus_cycle_3_t {
     float afr_slow;
 
     /**
+     * How much later than calibrated the gas reaches the lambda sensor, as learned from the trims.
+     *
+     * Range: -0.05..0.05 (-0.05..0.05 s)
+     * Scale: 1
+     * Offset: 0
+     */
+    float afr_late;
+
+    /**
+     * Its standard deviation; 0.01 before anything was learned.
+     *
+     * Range: 0.0..0.05 (0..0.05 s)
+     * Scale: 1
+     * Offset: 0
+     */
+    float afr_late_sd;
+
+    /**
+     * By what share the lambda sensor's lags are longer than calibrated, as learned from a probe.
+     *
+     * Range: -0.5..0.5 (-0.5..0.5 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    float afr_lag;
+
+    /**
+     * 1: a trim on one cylinder asks the sensor for its delay.
+     *
+     * Range: 0.0..1.0 (0..1 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    float afr_probing;
+
+    /**
      * Fuel to add to each cylinder, over its nominal, by physical number; their mean is 0.
      *
      * Range: -0.5..0.5 (-0.5..0.5 -)
@@ -1544,42 +1588,6 @@ struct sd_bus_cycle_3_t {
      * Offset: 0
      */
     float balance_trim_1;
-
-    /**
-     * Fuel to add to each cylinder, over its nominal, by physical number; their mean is 0.
-     *
-     * Range: -0.5..0.5 (-0.5..0.5 -)
-     * Scale: 1
-     * Offset: 0
-     */
-    float balance_trim_2;
-
-    /**
-     * Fuel to add to each cylinder, over its nominal, by physical number; their mean is 0.
-     *
-     * Range: -0.5..0.5 (-0.5..0.5 -)
-     * Scale: 1
-     * Offset: 0
-     */
-    float balance_trim_3;
-
-    /**
-     * Fuel to add to each cylinder, over its nominal, by physical number; their mean is 0.
-     *
-     * Range: -0.5..0.5 (-0.5..0.5 -)
-     * Scale: 1
-     * Offset: 0
-     */
-    float balance_trim_4;
-
-    /**
-     * Fuel to add to each cylinder, over its nominal, by physical number; their mean is 0.
-     *
-     * Range: -0.5..0.5 (-0.5..0.5 -)
-     * Scale: 1
-     * Offset: 0
-     */
-    float balance_trim_5;
 };
 
 /**
@@ -1634,6 +1642,42 @@ struct sd_bus_cycle_4_t {
      * Offset: 0
      */
     uint8_t misfire_why;
+
+    /**
+     * Fuel to add to each cylinder, over its nominal, by physical number; their mean is 0.
+     *
+     * Range: -0.5..0.5 (-0.5..0.5 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    float balance_trim_2;
+
+    /**
+     * Fuel to add to each cylinder, over its nominal, by physical number; their mean is 0.
+     *
+     * Range: -0.5..0.5 (-0.5..0.5 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    float balance_trim_3;
+
+    /**
+     * Fuel to add to each cylinder, over its nominal, by physical number; their mean is 0.
+     *
+     * Range: -0.5..0.5 (-0.5..0.5 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    float balance_trim_4;
+
+    /**
+     * Fuel to add to each cylinder, over its nominal, by physical number; their mean is 0.
+     *
+     * Range: -0.5..0.5 (-0.5..0.5 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    float balance_trim_5;
 
     /**
      * Fuel to add to each cylinder, over its nominal, by physical number; their mean is 0.
@@ -1724,42 +1768,6 @@ struct sd_bus_cycle_4_t {
      * Offset: 0
      */
     float misfire_rate_200_7;
-
-    /**
-     * Misfires of the cylinder in the last complete window of 200 judged revolutions, of its firings.
-     *
-     * Range: 0.0..100.0 (0..100 %)
-     * Scale: 1
-     * Offset: 0
-     */
-    float misfire_rate_200_8;
-
-    /**
-     * The same in 1000.
-     *
-     * Range: 0.0..100.0 (0..100 %)
-     * Scale: 1
-     * Offset: 0
-     */
-    float misfire_rate_1000_1;
-
-    /**
-     * The same in 1000.
-     *
-     * Range: 0.0..100.0 (0..100 %)
-     * Scale: 1
-     * Offset: 0
-     */
-    float misfire_rate_1000_2;
-
-    /**
-     * The same in 1000.
-     *
-     * Range: 0.0..100.0 (0..100 %)
-     * Scale: 1
-     * Offset: 0
-     */
-    float misfire_rate_1000_3;
 };
 
 /**
@@ -1796,6 +1804,42 @@ struct sd_bus_cycle_5_t {
      * Offset: 0
      */
     uint8_t misfire_why;
+
+    /**
+     * Misfires of the cylinder in the last complete window of 200 judged revolutions, of its firings.
+     *
+     * Range: 0.0..100.0 (0..100 %)
+     * Scale: 1
+     * Offset: 0
+     */
+    float misfire_rate_200_8;
+
+    /**
+     * The same in 1000.
+     *
+     * Range: 0.0..100.0 (0..100 %)
+     * Scale: 1
+     * Offset: 0
+     */
+    float misfire_rate_1000_1;
+
+    /**
+     * The same in 1000.
+     *
+     * Range: 0.0..100.0 (0..100 %)
+     * Scale: 1
+     * Offset: 0
+     */
+    float misfire_rate_1000_2;
+
+    /**
+     * The same in 1000.
+     *
+     * Range: 0.0..100.0 (0..100 %)
+     * Scale: 1
+     * Offset: 0
+     */
+    float misfire_rate_1000_3;
 
     /**
      * The same in 1000.
@@ -7007,6 +7051,166 @@ bool sd_bus_cycle_3_afr_slow_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
+float sd_bus_cycle_3_afr_late_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_3_afr_late_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_3_afr_late_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_3_afr_late_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_cycle_3_afr_late_sd_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_3_afr_late_sd_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_3_afr_late_sd_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_3_afr_late_sd_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_cycle_3_afr_lag_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_3_afr_lag_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_3_afr_lag_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_3_afr_lag_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_cycle_3_afr_probing_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_3_afr_probing_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_3_afr_probing_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_3_afr_probing_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
 float sd_bus_cycle_3_balance_trim_1_encode(double value);
 
 /**
@@ -7039,166 +7243,6 @@ bool sd_bus_cycle_3_balance_trim_1_is_in_range(float value);
  * @return true if in range, false otherwise.
  */
 bool sd_bus_cycle_3_balance_trim_1_is_in_phys_range(double value);
-
-/**
- * Encode given signal by applying scaling and offset.
- *
- * @param[in] value Signal to encode.
- *
- * @return Encoded signal.
- */
-float sd_bus_cycle_3_balance_trim_2_encode(double value);
-
-/**
- * Decode given signal by applying scaling and offset.
- *
- * @param[in] value Signal to decode.
- *
- * @return Decoded signal.
- */
-double sd_bus_cycle_3_balance_trim_2_decode(float value);
-
-/**
- * Check that given signal is in allowed range.
- *
- * @param[in] value Signal to check.
- *
- * @return true if in range, false otherwise.
- */
-bool sd_bus_cycle_3_balance_trim_2_is_in_range(float value);
-
-/**
- * Check that given physical value is in allowed range before encoding.
- *
- * Use this BEFORE calling _encode() to avoid silent integer overflow:
- *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
- *   is_in_phys_range(-1.0) correctly returns false.
- *
- * @param[in] value Physical signal value to check.
- *
- * @return true if in range, false otherwise.
- */
-bool sd_bus_cycle_3_balance_trim_2_is_in_phys_range(double value);
-
-/**
- * Encode given signal by applying scaling and offset.
- *
- * @param[in] value Signal to encode.
- *
- * @return Encoded signal.
- */
-float sd_bus_cycle_3_balance_trim_3_encode(double value);
-
-/**
- * Decode given signal by applying scaling and offset.
- *
- * @param[in] value Signal to decode.
- *
- * @return Decoded signal.
- */
-double sd_bus_cycle_3_balance_trim_3_decode(float value);
-
-/**
- * Check that given signal is in allowed range.
- *
- * @param[in] value Signal to check.
- *
- * @return true if in range, false otherwise.
- */
-bool sd_bus_cycle_3_balance_trim_3_is_in_range(float value);
-
-/**
- * Check that given physical value is in allowed range before encoding.
- *
- * Use this BEFORE calling _encode() to avoid silent integer overflow:
- *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
- *   is_in_phys_range(-1.0) correctly returns false.
- *
- * @param[in] value Physical signal value to check.
- *
- * @return true if in range, false otherwise.
- */
-bool sd_bus_cycle_3_balance_trim_3_is_in_phys_range(double value);
-
-/**
- * Encode given signal by applying scaling and offset.
- *
- * @param[in] value Signal to encode.
- *
- * @return Encoded signal.
- */
-float sd_bus_cycle_3_balance_trim_4_encode(double value);
-
-/**
- * Decode given signal by applying scaling and offset.
- *
- * @param[in] value Signal to decode.
- *
- * @return Decoded signal.
- */
-double sd_bus_cycle_3_balance_trim_4_decode(float value);
-
-/**
- * Check that given signal is in allowed range.
- *
- * @param[in] value Signal to check.
- *
- * @return true if in range, false otherwise.
- */
-bool sd_bus_cycle_3_balance_trim_4_is_in_range(float value);
-
-/**
- * Check that given physical value is in allowed range before encoding.
- *
- * Use this BEFORE calling _encode() to avoid silent integer overflow:
- *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
- *   is_in_phys_range(-1.0) correctly returns false.
- *
- * @param[in] value Physical signal value to check.
- *
- * @return true if in range, false otherwise.
- */
-bool sd_bus_cycle_3_balance_trim_4_is_in_phys_range(double value);
-
-/**
- * Encode given signal by applying scaling and offset.
- *
- * @param[in] value Signal to encode.
- *
- * @return Encoded signal.
- */
-float sd_bus_cycle_3_balance_trim_5_encode(double value);
-
-/**
- * Decode given signal by applying scaling and offset.
- *
- * @param[in] value Signal to decode.
- *
- * @return Decoded signal.
- */
-double sd_bus_cycle_3_balance_trim_5_decode(float value);
-
-/**
- * Check that given signal is in allowed range.
- *
- * @param[in] value Signal to check.
- *
- * @return true if in range, false otherwise.
- */
-bool sd_bus_cycle_3_balance_trim_5_is_in_range(float value);
-
-/**
- * Check that given physical value is in allowed range before encoding.
- *
- * Use this BEFORE calling _encode() to avoid silent integer overflow:
- *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
- *   is_in_phys_range(-1.0) correctly returns false.
- *
- * @param[in] value Physical signal value to check.
- *
- * @return true if in range, false otherwise.
- */
-bool sd_bus_cycle_3_balance_trim_5_is_in_phys_range(double value);
 
 /**
  * Pack message cycle_4.
@@ -7436,6 +7480,166 @@ bool sd_bus_cycle_4_misfire_why_is_in_range(uint8_t value);
  * @return true if in range, false otherwise.
  */
 bool sd_bus_cycle_4_misfire_why_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_cycle_4_balance_trim_2_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_4_balance_trim_2_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_4_balance_trim_2_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_4_balance_trim_2_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_cycle_4_balance_trim_3_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_4_balance_trim_3_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_4_balance_trim_3_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_4_balance_trim_3_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_cycle_4_balance_trim_4_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_4_balance_trim_4_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_4_balance_trim_4_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_4_balance_trim_4_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_cycle_4_balance_trim_5_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_4_balance_trim_5_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_4_balance_trim_5_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_4_balance_trim_5_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -7838,166 +8042,6 @@ bool sd_bus_cycle_4_misfire_rate_200_7_is_in_range(float value);
 bool sd_bus_cycle_4_misfire_rate_200_7_is_in_phys_range(double value);
 
 /**
- * Encode given signal by applying scaling and offset.
- *
- * @param[in] value Signal to encode.
- *
- * @return Encoded signal.
- */
-float sd_bus_cycle_4_misfire_rate_200_8_encode(double value);
-
-/**
- * Decode given signal by applying scaling and offset.
- *
- * @param[in] value Signal to decode.
- *
- * @return Decoded signal.
- */
-double sd_bus_cycle_4_misfire_rate_200_8_decode(float value);
-
-/**
- * Check that given signal is in allowed range.
- *
- * @param[in] value Signal to check.
- *
- * @return true if in range, false otherwise.
- */
-bool sd_bus_cycle_4_misfire_rate_200_8_is_in_range(float value);
-
-/**
- * Check that given physical value is in allowed range before encoding.
- *
- * Use this BEFORE calling _encode() to avoid silent integer overflow:
- *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
- *   is_in_phys_range(-1.0) correctly returns false.
- *
- * @param[in] value Physical signal value to check.
- *
- * @return true if in range, false otherwise.
- */
-bool sd_bus_cycle_4_misfire_rate_200_8_is_in_phys_range(double value);
-
-/**
- * Encode given signal by applying scaling and offset.
- *
- * @param[in] value Signal to encode.
- *
- * @return Encoded signal.
- */
-float sd_bus_cycle_4_misfire_rate_1000_1_encode(double value);
-
-/**
- * Decode given signal by applying scaling and offset.
- *
- * @param[in] value Signal to decode.
- *
- * @return Decoded signal.
- */
-double sd_bus_cycle_4_misfire_rate_1000_1_decode(float value);
-
-/**
- * Check that given signal is in allowed range.
- *
- * @param[in] value Signal to check.
- *
- * @return true if in range, false otherwise.
- */
-bool sd_bus_cycle_4_misfire_rate_1000_1_is_in_range(float value);
-
-/**
- * Check that given physical value is in allowed range before encoding.
- *
- * Use this BEFORE calling _encode() to avoid silent integer overflow:
- *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
- *   is_in_phys_range(-1.0) correctly returns false.
- *
- * @param[in] value Physical signal value to check.
- *
- * @return true if in range, false otherwise.
- */
-bool sd_bus_cycle_4_misfire_rate_1000_1_is_in_phys_range(double value);
-
-/**
- * Encode given signal by applying scaling and offset.
- *
- * @param[in] value Signal to encode.
- *
- * @return Encoded signal.
- */
-float sd_bus_cycle_4_misfire_rate_1000_2_encode(double value);
-
-/**
- * Decode given signal by applying scaling and offset.
- *
- * @param[in] value Signal to decode.
- *
- * @return Decoded signal.
- */
-double sd_bus_cycle_4_misfire_rate_1000_2_decode(float value);
-
-/**
- * Check that given signal is in allowed range.
- *
- * @param[in] value Signal to check.
- *
- * @return true if in range, false otherwise.
- */
-bool sd_bus_cycle_4_misfire_rate_1000_2_is_in_range(float value);
-
-/**
- * Check that given physical value is in allowed range before encoding.
- *
- * Use this BEFORE calling _encode() to avoid silent integer overflow:
- *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
- *   is_in_phys_range(-1.0) correctly returns false.
- *
- * @param[in] value Physical signal value to check.
- *
- * @return true if in range, false otherwise.
- */
-bool sd_bus_cycle_4_misfire_rate_1000_2_is_in_phys_range(double value);
-
-/**
- * Encode given signal by applying scaling and offset.
- *
- * @param[in] value Signal to encode.
- *
- * @return Encoded signal.
- */
-float sd_bus_cycle_4_misfire_rate_1000_3_encode(double value);
-
-/**
- * Decode given signal by applying scaling and offset.
- *
- * @param[in] value Signal to decode.
- *
- * @return Decoded signal.
- */
-double sd_bus_cycle_4_misfire_rate_1000_3_decode(float value);
-
-/**
- * Check that given signal is in allowed range.
- *
- * @param[in] value Signal to check.
- *
- * @return true if in range, false otherwise.
- */
-bool sd_bus_cycle_4_misfire_rate_1000_3_is_in_range(float value);
-
-/**
- * Check that given physical value is in allowed range before encoding.
- *
- * Use this BEFORE calling _encode() to avoid silent integer overflow:
- *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
- *   is_in_phys_range(-1.0) correctly returns false.
- *
- * @param[in] value Physical signal value to check.
- *
- * @return true if in range, false otherwise.
- */
-bool sd_bus_cycle_4_misfire_rate_1000_3_is_in_phys_range(double value);
-
-/**
  * Pack message cycle_5.
  *
  * @param[out] dst_p Buffer to pack the message into.
@@ -8153,6 +8197,166 @@ bool sd_bus_cycle_5_misfire_why_is_in_range(uint8_t value);
  * @return true if in range, false otherwise.
  */
 bool sd_bus_cycle_5_misfire_why_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_cycle_5_misfire_rate_200_8_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_5_misfire_rate_200_8_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_5_misfire_rate_200_8_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_5_misfire_rate_200_8_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_cycle_5_misfire_rate_1000_1_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_5_misfire_rate_1000_1_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_5_misfire_rate_1000_1_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_5_misfire_rate_1000_1_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_cycle_5_misfire_rate_1000_2_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_5_misfire_rate_1000_2_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_5_misfire_rate_1000_2_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_5_misfire_rate_1000_2_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_cycle_5_misfire_rate_1000_3_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_5_misfire_rate_1000_3_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_5_misfire_rate_1000_3_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_5_misfire_rate_1000_3_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.

@@ -140,11 +140,11 @@ static inline void sd_bus_cycle_3_from_row(struct sd_bus_cycle_3_t *m, const sd_
     m->afr_cylinder_sd_7 = row->value[48];
     m->afr_cylinder_sd_8 = row->value[49];
     m->afr_slow = row->value[50];
-    m->balance_trim_1 = row->value[51];
-    m->balance_trim_2 = row->value[52];
-    m->balance_trim_3 = row->value[53];
-    m->balance_trim_4 = row->value[54];
-    m->balance_trim_5 = row->value[55];
+    m->afr_late = row->value[51];
+    m->afr_late_sd = row->value[52];
+    m->afr_lag = row->value[53];
+    m->afr_probing = row->value[54];
+    m->balance_trim_1 = row->value[55];
 }
 
 static inline void sd_bus_cycle_3_to_row(sd_row_t *row, const struct sd_bus_cycle_3_t *m) {
@@ -160,11 +160,11 @@ static inline void sd_bus_cycle_3_to_row(sd_row_t *row, const struct sd_bus_cycl
     sd_row_put(row, 48, m->afr_cylinder_sd_7);
     sd_row_put(row, 49, m->afr_cylinder_sd_8);
     sd_row_put(row, 50, m->afr_slow);
-    sd_row_put(row, 51, m->balance_trim_1);
-    sd_row_put(row, 52, m->balance_trim_2);
-    sd_row_put(row, 53, m->balance_trim_3);
-    sd_row_put(row, 54, m->balance_trim_4);
-    sd_row_put(row, 55, m->balance_trim_5);
+    sd_row_put(row, 51, m->afr_late);
+    sd_row_put(row, 52, m->afr_late_sd);
+    sd_row_put(row, 53, m->afr_lag);
+    sd_row_put(row, 54, m->afr_probing);
+    sd_row_put(row, 55, m->balance_trim_1);
 }
 
 static inline void sd_bus_cycle_4_from_row(struct sd_bus_cycle_4_t *m, const sd_row_t *row) {
@@ -173,71 +173,79 @@ static inline void sd_bus_cycle_4_from_row(struct sd_bus_cycle_4_t *m, const sd_
     m->balance_why = row->why[SD_OWNER_BALANCE];
     m->misfire_health = row->health[SD_OWNER_MISFIRE];
     m->misfire_why = row->why[SD_OWNER_MISFIRE];
-    m->balance_trim_6 = row->value[56];
-    m->balance_trim_7 = row->value[57];
-    m->balance_trim_8 = row->value[58];
-    m->misfire_rate_200_1 = row->value[65];
-    m->misfire_rate_200_2 = row->value[66];
-    m->misfire_rate_200_3 = row->value[67];
-    m->misfire_rate_200_4 = row->value[68];
-    m->misfire_rate_200_5 = row->value[69];
-    m->misfire_rate_200_6 = row->value[70];
-    m->misfire_rate_200_7 = row->value[71];
-    m->misfire_rate_200_8 = row->value[72];
-    m->misfire_rate_1000_1 = row->value[73];
-    m->misfire_rate_1000_2 = row->value[74];
-    m->misfire_rate_1000_3 = row->value[75];
+    m->balance_trim_2 = row->value[56];
+    m->balance_trim_3 = row->value[57];
+    m->balance_trim_4 = row->value[58];
+    m->balance_trim_5 = row->value[59];
+    m->balance_trim_6 = row->value[60];
+    m->balance_trim_7 = row->value[61];
+    m->balance_trim_8 = row->value[62];
+    m->misfire_rate_200_1 = row->value[69];
+    m->misfire_rate_200_2 = row->value[70];
+    m->misfire_rate_200_3 = row->value[71];
+    m->misfire_rate_200_4 = row->value[72];
+    m->misfire_rate_200_5 = row->value[73];
+    m->misfire_rate_200_6 = row->value[74];
+    m->misfire_rate_200_7 = row->value[75];
 }
 
 static inline void sd_bus_cycle_4_to_row(sd_row_t *row, const struct sd_bus_cycle_4_t *m) {
     sd_row_begin(row, (uint32_t)m->tick, SD_RATE_CYCLE);
     sd_row_status(row, SD_OWNER_BALANCE, (uint8_t)m->balance_health, (uint8_t)m->balance_why);
     sd_row_status(row, SD_OWNER_MISFIRE, (uint8_t)m->misfire_health, (uint8_t)m->misfire_why);
-    sd_row_put(row, 56, m->balance_trim_6);
-    sd_row_put(row, 57, m->balance_trim_7);
-    sd_row_put(row, 58, m->balance_trim_8);
-    sd_row_put(row, 65, m->misfire_rate_200_1);
-    sd_row_put(row, 66, m->misfire_rate_200_2);
-    sd_row_put(row, 67, m->misfire_rate_200_3);
-    sd_row_put(row, 68, m->misfire_rate_200_4);
-    sd_row_put(row, 69, m->misfire_rate_200_5);
-    sd_row_put(row, 70, m->misfire_rate_200_6);
-    sd_row_put(row, 71, m->misfire_rate_200_7);
-    sd_row_put(row, 72, m->misfire_rate_200_8);
-    sd_row_put(row, 73, m->misfire_rate_1000_1);
-    sd_row_put(row, 74, m->misfire_rate_1000_2);
-    sd_row_put(row, 75, m->misfire_rate_1000_3);
+    sd_row_put(row, 56, m->balance_trim_2);
+    sd_row_put(row, 57, m->balance_trim_3);
+    sd_row_put(row, 58, m->balance_trim_4);
+    sd_row_put(row, 59, m->balance_trim_5);
+    sd_row_put(row, 60, m->balance_trim_6);
+    sd_row_put(row, 61, m->balance_trim_7);
+    sd_row_put(row, 62, m->balance_trim_8);
+    sd_row_put(row, 69, m->misfire_rate_200_1);
+    sd_row_put(row, 70, m->misfire_rate_200_2);
+    sd_row_put(row, 71, m->misfire_rate_200_3);
+    sd_row_put(row, 72, m->misfire_rate_200_4);
+    sd_row_put(row, 73, m->misfire_rate_200_5);
+    sd_row_put(row, 74, m->misfire_rate_200_6);
+    sd_row_put(row, 75, m->misfire_rate_200_7);
 }
 
 static inline void sd_bus_cycle_5_from_row(struct sd_bus_cycle_5_t *m, const sd_row_t *row) {
     m->tick = (uint32_t)row->tick;
     m->misfire_health = row->health[SD_OWNER_MISFIRE];
     m->misfire_why = row->why[SD_OWNER_MISFIRE];
-    m->misfire_rate_1000_4 = row->value[76];
-    m->misfire_rate_1000_5 = row->value[77];
-    m->misfire_rate_1000_6 = row->value[78];
-    m->misfire_rate_1000_7 = row->value[79];
-    m->misfire_rate_1000_8 = row->value[80];
-    m->misfire_continuous = row->value[81];
-    m->misfire_suspects = row->value[82];
-    m->misfire_lamp = row->value[83];
-    m->misfire_count = row->value[84];
-    m->misfire_partial_burns = row->value[85];
+    m->misfire_rate_200_8 = row->value[76];
+    m->misfire_rate_1000_1 = row->value[77];
+    m->misfire_rate_1000_2 = row->value[78];
+    m->misfire_rate_1000_3 = row->value[79];
+    m->misfire_rate_1000_4 = row->value[80];
+    m->misfire_rate_1000_5 = row->value[81];
+    m->misfire_rate_1000_6 = row->value[82];
+    m->misfire_rate_1000_7 = row->value[83];
+    m->misfire_rate_1000_8 = row->value[84];
+    m->misfire_continuous = row->value[85];
+    m->misfire_suspects = row->value[86];
+    m->misfire_lamp = row->value[87];
+    m->misfire_count = row->value[88];
+    m->misfire_partial_burns = row->value[89];
 }
 
 static inline void sd_bus_cycle_5_to_row(sd_row_t *row, const struct sd_bus_cycle_5_t *m) {
     sd_row_begin(row, (uint32_t)m->tick, SD_RATE_CYCLE);
     sd_row_status(row, SD_OWNER_MISFIRE, (uint8_t)m->misfire_health, (uint8_t)m->misfire_why);
-    sd_row_put(row, 76, m->misfire_rate_1000_4);
-    sd_row_put(row, 77, m->misfire_rate_1000_5);
-    sd_row_put(row, 78, m->misfire_rate_1000_6);
-    sd_row_put(row, 79, m->misfire_rate_1000_7);
-    sd_row_put(row, 80, m->misfire_rate_1000_8);
-    sd_row_put(row, 81, m->misfire_continuous);
-    sd_row_put(row, 82, m->misfire_suspects);
-    sd_row_put(row, 83, m->misfire_lamp);
-    sd_row_put(row, 84, m->misfire_count);
-    sd_row_put(row, 85, m->misfire_partial_burns);
+    sd_row_put(row, 76, m->misfire_rate_200_8);
+    sd_row_put(row, 77, m->misfire_rate_1000_1);
+    sd_row_put(row, 78, m->misfire_rate_1000_2);
+    sd_row_put(row, 79, m->misfire_rate_1000_3);
+    sd_row_put(row, 80, m->misfire_rate_1000_4);
+    sd_row_put(row, 81, m->misfire_rate_1000_5);
+    sd_row_put(row, 82, m->misfire_rate_1000_6);
+    sd_row_put(row, 83, m->misfire_rate_1000_7);
+    sd_row_put(row, 84, m->misfire_rate_1000_8);
+    sd_row_put(row, 85, m->misfire_continuous);
+    sd_row_put(row, 86, m->misfire_suspects);
+    sd_row_put(row, 87, m->misfire_lamp);
+    sd_row_put(row, 88, m->misfire_count);
+    sd_row_put(row, 89, m->misfire_partial_burns);
 }
 
 static inline void sd_bus_firing_from_row(struct sd_bus_firing_t *m, const sd_row_t *row) {
@@ -252,12 +260,12 @@ static inline void sd_bus_firing_from_row(struct sd_bus_firing_t *m, const sd_ro
     m->firing_mean = row->value[31];
     m->firing_mean_sd = row->value[32];
     m->firing_rough = row->value[33];
-    m->misfire_index = row->value[59];
-    m->misfire_limit = row->value[60];
-    m->misfire_verdict = row->value[61];
-    m->misfire_inhibit = row->value[62];
-    m->misfire_firing = row->value[63];
-    m->misfire_cylinder = row->value[64];
+    m->misfire_index = row->value[63];
+    m->misfire_limit = row->value[64];
+    m->misfire_verdict = row->value[65];
+    m->misfire_inhibit = row->value[66];
+    m->misfire_firing = row->value[67];
+    m->misfire_cylinder = row->value[68];
 }
 
 static inline void sd_bus_firing_to_row(sd_row_t *row, const struct sd_bus_firing_t *m) {
@@ -270,12 +278,12 @@ static inline void sd_bus_firing_to_row(sd_row_t *row, const struct sd_bus_firin
     sd_row_put(row, 31, m->firing_mean);
     sd_row_put(row, 32, m->firing_mean_sd);
     sd_row_put(row, 33, m->firing_rough);
-    sd_row_put(row, 59, m->misfire_index);
-    sd_row_put(row, 60, m->misfire_limit);
-    sd_row_put(row, 61, m->misfire_verdict);
-    sd_row_put(row, 62, m->misfire_inhibit);
-    sd_row_put(row, 63, m->misfire_firing);
-    sd_row_put(row, 64, m->misfire_cylinder);
+    sd_row_put(row, 63, m->misfire_index);
+    sd_row_put(row, 64, m->misfire_limit);
+    sd_row_put(row, 65, m->misfire_verdict);
+    sd_row_put(row, 66, m->misfire_inhibit);
+    sd_row_put(row, 67, m->misfire_firing);
+    sd_row_put(row, 68, m->misfire_cylinder);
 }
 
 #define SD_BUS_INPUTS_FIRST 0xa8u

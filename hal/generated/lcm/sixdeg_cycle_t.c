@@ -23,7 +23,7 @@ uint64_t __sixdeg_cycle_t_hash_recursive(const __lcm_hash_ptr *p)
     cp.v = (void*)__sixdeg_cycle_t_get_hash;
     (void) cp;
 
-    uint64_t hash = (uint64_t)0x06b7a79ecd83809bLL
+    uint64_t hash = (uint64_t)0x108b0ffbfea771fcLL
          + __int32_t_hash_recursive(&cp)
          + __int8_t_hash_recursive(&cp)
          + __int8_t_hash_recursive(&cp)
@@ -35,6 +35,10 @@ uint64_t __sixdeg_cycle_t_hash_recursive(const __lcm_hash_ptr *p)
          + __int8_t_hash_recursive(&cp)
          + __int8_t_hash_recursive(&cp)
          + __int8_t_hash_recursive(&cp)
+         + __float_hash_recursive(&cp)
+         + __float_hash_recursive(&cp)
+         + __float_hash_recursive(&cp)
+         + __float_hash_recursive(&cp)
          + __float_hash_recursive(&cp)
          + __float_hash_recursive(&cp)
          + __float_hash_recursive(&cp)
@@ -263,6 +267,18 @@ int __sixdeg_cycle_t_encode_array(void *buf, int offset, int maxlen, const sixde
         thislen = __float_encode_array(buf, offset + pos, maxlen - pos, &(p[element].afr_slow), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
+        thislen = __float_encode_array(buf, offset + pos, maxlen - pos, &(p[element].afr_late), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_encode_array(buf, offset + pos, maxlen - pos, &(p[element].afr_late_sd), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_encode_array(buf, offset + pos, maxlen - pos, &(p[element].afr_lag), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_encode_array(buf, offset + pos, maxlen - pos, &(p[element].afr_probing), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
         thislen = __float_encode_array(buf, offset + pos, maxlen - pos, &(p[element].balance_trim_1), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
@@ -466,6 +482,14 @@ int __sixdeg_cycle_t_encoded_array_size(const sixdeg_cycle_t *p, int elements)
         size += __float_encoded_array_size(&(p[element].afr_cylinder_sd_8), 1);
 
         size += __float_encoded_array_size(&(p[element].afr_slow), 1);
+
+        size += __float_encoded_array_size(&(p[element].afr_late), 1);
+
+        size += __float_encoded_array_size(&(p[element].afr_late_sd), 1);
+
+        size += __float_encoded_array_size(&(p[element].afr_lag), 1);
+
+        size += __float_encoded_array_size(&(p[element].afr_probing), 1);
 
         size += __float_encoded_array_size(&(p[element].balance_trim_1), 1);
 
@@ -681,6 +705,18 @@ int __sixdeg_cycle_t_decode_array(const void *buf, int offset, int maxlen, sixde
         thislen = __float_decode_array(buf, offset + pos, maxlen - pos, &(p[element].afr_slow), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
+        thislen = __float_decode_array(buf, offset + pos, maxlen - pos, &(p[element].afr_late), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_decode_array(buf, offset + pos, maxlen - pos, &(p[element].afr_late_sd), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_decode_array(buf, offset + pos, maxlen - pos, &(p[element].afr_lag), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_decode_array(buf, offset + pos, maxlen - pos, &(p[element].afr_probing), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
         thislen = __float_decode_array(buf, offset + pos, maxlen - pos, &(p[element].balance_trim_1), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
@@ -871,6 +907,14 @@ int __sixdeg_cycle_t_decode_array_cleanup(sixdeg_cycle_t *p, int elements)
 
         __float_decode_array_cleanup(&(p[element].afr_slow), 1);
 
+        __float_decode_array_cleanup(&(p[element].afr_late), 1);
+
+        __float_decode_array_cleanup(&(p[element].afr_late_sd), 1);
+
+        __float_decode_array_cleanup(&(p[element].afr_lag), 1);
+
+        __float_decode_array_cleanup(&(p[element].afr_probing), 1);
+
         __float_decode_array_cleanup(&(p[element].balance_trim_1), 1);
 
         __float_decode_array_cleanup(&(p[element].balance_trim_2), 1);
@@ -1052,6 +1096,14 @@ int __sixdeg_cycle_t_clone_array(const sixdeg_cycle_t *p, sixdeg_cycle_t *q, int
         __float_clone_array(&(p[element].afr_cylinder_sd_8), &(q[element].afr_cylinder_sd_8), 1);
 
         __float_clone_array(&(p[element].afr_slow), &(q[element].afr_slow), 1);
+
+        __float_clone_array(&(p[element].afr_late), &(q[element].afr_late), 1);
+
+        __float_clone_array(&(p[element].afr_late_sd), &(q[element].afr_late_sd), 1);
+
+        __float_clone_array(&(p[element].afr_lag), &(q[element].afr_lag), 1);
+
+        __float_clone_array(&(p[element].afr_probing), &(q[element].afr_probing), 1);
 
         __float_clone_array(&(p[element].balance_trim_1), &(q[element].balance_trim_1), 1);
 

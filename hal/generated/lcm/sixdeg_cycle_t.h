@@ -67,6 +67,10 @@ struct _sixdeg_cycle_t
     float      afr_cylinder_sd_7;
     float      afr_cylinder_sd_8;
     float      afr_slow;
+    float      afr_late;
+    float      afr_late_sd;
+    float      afr_lag;
+    float      afr_probing;
     float      balance_trim_1;
     float      balance_trim_2;
     float      balance_trim_3;

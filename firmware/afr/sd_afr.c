@@ -74,10 +74,11 @@ void sd_afr_cycle(sd_afr_t *self, const sd_afr_grid_t *grid, float speed_radps, 
     const float step_s = 12.566371f / (speed_radps * (float)self->config.cycle_positions);
     const float charge_kg = grid->air_kg_per_bar * intake_bar + 1e-6f * fuel_mg;
     const sd_exhaust_point_t point = { .share = self->share, .charge_kg = charge_kg, .rate_hz = node.rate_hz, .z0_kg = node.z0_kg,
-                                       .pipe_kg = node.transport_kg, .delay_positions = (grid->dead_s + self->late_s) / step_s + LAG_LEAD };
+                                       .pipe_kg = node.transport_kg, .delay_positions = (grid->dead_s + self->known.late_s) / step_s + LAG_LEAD };
     if (sd_exhaust_set_f32(&self->exhaust, &point, step_s) != SD_OK) { return; }
-    self->joint.config.tau1_s = grid->tau1_s * (1.0f + self->lag);
-    self->joint.config.tau2_s = grid->tau2_s * (1.0f + self->lag);
+    self->joint.config.tau1_s = grid->tau1_s * (1.0f + self->known.lag);
+    self->joint.config.tau2_s = grid->tau2_s * (1.0f + self->known.lag);
+    self->doubt = sd_afr_delay_doubt(&self->known, speed_radps, self->joint.config.tau1_s, self->joint.config.tau2_s);
     const uint8_t slow = (speed_radps * (grid->tau1_s + grid->tau2_s) > self->config.slow_above) ? 1u : 0u;
     if (slow != self->slow) { self->cycles = 0; }
     self->slow = slow;
@@ -87,10 +88,10 @@ void sd_afr_cycle(sd_afr_t *self, const sd_afr_grid_t *grid, float speed_radps, 
     if ((self->joint.running != 0u) && (self->cycles < UINT32_MAX)) { self->cycles++; }
 }
 
-void sd_afr_correct(sd_afr_t *self, float late_s, float lag) {
-    if (!((late_s >= -0.05f) && (late_s <= 0.05f) && (lag >= -0.5f) && (lag <= 0.5f))) { return; }
-    self->late_s = late_s;
-    self->lag = lag;
+void sd_afr_correct(sd_afr_t *self, const sd_afr_learned_t *known) {
+    const bool ok = (known->late_s >= -0.05f) && (known->late_s <= 0.05f) && (known->lag >= -0.5f) && (known->lag <= 0.5f) &&
+                    (known->late_sd_s >= 0.0f) && (known->late_sd_s < 1.0f) && (known->lag_sd >= 0.0f) && (known->lag_sd < 10.0f);
+    if (ok) { self->known = *known; }
 }
 
 void sd_afr_restart(sd_afr_t *self) {
@@ -124,8 +125,14 @@ float sd_afr_deviation(const sd_afr_t *self, uint32_t cylinder) {
 }
 
 float sd_afr_deviation_sd(const sd_afr_t *self, uint32_t cylinder) {
-    const float variance = sd_afr_joint_deviation_variance(&self->joint, cylinder) + 1e-12f;
-    return variance * sd_rsqrt_f32(variance) / mean_of(self);
+    const float mean = mean_of(self), noise = sd_afr_joint_deviation_variance(&self->joint, cylinder) / (mean * mean);
+    float square = 0.0f; /* an error of the model turns one cylinder's deviation into all the others' */
+    for (uint32_t i = 0; i < self->config.cylinders; ++i) {
+        const float deviation = sd_afr_deviation(self, i);
+        square += deviation * deviation / (float)self->config.cylinders;
+    }
+    const float variance = noise + self->doubt * square + 1e-12f;
+    return variance * sd_rsqrt_f32(variance);
 }
 
 sd_status_t sd_afr_status(const sd_afr_t *self) {

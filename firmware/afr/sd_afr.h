@@ -52,7 +52,8 @@ typedef struct sd_afr {
     sd_exhaust_f32_t   exhaust;
     sd_afr_joint_t     joint;
     sd_exhaust_now_f32_t now;             ///< What the sensor met at the last position.
-    float    late_s, lag;                 ///< As in sd_afr_learned_t.
+    sd_afr_learned_t known;               ///< Of delay and lags, and how well.
+    float    doubt;                       ///< What that leaves in deviations: sd_afr_delay_doubt.
     float    share[SD_AFR_POSITIONS_MAX]; ///< At the present point.
     float    mean_lambda;                 ///< Of all cylinders, last cycle.
     uint32_t cycles;                      ///< Since a start.
@@ -65,8 +66,8 @@ sd_result_t sd_afr_init(sd_afr_t *self, const sd_afr_config_t *config, const sd_
 /// Operating point of the coming cycle. Out of the grid its edge stands; numbers not above 0 (NaN too) keep the last.
 void sd_afr_cycle(sd_afr_t *self, const sd_afr_grid_t *grid, float speed_radps, float intake_bar, float fuel_mg);
 /// From the next cycle on the delay is longer by late_s and the lags by the share lag (sd_afr_delay.h), +-50 ms and +-0.5;
-/// ignored beyond (NaN too).
-void sd_afr_correct(sd_afr_t *self, float late_s, float lag);
+/// ignored beyond (NaN too). Their standard deviations, at least 0, go into what is stated of deviations.
+void sd_afr_correct(sd_afr_t *self, const sd_afr_learned_t *known);
 /// Angle lost, or off by a revolution: begins anew.
 void sd_afr_restart(sd_afr_t *self);
 /// Next wheel position; lambda: mean of its samples, or SD_AFR_NO_SAMPLE.

@@ -10,7 +10,7 @@ enum { CYCLES_MIN = 20,  /* in a fit */
 
 #define STEP           0.01f          /* change of a trim in a cycle above which it is a step */
 #define SETTLED_LAGS   5.0f           /* sums of the lags until the mean has settled */
-#define SD_PASSIVE_RAD 0.1f           /* of arg R, in the fit, for it to be taken: 11 deg crank */
+#define SD_PASSIVE_RAD 0.1f           /* of arg R, in the fit, for it to be taken: 11 deg crank; at the end of a probe, too */
 #define SD_PROBE_RAD   0.04f
 #define OFF_PASSIVE_RAD 0.1f          /* what the model itself may be off by: trims reach cylinders within a cycle */
 #define OFF_PROBE_RAD  0.03f
@@ -130,6 +130,20 @@ static void gather(sd_afr_delay_t *self) {
     self->cross[1] = keep * self->cross[1] + weight * (y[1] * p[0] - y[0] * p[1]);
 }
 
+/* A and B of the header, from w tau of both lags. */
+static void sensor(float wt1, float wt2, float *shrinks, float *turns) {
+    const float part1 = wt1 / (1.0f + wt1 * wt1), part2 = wt2 / (1.0f + wt2 * wt2);
+    *shrinks = wt1 * part1 + wt2 * part2;
+    *turns = part1 + part2;
+}
+
+float sd_afr_delay_doubt(const sd_afr_learned_t *known, float speed_radps, float tau1_s, float tau2_s) {
+    float shrinks, turns;
+    sensor(0.5f * speed_radps * tau1_s, 0.5f * speed_radps * tau2_s, &shrinks, &turns);
+    const float turned = 0.5f * speed_radps * known->late_sd_s;
+    return (shrinks * shrinks + turns * turns) * known->lag_sd * known->lag_sd + turned * turned;
+}
+
 /* One reading, weighed against what is known. What the model is off by is in all readings alike. */
 static void weigh(float *value, float *sd, float reading_off, float noise_var, float model_var, float most) {
     const float known = AGEING * *sd * *sd, gain = known / (known + noise_var + model_var), left = known - gain * known;
@@ -145,17 +159,13 @@ static bool learn(sd_afr_delay_t *self, float speed_radps) {
     const float inverse = 1.0f / self->told_square, re = self->cross[0] * inverse, im = self->cross[1] * inverse;
     const float square = re * re + im * im, left = self->seen_square * inverse - square;
     const float variance = ((left > 0.0f) ? left : 0.0f) / (2.0f * (float)self->cycles * square); /* of arg R and of ln|R| */
-    const float limit = probing ? SD_PROBE_RAD : SD_PASSIVE_RAD;
+    const float limit = (probing && (self->probed < PROBE_MAX)) ? SD_PROBE_RAD : SD_PASSIVE_RAD;
     const float off = probing ? OFF_PROBE_RAD : OFF_PASSIVE_RAD, model = off * off, angle = angle_of(re, im);
     if (!(variance < limit * limit) || !within(square, SQUARE_LOW, SQUARE_HIGH)) { return false; }
     if (!probing && (angle * angle < CLEAR * (variance + model))) { return false; }
-    float shrinks = 0.0f, turns = 0.0f; /* A and B of the header */
-    const float tau[2] = { self->config.tau1_s * (1.0f + self->learned.lag), self->config.tau2_s * (1.0f + self->learned.lag) };
-    for (uint32_t k = 0; k < 2u; ++k) {
-        const float wt = 0.5f * speed_radps * tau[k];
-        shrinks += wt * wt / (1.0f + wt * wt);
-        turns += wt / (1.0f + wt * wt);
-    }
+    const float longer_by = 1.0f + self->learned.lag;
+    float shrinks, turns;
+    sensor(0.5f * speed_radps * self->config.tau1_s * longer_by, 0.5f * speed_radps * self->config.tau2_s * longer_by, &shrinks, &turns);
     const float before = self->learned.lag, size = square * sd_rsqrt_f32(square);
     if (probing) {
         const float longer = -2.0f * (size - 1.0f) / ((size + 1.0f) * shrinks); /* -ln|R|/A */

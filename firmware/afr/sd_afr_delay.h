@@ -64,6 +64,9 @@ typedef struct sd_afr_delay {
     uint8_t  set;
 } sd_afr_delay_t;
 
+/// What an error of the model leaves: the error's mean square over that of the cylinders' deviations, at the half order.
+/// (A^2 + B^2) lag_sd^2 + (speed late_sd_s/2)^2; a balanced engine shows none. tau1_s, tau2_s: the lags.
+float sd_afr_delay_doubt(const sd_afr_learned_t *known, float speed_radps, float tau1_s, float tau2_s);
 /// SD_OK, or SD_ERR_CONFIG with the state untouched. Nothing is learned yet: late_s 0 +- 10 ms, lag 0 +- 0.2.
 sd_result_t sd_afr_delay_init(sd_afr_delay_t *self, const sd_afr_delay_config_t *config);
 /// Goes on from what was kept. SD_ERR_CONFIG, and nothing changed, when it is not finite or out of +-50 ms, +-0.5.
@@ -75,7 +78,7 @@ void sd_afr_delay_step(sd_afr_delay_t *self, const sd_exhaust_now_f32_t *now, ui
 /// Ends a cycle. Returns true when something was learned: the caller then takes `learned` over into the tables of `now`.
 /// Numbers that are not finite count as not steady.
 bool sd_afr_delay_cycle(sd_afr_delay_t *self, const sd_afr_trims_t *cycle);
-/// Begins a probe, or ends it. It ends by itself when lateness is known to 6 deg crank, or after 600 cycles.
+/// Begins a probe, or ends it. It ends by itself when the fit is good for 5 deg crank, or after 600 cycles.
 void sd_afr_delay_probe(sd_afr_delay_t *self, bool on);
 /// The probe's part of a cylinder's trim, in units of its size: 1 or -1 for the first, the others make the sum 0. 0 without.
 float sd_afr_delay_probe_trim(const sd_afr_delay_t *self, uint32_t cylinder);

@@ -24,9 +24,13 @@ static bool learn(sd_ecu_t *self, float speed_radps, bool steady) {
 }
 
 /* A loop that ran with a wrong phase begins anew with the right one. */
-static void take_over(sd_ecu_t *self, float speed_radps, float late_s, float lag) {
-    const float moved = speed_radps * (late_s - self->afr.late_s);
-    sd_afr_correct(&self->afr, late_s, lag);
+static void take_over(sd_ecu_t *self, float speed_radps, const sd_afr_learned_t *learned) {
+    const sd_parameters_t *p = &self->calibration.parameters;
+    const float moved = speed_radps * (learned->late_s - self->afr.known.late_s);
+    sd_afr_learned_t known = *learned; /* what the calibration is sure of nobody need learn */
+    if (!(known.late_sd_s < p->afr_late_error_s)) { known.late_sd_s = p->afr_late_error_s; }
+    if (!(known.lag_sd < p->afr_lag_error)) { known.lag_sd = p->afr_lag_error; }
+    sd_afr_correct(&self->afr, &known);
     if ((moved > -MENDED_RAD) && (moved < MENDED_RAD)) { return; }
     sd_afr_restart(&self->afr);
     sd_balance_resume(&self->balance);
@@ -44,11 +48,11 @@ void sd_ecu_delay_cycle(sd_ecu_t *self, float speed_radps, bool moves) {
     const bool steady = !moves && (self->crank.phase_votes >= 2u) && (sd_afr_joint_status(&self->afr.joint).health == SD_VALID);
     if ((delay->config.cylinders == 0u) || (self->calibration.parameters.afr_identify < 0.5f)) {
         sd_afr_delay_probe(delay, false);
-        take_over(self, speed_radps, 0.0f, 0.0f);
+        take_over(self, speed_radps, &(sd_afr_learned_t){ .late_sd_s = 1.0f, .lag_sd = 1.0f });
         return;
     }
     const bool probed = delay->probed != 0u, learned = learn(self, speed_radps, steady);
-    take_over(self, speed_radps, delay->learned.late_s, delay->learned.lag);
+    take_over(self, speed_radps, &delay->learned);
     if (!on) { self->probe_failed = 0; }
     if (probed && (delay->probed == 0u) && !learned) { self->probe_failed = 1; }
     sd_afr_delay_probe(delay, on && steady && ((delay->probed != 0u) || wants_probe(self, speed_radps)));

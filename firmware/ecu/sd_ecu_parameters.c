@@ -38,7 +38,8 @@ static sd_result_t apply_balance(sd_ecu_t *self, uint32_t index) {
 }
 
 static sd_result_t apply_afr(sd_ecu_t *self, uint32_t index) {
-    if ((index == INDEX_OF(afr_identify)) || (index == INDEX_OF(afr_probe))) { return SD_OK; } /* read at the end of each cycle */
+    if ((index == INDEX_OF(afr_identify)) || (index == INDEX_OF(afr_probe)) || (index == INDEX_OF(afr_late_error_s)) ||
+        (index == INDEX_OF(afr_lag_error))) { return SD_OK; } /* read at the end of each cycle */
     return sd_ecu_afr_init(&self->afr, &self->calibration);
 }
 

@@ -152,6 +152,8 @@ const sd_signal_info_t sd_parameter_infos[SD_PARAMETER_COUNT] = {
     { "afr.stoichiometric", "", 5.0f, 40.0f, 14.6f, SD_RATE_EDGE, SD_OWNER_AFR, 0 },
     { "afr.identify", "", 0.0f, 2.0f, 1.0f, SD_RATE_EDGE, SD_OWNER_AFR, 0 },
     { "afr.probe", "", 0.005f, 0.1f, 0.05f, SD_RATE_EDGE, SD_OWNER_AFR, 0 },
+    { "afr.late_error", "s", 0.0f, 0.02f, 0.0006f, SD_RATE_EDGE, SD_OWNER_AFR, 0 },
+    { "afr.lag_error", "", 0.0f, 0.5f, 0.115f, SD_RATE_EDGE, SD_OWNER_AFR, 0 },
     { "balance.source", "", 0.0f, 2.0f, 1.0f, SD_RATE_EDGE, SD_OWNER_BALANCE, 0 },
     { "balance.gain", "", 0.001f, 1.0f, 0.25f, SD_RATE_EDGE, SD_OWNER_BALANCE, 0 },
     { "balance.rate", "", 0.0001f, 1.0f, 0.02f, SD_RATE_EDGE, SD_OWNER_BALANCE, 0 },

@@ -7,7 +7,7 @@
 #include <stdint.h>
 
 /// Changes whenever the table does; calibration pages and logs carry it.
-#define SD_SIGNALS_SIGNATURE 0x3f83810fu
+#define SD_SIGNALS_SIGNATURE 0x1714075bu
 
 /// Channel of an SD_EVENT_SAMPLE.
 typedef enum sd_input {
@@ -160,6 +160,8 @@ typedef struct sd_parameters {
     float afr_stoichiometric; ///< Air to fuel of the fuel in use.
     float afr_identify; ///< Delay of the lambda sensor: 0 as calibrated, 1 learned from what the trims do, 2 also by a probe where trims are allowed and it is not known to 10 deg crank, or trims had to be given up.
     float afr_probe; ///< Size of the probe: fuel trim on one cylinder.
+    float afr_late_error_s; ///< Standard deviation of the calibrated delay to the lambda sensor until better is learned; goes into afr.cylinder_sd. 10 deg crank either way at 1500 rpm is 0.0006.
+    float afr_lag_error; ///< The same of the sensor's lags, as a share; 20 % either way is 0.115.
     float balance_source; ///< 0 no trims, 1 from afr.cylinder_burned, 2 from firing.torque; no trims follow a misfire.
     float balance_gain; ///< Of the deviation, taken off the trim each cycle.
     float balance_rate; ///< Largest change of a trim in a cycle.
@@ -167,7 +169,7 @@ typedef struct sd_parameters {
     float balance_sd_max; ///< Stated standard deviation of a deviation above which nothing is learned.
     float balance_hold_cycles; ///< How long trims hold after a transient or an estimate that is not valid.
 } sd_parameters_t;
-#define SD_PARAMETER_COUNT 52u
+#define SD_PARAMETER_COUNT 54u
 
 typedef enum sd_rate { SD_RATE_EDGE, SD_RATE_CYCLE, SD_RATE_FIRING } sd_rate_t;
 typedef enum sd_owner { SD_OWNER_CRANK, SD_OWNER_TORQUE, SD_OWNER_CYLINDER, SD_OWNER_FIRING, SD_OWNER_MISFIRE, SD_OWNER_AFR, SD_OWNER_BALANCE, SD_OWNER_COUNT } sd_owner_t;

@@ -90,8 +90,34 @@ template <class V> class AfrBlocks {
         return result;
     }
 
+    /// A cycle here ends where the trace's first position comes round again.
+    sd_afr_learned_t probe(const std::vector<double> &noise, const std::vector<std::array<double, 8>> &trims) {
+        const sd_afr_delay_config_t c{std::uint16_t(trace_.cycle_positions), std::uint8_t(n_), joint_.config.tau1_s, joint_.config.tau2_s};
+        sd_afr_delay_t delay;
+        must(sd_afr_delay_init(&delay, &c));
+        const double radps = 4 * M_PI / (trace_.step_s * trace_.cycle_positions);
+        std::size_t cycle = 0;
+        for (std::size_t k = 0; k < trace_.sensor.size(); ++k) {
+            const auto position = std::uint32_t((trace_.first_cycle_position + k) % std::size_t(trace_.cycle_positions));
+            typename V::Now now;
+            V::exhaust_step(&exhaust_, position, &now);
+            const double air = 1 - trace_.sensor[k] - (noise.empty() ? 0 : noise[k]);
+            if constexpr (std::is_same_v<V, F32>) sd_afr_delay_step(&delay, &now, position, float(air));
+            if (int(k % std::size_t(trace_.cycle_positions)) != trace_.cycle_positions - 1) continue;
+            std::array<float, 8> told{}; // of the cycle that ends: its gas arrives from now on
+            for (std::size_t i = 0; i < std::size_t(n_); ++i)
+                told[i] = float(trims[cycle][i] / (1 + trims[cycle][i]) * (1 - setup_.mean_lambda / (1 + kStoichiometric)));
+            const bool begins = trims[cycle][0] != 0 && (cycle == 0 || trims[cycle - 1][0] == 0);
+            if (begins) sd_afr_delay_probe(&delay, true);
+            const sd_afr_trims_t t{float(radps), told.data(), float(setup_.mean_lambda), 1};
+            if (sd_afr_delay_cycle(&delay, &t)) break;
+            ++cycle;
+        }
+        return delay.learned;
+    }
+
   private:
-    static constexpr double kBaseCharges = 6;
+    static constexpr double kBaseCharges = 6, kStoichiometric = 14.6;
 
     bool is_joint() const { return setup_.method == AfrMethod::joint || setup_.method == AfrMethod::joint_fixed; }
 
@@ -166,12 +192,21 @@ template <class V> class AfrBlocks {
             lambda[i] = double(is_joint() ? sd_afr_joint_lambda(&joint_, i) : V::chain_lambda(&chain_, i));
         result.lambda.push_back(lambda);
         if (!is_joint()) cycle_chain();
-        result.sd.push_back(
-            std::sqrt(double(is_joint() ? sd_afr_joint_deviation_variance(&joint_, 0) : V::chain_variance(&chain_))));
+        const double variance = double(is_joint() ? sd_afr_joint_deviation_variance(&joint_, 0) : V::chain_variance(&chain_));
+        result.sd.push_back(std::sqrt(variance + of_the_model(lambda)));
         if (!is_joint()) return;
         float deviation = 0;
         result.blamed.push_back(
             int(sd_afr_joint_blame(&joint_, true, float(setup_.usual_sd * setup_.mean_lambda), &deviation)));
+    }
+
+    /// As sd_afr_deviation_sd has it.
+    double of_the_model(const std::array<double, 8> &lambda) const {
+        double mean = 0, square = 0;
+        for (int i = 0; i < n_; ++i) mean += lambda[std::size_t(i)] / n_;
+        for (int i = 0; i < n_; ++i) square += std::pow(lambda[std::size_t(i)] - mean, 2) / n_;
+        return square * double(sd_afr_delay_doubt(&setup_.known, float(4 * M_PI / (trace_.step_s * trace_.cycle_positions)),
+                                                  joint_.config.tau1_s, joint_.config.tau2_s));
     }
 
     const EngineFile &engine_;

@@ -16,6 +16,11 @@ AfrEstimates afr_estimate(const EngineFile &engine, const ExhaustPoint &point, c
     return AfrBlocks<F32>(engine, point, trace, setup).run(noise);
 }
 
+sd_afr_learned_t afr_probe(const EngineFile &engine, const ExhaustPoint &point, const AfrTrace &trace, const AfrSetup &setup,
+                           const std::vector<double> &noise, const std::vector<std::array<double, 8>> &trims) {
+    return AfrBlocks<F32>(engine, point, trace, setup).probe(noise, trims);
+}
+
 std::vector<double> sensor_noise(const AfrTrace &trace, double rms, double correlation_s,
                                  std::uint64_t seed) {
     RandomStream random(seed, 1);

@@ -8,6 +8,9 @@
 
 #include "calibration/exhaust_tables.hpp"
 #include "run/afr_trace.hpp"
+extern "C" {
+#include "sd_afr_delay.h"
+}
 
 namespace sixdeg {
 
@@ -33,6 +36,7 @@ struct AfrSetup {
     double inversion_gain = 0.03, inversion_floor = 0.1; ///< D by the Fourier law
     double oscillator_drift = 0.005;                    ///< D as oscillators, beside `noise`
     AfrError error;
+    sd_afr_learned_t known{}; ///< How well delay and lags are known; goes into what is stated.
     bool fixed_point = false; ///< The chain in q31.
 };
 
@@ -45,6 +49,11 @@ struct AfrEstimates {
 /// Runs one method over the trace; `noise` is added to its samples (same length, or empty for none).
 AfrEstimates afr_estimate(const EngineFile &engine, const ExhaustPoint &point, const AfrTrace &trace,
                           const AfrSetup &setup, const std::vector<double> &noise);
+
+/// What the delay kernel learns from a probe: the trace's fuel was changed by these trims, by lane, from the start of each cycle
+/// of 120 positions on (as a share); one that is not 0 begins it.
+sd_afr_learned_t afr_probe(const EngineFile &engine, const ExhaustPoint &point, const AfrTrace &trace, const AfrSetup &setup,
+                           const std::vector<double> &noise, const std::vector<std::array<double, 8>> &trims);
 
 /// White (correlation_s 0) or first-order noise with the density of white noise of `rms` a position.
 std::vector<double> sensor_noise(const AfrTrace &trace, double rms, double correlation_s, std::uint64_t seed);

@@ -108,8 +108,8 @@ int main(int argc, char **argv) {
     }
     for (const auto &[identify, title] : {std::pair{0, "delay wrong, as calibrated"}, {1, "delay wrong, learned from the trims"}, {2, "the same, and by a probe"}}) {
         header(title);
-        for (double error : {0, -10, 10, -30, 30, -60, 60, -90, 90, -120, 120, -150, 150, -180, 180})
-            delays(fmt::format("{:+.0f} deg", error), error, join(lambda, {fmt::format("afr.identify={}", identify)}), (count + 3) / 4);
+        for (double error : {0, -30, 30, -60, 60, -90, 90, -120, 120, -150, 150, -180, 180})
+            delays(fmt::format("{:+.0f} deg", error), error, join(lambda, {fmt::format("afr.identify={}", identify)}), (count + 6) / 7);
     }
     header("moves, cylinders balanced before");
     for (bool noisy : {false, true}) {

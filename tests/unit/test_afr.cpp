@@ -303,6 +303,33 @@ TEST(AfrJoint, SettlesInFourCyclesNearItsBoundAndStatesItsDeviation) {
     EXPECT_NEAR(clean.sd.back() / rms, 1, 0.45); // its own drift is part of it; the truth does not drift
 }
 
+// A calibration whose lags are off by up to 20 % and that says so: what is stated holds for it, too.
+TEST(AfrJoint, StatesWhatAWrongCalibrationCosts) {
+    AfrSetup joint;
+    joint.mean_lambda = step().mean, joint.noise = 0.002;
+    const std::size_t settled = step().at / 120 + 8;
+    for (bool says_so : {false, true}) {
+        if (says_so) joint.known.lag_sd = 0.115f;
+        double square = 0, stated = 0;
+        for (int draw = 0; draw < 11; ++draw) {
+            joint.error.tau = -0.2 + 0.04 * draw;
+            const AfrEstimates e = step().run(joint, sensor_noise(step().trace, 0.002, 0, std::uint64_t(draw)));
+            for (std::size_t c = settled; c < e.lambda.size(); ++c) {
+                double mean = 0, true_mean = 0;
+                for (std::size_t i = 0; i < 4; ++i) mean += e.lambda[c][i] / 4, true_mean += step().trace.lambda.back()[i] / 4;
+                for (std::size_t i = 0; i < 4; ++i)
+                    square += std::pow(e.lambda[c][i] - mean - step().trace.lambda.back()[i] + true_mean, 2), stated += e.sd[c] * e.sd[c];
+            }
+        }
+        const double ratio = std::sqrt(stated / square);
+        if (says_so) {
+            EXPECT_NEAR(ratio, 1, 0.3);
+        } else {
+            EXPECT_LT(ratio, 0.75) << "or there is nothing to say";
+        }
+    }
+}
+
 // Steps the filter over a gas of four cylinders in turn that the sensor has long followed, with white noise.
 int jumps_after(float jump, double moved_lambda) {
     const sd_afr_joint_config_t c{4, 0.03f, 0.015f, 2e-4f, 0.003f, 0.1f, 1000};

@@ -2,6 +2,7 @@
 // Delay and lags found from trims, on an exhaust of this file's own: stirred manifold, delay line and two lags in fine steps.
 #include <array>
 #include <cmath>
+#include <complex>
 #include <gtest/gtest.h>
 #include <vector>
 
@@ -175,6 +176,19 @@ TEST(AfrDelay, WhatIsNotSteadyOrNotFiniteDoesNotCount) {
     EXPECT_EQ(sd_afr_delay_probe_trim(&b.kernel, 0), 0) << "the angle is lost: the trim is taken back";
     EXPECT_TRUE(b.probe());
     EXPECT_LT(std::abs(b.error_deg()), 8);
+}
+
+/// Both lags as complex numbers, their errors drawn by a finite difference.
+TEST(AfrDelay, DoubtIsHowFarTheHalfOrderMoves) {
+    const auto answer = [](double lag, double late_s) {
+        const std::complex<double> jw(0, kRadps / 2);
+        return std::exp(-jw * late_s) / ((1.0 + jw * kTau1_s * (1 + lag)) * (1.0 + jw * kTau2_s * (1 + lag)));
+    };
+    const double small = 1e-4, by_lag = std::abs(answer(small, 0) / answer(0, 0) - 1.0) / small,
+                 by_delay = std::abs(answer(0, small) / answer(0, 0) - 1.0) / small;
+    for (const sd_afr_learned_t &known : {sd_afr_learned_t{0, 0, 0, 0.1f}, {0, 0.001f, 0, 0}, {0.01f, 0.002f, 0.1f, 0.2f}})
+        EXPECT_NEAR(double(sd_afr_delay_doubt(&known, float(kRadps), float(kTau1_s), float(kTau2_s))),
+                    std::pow(by_lag * double(known.lag_sd), 2) + std::pow(by_delay * double(known.late_sd_s), 2), 1e-3);
 }
 
 TEST(AfrDelay, ProbesLeaveTheMeanAlone) {

@@ -6,6 +6,7 @@
 enum { CYCLES_MIN = 20,  /* in a fit */
        CYCLES_MAX = 400,
        PROBE_MAX = 600,
+       PROBE_END = 60,   /* in the last of them a coarse answer is better than none */
        SKIP_MIN = 3 };   /* cycles after a step until its gas has arrived */
 
 #define STEP           0.01f          /* change of a trim in a cycle above which it is a step */
@@ -51,13 +52,6 @@ sd_result_t sd_afr_delay_init(sd_afr_delay_t *self, const sd_afr_delay_config_t 
     self->config = *c;
     self->learned = (sd_afr_learned_t){ .late_sd_s = LATE_SD_S, .lag_sd = LAG_SD };
     unit(TWO_PI / (float)c->cycle_positions, &self->turn[0], &self->turn[1]);
-    return SD_OK;
-}
-
-sd_result_t sd_afr_delay_resume(sd_afr_delay_t *self, const sd_afr_learned_t *kept) {
-    if (!within(kept->late_s, -LATE_MAX_S, LATE_MAX_S) || !within(kept->late_sd_s, 1e-6f, LATE_MAX_S) ||
-        !within(kept->lag, -LAG_MAX, LAG_MAX) || !within(kept->lag_sd, 1e-6f, LAG_MAX)) { return SD_ERR_CONFIG; }
-    self->learned = *kept;
     return SD_OK;
 }
 
@@ -159,7 +153,7 @@ static bool learn(sd_afr_delay_t *self, float speed_radps) {
     const float inverse = 1.0f / self->told_square, re = self->cross[0] * inverse, im = self->cross[1] * inverse;
     const float square = re * re + im * im, left = self->seen_square * inverse - square;
     const float variance = ((left > 0.0f) ? left : 0.0f) / (2.0f * (float)self->cycles * square); /* of arg R and of ln|R| */
-    const float limit = (probing && (self->probed < PROBE_MAX)) ? SD_PROBE_RAD : SD_PASSIVE_RAD;
+    const float limit = (probing && (self->probed < PROBE_MAX - PROBE_END)) ? SD_PROBE_RAD : SD_PASSIVE_RAD;
     const float off = probing ? OFF_PROBE_RAD : OFF_PASSIVE_RAD, model = off * off, angle = angle_of(re, im);
     if (!(variance < limit * limit) || !within(square, SQUARE_LOW, SQUARE_HIGH)) { return false; }
     if (!probing && (angle * angle < CLEAR * (variance + model))) { return false; }

@@ -32,7 +32,7 @@ typedef struct sd_afr_delay_config {
     float    tau1_s, tau2_s;  ///< The sensor's lags as calibrated, each [1e-4, 1].
 } sd_afr_delay_config_t;
 
-/// What is kept when the engine is off.
+/// What is known.
 typedef struct sd_afr_learned {
     float late_s, late_sd_s;  ///< How much later than calibrated the gas is at the sensor, and its standard deviation.
     float lag, lag_sd;        ///< By what share the lags are longer than calibrated.
@@ -69,8 +69,6 @@ typedef struct sd_afr_delay {
 float sd_afr_delay_doubt(const sd_afr_learned_t *known, float speed_radps, float tau1_s, float tau2_s);
 /// SD_OK, or SD_ERR_CONFIG with the state untouched. Nothing is learned yet: late_s 0 +- 10 ms, lag 0 +- 0.2.
 sd_result_t sd_afr_delay_init(sd_afr_delay_t *self, const sd_afr_delay_config_t *config);
-/// Goes on from what was kept. SD_ERR_CONFIG, and nothing changed, when it is not finite or out of +-50 ms, +-0.5.
-sd_result_t sd_afr_delay_resume(sd_afr_delay_t *self, const sd_afr_learned_t *learned);
 /// The angle was lost: fits begin anew, what was learned stays.
 void sd_afr_delay_restart(sd_afr_delay_t *self);
 /// Next position, as the joint filter is given it. measured: air fraction, (-2, 2), anything else (NaN too) is no sample.

@@ -64,7 +64,7 @@ typedef struct sd_ecu {
     sd_cycle_firings_t cycle_firings;
     float    fuel_trim[SD_BALANCE_CYLINDERS_MAX]; ///< As commanded, by firing order: the balance's and a probe's.
     float    last_trim[SD_BALANCE_CYLINDERS_MAX]; ///< Of the last cycle.
-    uint8_t  probe_failed;        ///< Since the trims were allowed.
+    uint8_t  probe_done;          ///< With or without an answer, since the trims were allowed.
     float    last_variance;       ///< Of a cylinder's mixture, of the mean, last cycle.
     float    last_speed_radps, last_fuel_mg; ///< Of the last cycle, for transients.
     uint32_t burned_seen;         ///< Samples in this cycle.

@@ -14,13 +14,13 @@ sd_result_t sd_ecu_delay_init(sd_afr_delay_t *delay, const sd_calibration_t *c) 
     return ((c->afr.present == 0u) || (c->cylinders < 2u)) ? SD_OK : sd_afr_delay_init(delay, &config);
 }
 
-static bool learn(sd_ecu_t *self, float speed_radps, bool steady) {
+static void learn(sd_ecu_t *self, float speed_radps, bool steady) {
     const float s = self->calibration.parameters.afr_stoichiometric, mean = self->afr.mean_lambda;
     const float of_lambda = 1.0f - mean / (1.0f + s); /* more fuel is more gas, too */
     float trim[SD_BALANCE_CYLINDERS_MAX] = { 0.0f };
     for (uint32_t i = 0; i < self->balance.config.cylinders; ++i) { trim[i] = of_lambda * self->last_trim[i] / (1.0f + self->last_trim[i]); }
     const sd_afr_trims_t cycle = { .speed_radps = speed_radps, .trim = trim, .mean_lambda = mean, .steady = steady ? 1u : 0u };
-    return sd_afr_delay_cycle(&self->afr_delay, &cycle);
+    (void)sd_afr_delay_cycle(&self->afr_delay, &cycle);
 }
 
 /* A loop that ran with a wrong phase begins anew with the right one. */
@@ -37,7 +37,7 @@ static void take_over(sd_ecu_t *self, float speed_radps, const sd_afr_learned_t 
 }
 
 static bool wants_probe(const sd_ecu_t *self, float speed_radps) {
-    return (self->calibration.parameters.afr_identify > 1.5f) && (self->probe_failed == 0u) && (self->afr.slow == 0u) &&
+    return (self->calibration.parameters.afr_identify > 1.5f) && (self->probe_done == 0u) && (self->afr.slow == 0u) &&
            ((self->balance.diverged != 0u) ||
             ((self->balance.learned > PROBE_AFTER) && (self->afr_delay.learned.late_sd_s * speed_radps > KNOWN_RAD)));
 }
@@ -51,10 +51,11 @@ void sd_ecu_delay_cycle(sd_ecu_t *self, float speed_radps, bool moves) {
         take_over(self, speed_radps, &(sd_afr_learned_t){ .late_sd_s = 1.0f, .lag_sd = 1.0f });
         return;
     }
-    const bool probed = delay->probed != 0u, learned = learn(self, speed_radps, steady);
+    const bool probed = delay->probed != 0u;
+    learn(self, speed_radps, steady);
     take_over(self, speed_radps, &delay->learned);
-    if (!on) { self->probe_failed = 0; }
-    if (probed && (delay->probed == 0u) && !learned) { self->probe_failed = 1; }
+    if (!on) { self->probe_done = 0; }
+    if (probed && (delay->probed == 0u)) { self->probe_done = 1; }
     sd_afr_delay_probe(delay, on && steady && ((delay->probed != 0u) || wants_probe(self, speed_radps)));
     self->signals.afr_late_s = delay->learned.late_s;
     self->signals.afr_late_sd_s = delay->learned.late_sd_s;

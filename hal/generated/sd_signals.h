@@ -7,7 +7,7 @@
 #include <stdint.h>
 
 /// Changes whenever the table does; calibration pages and logs carry it.
-#define SD_SIGNALS_SIGNATURE 0x52011fe9u
+#define SD_SIGNALS_SIGNATURE 0x1b414e5au
 
 /// Channel of an SD_EVENT_SAMPLE.
 typedef enum sd_input {
@@ -155,7 +155,7 @@ typedef struct sd_parameters {
     float afr_drift_slow; ///< The same in slow mode.
     float afr_slow_above; ///< Slow mode where crank speed (rad/s) times the sum of the sensor's lags (s) is above this.
     float afr_stoichiometric; ///< Air to fuel of the fuel in use.
-    float balance_source; ///< 0 no trims, 1 from afr.cylinder_burned, 2 from cycle.cylinder_torque.
+    float balance_source; ///< 0 no trims, 1 from afr.cylinder_burned, 2 from firing.torque; no trims follow a misfire.
     float balance_gain; ///< Of the deviation, taken off the trim each cycle.
     float balance_rate; ///< Largest change of a trim in a cycle.
     float balance_limit; ///< Largest trim.

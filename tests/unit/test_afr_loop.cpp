@@ -91,10 +91,23 @@ TEST(AfrLoop, AFuelCutMendsTorqueOfAWrongCalibration) {
                          {"balance.source=2"}, 0, true, 2});
     };
     const BalanceFigures without = run("load.fuel_cut_s=[]"), with = run("load.fuel_cut_s=[2.2,4.2]");
-    EXPECT_GT(without.residual_percent, 1.5);
-    EXPECT_LT(with.residual_percent, 0.6);
+    EXPECT_GT(without.residual_percent, 0.8);
+    EXPECT_LT(with.residual_percent, 0.5 * without.residual_percent);
     EXPECT_GE(with.cycles_to_3_percent, 4);
     EXPECT_LE(with.cycles_to_3_percent, 20);
+}
+
+/// What did not burn reads as a cylinder that is far too lean; no fuel helps it.
+TEST(AfrLoop, ACylinderThatMisfiresIsNotTrimmed) {
+    for (const char *source : {"balance.source=1", "balance.source=2"}) {
+        const Scenario scenario = loop_scenario({"misfires.continuous=[2]", "run.duration_s=6"});
+        TomlFile tune("t", "");
+        tune.set(source);
+        const sd_calibration_t page = calibrate(scenario.engine.shared, read_tune(tune), "t");
+        const auto ecu = std::make_unique<EcuBench>(page);
+        run_scenario(scenario, page, *ecu, nullptr);
+        for (float trim : ecu->signals().balance_trim) EXPECT_LE(std::abs(trim), 0.03f) << source;
+    }
 }
 
 /// 3500 rpm, where the sensor is too slow: 22 s from the moment the trims are allowed.

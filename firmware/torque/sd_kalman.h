@@ -42,7 +42,9 @@
 #define SD_KALMAN_SETS_MAX         2    ///< Of gains.
 #define SD_KALMAN_GAINS_MAX        (SD_KALMAN_SETS_MAX * SD_KALMAN_SPEEDS_MAX)
 #define SD_KALMAN_MODES_MAX        2
-#define SD_KALMAN_POOL             28000///< Floats for torques and gains: 12 speeds for 8 cylinders with 2 modes.
+#ifndef SD_KALMAN_POOL
+#define SD_KALMAN_POOL             28000///< Floats for torques and gains: 12 speeds for 8 cylinders with 2 modes. A build for less may define it.
+#endif
 
 /// A natural vibration that moves the toothed wheel. Torques in Nm hold it at a twist of the wheel in rad.
 typedef struct sd_kalman_mode {

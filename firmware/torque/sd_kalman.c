@@ -8,7 +8,7 @@
 
 static const float INVERSE[6] = { 1.0f, 0.5f, 1.0f / 3.0f, 0.25f, 0.2f, 1.0f / 6.0f };
 
-_Static_assert(sizeof(sd_kalman_t) == 556, "without pointers, the same size on every target");
+_Static_assert(sizeof(sd_kalman_t) == 568, "without pointers, the same size on every target");
 
 enum { REJECTED_IN_ROW_MAX = 12, /* teeth left out in a row after which the estimate itself must be wrong */
        SPEED_MIN_RADPS = 5 };
@@ -21,6 +21,7 @@ typedef struct sd_between {
 
 static sd_between_t find_speed(const sd_kalman_t *self, const sd_kalman_tables_t *t, float speed) {
     sd_between_t b = { 0, 0, 0.0f };
+    speed *= self->tuning.gain_speed;
     while ((b.at + 1u < t->speeds) && (speed >= t->speed_radps[b.at + 1u])) { b.at++; }
     b.next = b.at;
     if ((b.at + 1u < t->speeds) && (speed > t->speed_radps[b.at])) {
@@ -101,12 +102,16 @@ static void exponential(float x, float z, float *a, float *b) {
     }
 }
 
+static float frequency_radps(const sd_kalman_t *self, const sd_kalman_tables_t *t, uint32_t m) {
+    return self->tuning.frequency * t->mode[m].frequency_radps;
+}
+
 static void swing(sd_kalman_t *self, const sd_kalman_tables_t *t, uint32_t k, float dt, float square) {
     for (uint32_t m = 0; m < t->modes; ++m) {
-        const float held = held_twist(self, t, k, m, square), away = self->twist_rad[m] - held, v = self->swing_rad[m];
+        const float held = self->tuning.compliance * held_twist(self, t, k, m, square), away = self->twist_rad[m] - held, v = self->swing_rad[m];
         const float z = t->mode[m].damping;
         float a, b;
-        exponential(t->mode[m].frequency_radps * dt, z, &a, &b);
+        exponential(frequency_radps(self, t, m) * dt, z, &a, &b);
         self->twist_rad[m] = held + a * away + b * v;
         self->swing_rad[m] = a * v - b * (away + 2.0f * z * v);
     }
@@ -187,7 +192,7 @@ static float late_rad(const sd_kalman_t *self, const sd_kalman_tables_t *t, floa
     float twist = 0.0f, rate = 0.0f;
     for (uint32_t m = 0; m < t->modes; ++m) {
         twist += self->twist_rad[m];
-        rate += self->swing_rad[m] * t->mode[m].frequency_radps;
+        rate += self->swing_rad[m] * frequency_radps(self, t, m);
     }
     return twist * (1.0f - rate * slowness) - self->lateness_s * speed;
 }
@@ -299,11 +304,12 @@ void sd_kalman_set_intake(sd_kalman_t *self, float intake_bar) {
 
 /* What a dual-mass flywheel takes from the crank beyond the constant torque. */
 static float through_spring(const sd_kalman_t *self, const sd_kalman_tables_t *t) {
+    const float r = self->tuning.frequency;
     float torque = 0.0f;
     for (uint32_t m = 0; m < t->modes; ++m) {
-        torque += t->mode[m].spring_nmprad * self->twist_rad[m] + t->mode[m].damper_nmprad * self->swing_rad[m];
+        torque += r * t->mode[m].spring_nmprad * self->twist_rad[m] + t->mode[m].damper_nmprad * self->swing_rad[m];
     }
-    return torque;
+    return r * torque;
 }
 
 bool sd_kalman_step(sd_kalman_t *self, const sd_kalman_tables_t *t, const sd_kalman_tooth_t *tooth, sd_firing_t *firing) {
@@ -336,10 +342,12 @@ void sd_kalman_restart(sd_kalman_t *self) {
     const uint16_t rejected = self->rejected;
     const float intake_bar = self->intake_bar;
     const uint8_t held = self->intake_held, set = self->set;
+    const sd_kalman_tuning_t tuning = self->tuning;
     float zero[SD_KALMAN_FIRINGS_MAX];
     memcpy(zero, self->zero_nm_per_bar, sizeof zero);
     memset(self, 0, sizeof *self);
     memcpy(self->zero_nm_per_bar, zero, sizeof zero);
+    self->tuning = tuning;
     self->noise_ratio = 1.0f;
     self->rejected = rejected;
     sd_kalman_set_intake(self, intake_bar);
@@ -363,6 +371,7 @@ sd_status_t sd_kalman_status(const sd_kalman_t *self, const sd_kalman_tables_t *
 sd_result_t sd_kalman_init(sd_kalman_t *self, const sd_kalman_tables_t *tables) {
     if (!sd_kalman_tables_ok(tables)) { return SD_ERR_CONFIG; }
     memset(self, 0, sizeof *self);
+    self->tuning = (sd_kalman_tuning_t){ 1.0f, 1.0f, 1.0f };
     sd_kalman_set_intake(self, 1.0f);
     sd_kalman_restart(self);
     return SD_OK;

@@ -42,7 +42,9 @@
 #define SD_KALMAN_SETS_MAX         2    ///< Of gains.
 #define SD_KALMAN_GAINS_MAX        (SD_KALMAN_SETS_MAX * SD_KALMAN_SPEEDS_MAX)
 #define SD_KALMAN_MODES_MAX        2
-#define SD_KALMAN_POOL             28000///< Floats for torques and gains: 12 speeds for 8 cylinders with 2 modes.
+#ifndef SD_KALMAN_POOL
+#define SD_KALMAN_POOL             28000///< Floats for torques and gains: 12 speeds for 8 cylinders with 2 modes. A build for less may define it.
+#endif
 
 /// A natural vibration that moves the toothed wheel. Torques in Nm hold it at a twist of the wheel in rad.
 typedef struct sd_kalman_mode {
@@ -115,6 +117,14 @@ typedef struct sd_firing {
     float   mean_sd_nm;
 } sd_firing_t;
 
+/// What was learned of the crank's modes (sd_twist.h): how much faster they swing than in the tables. To the gains a mode
+/// of r times the frequency at r times the speed is what it was, so they are looked up at 1 / r of the speed.
+typedef struct sd_kalman_tuning {
+    float frequency;  ///< r, [0.9, 1.1],
+    float gain_speed; ///< 1 / r,
+    float compliance; ///< 1 / r^2: the twist that a torque holds, over that of the tables.
+} sd_kalman_tuning_t;
+
 typedef struct sd_kalman {
     float    lateness_s;  ///< When the last tooth was due, after it came.
     float    energy_j;    ///< At the last tooth.
@@ -127,6 +137,7 @@ typedef struct sd_kalman {
     float    innovation_rad, test_ratio;
     float    noise_ratio; ///< Running mean square of the innovation over its expectation.
     float    zero_nm_per_bar[SD_KALMAN_FIRINGS_MAX]; ///< What a cylinder reads without combustion, of its charge; kept by restart.
+    sd_kalman_tuning_t tuning; ///< Kept by restart.
     float    ring_nm[SD_KALMAN_FIRINGS_MAX][SD_KALMAN_MEAN];
     uint8_t  kept[SD_KALMAN_FIRINGS_MAX]; ///< Filled places of each ring.
     uint8_t  next[SD_KALMAN_FIRINGS_MAX]; ///< Where the next firing goes.

@@ -42,9 +42,11 @@ KalmanTune kalman_tune(const EngineFile &engine, const sd_parameters_t &p) {
     tune.settle_cycles = double(p.firing_settle_cycles);
     if (engine.torsion) {
         // A mode near an engine order wants gains of its own within a few percent of speed. And what all cylinders share shows
-        // in their differences, by each one's place in the mode: a common torque that settles slowly would spoil them.
+        // in their differences, by each one's place in the mode: a common torque that settles slowly would spoil them. It may
+        // then walk so far that what a failed firing lacks would be taken for load, were the firing not freer too.
         tune.speeds_rpm = {1000, 1200, 1440, 1730, 2070, 2500, 3000, 3600, 4300, 5200, 6200, 7400};
         tune.load_walk_nm *= 10;
+        tune.firing_change_nm *= 4;
     }
     if (p.firing_harmonics > 0) tune.speeds_rpm = {1000}; // one table fits the pool; waveform only
     return tune;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "run/firing_report.hpp"
 
-#include <cmath>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -46,6 +45,10 @@ nlohmann::ordered_json firing_json(const RunResult &result, const std::optional<
         json["single_over_bound"] = f.single_percent / bounds->single_percent;
         json["imbalance_over_bound"] = f.imbalance_percent / bounds->imbalance_percent;
     }
+    if (result.learned.twist.variance > 0) {
+        json["twist_percent"] = 100 * double(result.learned.twist.deviation);
+        json["twist_sd_percent"] = 100 * double(sd_twist_sd(&result.learned.twist));
+    }
     if (result.waveform) {
         json["waveform_rms_percent"] = result.waveform->rms_true_percent, json["waveform_shift_deg"] = result.waveform->shift_deg;
     }
@@ -71,6 +74,10 @@ void print_firing(const char *heading, const RunResult &result, const std::optio
         row("  waveform", fmt::format("{:.2f} % rms, shift {:+.3f} deg", result.waveform->rms_true_percent, result.waveform->shift_deg));
     if (result.pattern_sd_deg > 0)
         row("  tooth pattern learned to", fmt::format("{:.4f} deg over {:.0f} cycles", result.pattern_sd_deg, double(result.learned.cycles)));
+    const sd_twist_sums_t &twist = result.learned.twist;
+    if (twist.variance > 0)
+        row("  frequency of the crank's twist", fmt::format("{:+.3f} % beyond the tables, stated to {:.3f} %", 100 * double(twist.deviation),
+                                                            100 * double(sd_twist_sd(&twist))));
 }
 
 } // namespace sixdeg

@@ -8,7 +8,7 @@
 #define SPREAD_MIN  0.05f  /* of u, relative: below it one speed only was seen */
 #define MOTORED_SD  0.03f  /* of the motored torque, relative, while the speeds do not tell */
 
-_Static_assert(sizeof(sd_pattern_t) == 3060, "without pointers, the same size on every target");
+_Static_assert(sizeof(sd_pattern_t) == 3064, "without pointers, the same size on every target");
 
 static uint32_t teeth_of_cycle(const sd_kalman_tables_t *t) {
     uint32_t present = 0;

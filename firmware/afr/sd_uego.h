@@ -2,10 +2,14 @@
 /// sd_uego.h - what the wideband sensor meets, from what it says: block D of document 004, Figure 13.
 ///
 /// The gas at the tip repeats every cycle: u = Re sum over k = 0..n_h of c_k E_k, E_k = exp(j k alpha/2); the sensor is
-/// two lags, H_k = 1/((1 + j w_k tau1)(1 + j w_k tau2)). Both forms correct c_k += G_k conj(E_k) (y - yhat):
-///   Fourier (the document's adaptive law):  yhat = Re sum of c_k H_k E_k,  G_k = g conj(H_k)/(|H_k|^2 + rho^2)
+/// two lags, each stepped s += m (input - s), m = 1 - exp(-step/tau). Both forms correct c_k += G_k conj(E_k) (y - yhat):
+///   Fourier (the document's adaptive law):  yhat = Re sum of c_k H_k E_k,  G_k = g conj(H_k)/(|H_k|^2 + rho^2),
+///     H_k the steady response of the two: the product of m/(1 - (1 - m) exp(-j k 2 pi/positions))
 ///   oscillator: yhat = s1 of the two lags run on u, corrected too; all gains constant, from a Riccati equation
-/// u is taken at the position itself and lags nothing. Air fractions, (-1, 1).
+/// n_h of half the cylinders holds every pattern that cylinders can make. Air fractions, (-1, 1).
+///
+/// Each lag takes its input from the end of a position for all of it and so leads by half a position; a reading that is the
+/// mean over a position lags by half. So u is the gas of SD_UEGO_LEAD positions ago, which the caller adds to his delay.
 ///
 /// Two variants from one body: _f32 and _q31. Real-time contract: no heap, no globals, no libm; n_h passes a step; set
 /// divides, once a cycle. One writer per state.
@@ -16,6 +20,7 @@
 
 #define SD_UEGO_HARMONICS_MAX 4
 #define SD_UEGO_POSITIONS_MAX 240
+#define SD_UEGO_LEAD          1.5f /* positions */
 
 /// Gains of the oscillator form at one speed.
 typedef struct sd_uego_gains {

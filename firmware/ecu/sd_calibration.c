@@ -70,6 +70,9 @@ static void walk_afr(sd_page_walk_t *walk, sd_afr_grid_t *afr) {
     sd_page_32(walk, &afr->tau2_s);
     sd_page_32(walk, &afr->mass_base_kg);
     walk_floats(walk, afr->psi, SD_EXHAUST_PSI + 1u);
+    for (uint32_t i = 0; i < SD_AFR_SPEEDS; ++i) {
+        walk_floats(walk, (float *)&afr->inversion[i], sizeof afr->inversion[i] / sizeof(float)); /* floats without gaps */
+    }
     sd_afr_node_t *node = &afr->node[0][0][0];
     for (uint32_t i = 0; i < SD_AFR_SPEEDS * SD_AFR_PRESSURES * SD_AFR_LAMBDAS; ++i, ++node) {
         for (uint32_t k = 0; k < SD_AFR_OPEN; ++k) { sd_page_u16(walk, &node->share[k]); }

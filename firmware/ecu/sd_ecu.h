@@ -18,7 +18,6 @@
 #define SD_ECU_H
 #include "hal.h"
 #include "sd_balance.h"
-#include "sd_balance_zero.h"
 #include "sd_calibration.h"
 #include "sd_learned.h"
 #include "sd_road.h"
@@ -34,6 +33,14 @@ typedef union sd_torque {
     sd_fourier_f32_t f32;
     sd_fourier_q31_t q31;
 } sd_torque_t;
+
+/// Firings read since the end of the last cycle, for the trims.
+typedef struct sd_cycle_firings {
+    float   torque_nm[SD_CYLINDERS_MAX], sd_nm[SD_CYLINDERS_MAX]; ///< By firing order; as last read.
+    uint8_t count;   ///< How many were read.
+    uint8_t health;  ///< The worst of them.
+    uint8_t misfired; ///< One was judged a misfire.
+} sd_cycle_firings_t;
 
 typedef struct sd_ecu {
     sd_calibration_t calibration; ///< Its parameters are the working page.
@@ -53,7 +60,7 @@ typedef struct sd_ecu {
     sd_balance_t balance;
     float    burned_sum;          ///< Of the wide-band samples since the last tooth,
     uint32_t burned_count;        ///< and how many.
-    sd_balance_zero_t torque_zero; ///< Survives a loss of sync.
+    sd_cycle_firings_t cycle_firings;
     float    last_trim[SD_BALANCE_CYLINDERS_MAX]; ///< Of the last cycle, by firing order.
     float    last_variance;       ///< Of a cylinder's mixture, of the mean, last cycle.
     float    last_speed_radps, last_fuel_mg; ///< Of the last cycle, for transients.

@@ -6,10 +6,15 @@
 #define RADPS_PER_RPM   0.10471976f
 #define TRANSIENT_SPEED 0.02f /* share by which a cycle may differ from the last and still be steady */
 #define TRANSIENT_FUEL  0.05f
-#define TORQUE_FOLLOWS  0.3f   /* a cycle: the Fourier observer settles in some 4 */
+#define TORQUE_FOLLOWS  0.5f   /* a cycle: half of the firings that a cycle reads were injected before it began */
 #define FOLLOW_LEAST    0.001f
+#define CHAIN_FOLLOWS   0.3f   /* a cycle: it settles to a tenth in some 4 */
 
 static bool ready(const sd_ecu_t *self) { return self->afr.config.cylinders != 0u; }
+
+/* The filter is told of the trims. The chain is not: its inverted sensor finds a trim some cycles later, and until then its
+ * observer would take back what it was told. */
+static bool is_told(const sd_ecu_t *self) { return self->afr.config.method == SD_AFR_JOINT; }
 
 sd_result_t sd_ecu_afr_init(sd_afr_t *afr, const sd_calibration_t *c) {
     const sd_parameters_t *p = &c->parameters;
@@ -17,11 +22,12 @@ sd_result_t sd_ecu_afr_init(sd_afr_t *afr, const sd_calibration_t *c) {
         memset(afr, 0, sizeof *afr);
         return SD_OK;
     }
-    sd_afr_config_t config = { .cycle_positions = (uint16_t)(2u * c->positions), .cylinders = c->cylinders,
+    sd_afr_config_t config = { .method = (uint8_t)(p->afr_method + 0.5f), .gain_air = p->afr_gain_air, .gain_cylinder = p->afr_gain_cylinder,
+                               .inversion_gain = p->afr_inversion_gain, .inversion_floor = p->afr_inversion_floor, .cycle_positions = (uint16_t)(2u * c->positions), .cylinders = c->cylinders,
                                .noise_per_rthz = p->afr_noise, .drift = p->afr_drift, .drift_slow = p->afr_drift_slow,
                                .jump = p->afr_jump, .slow_above = p->afr_slow_above };
     for (uint32_t i = 0; i < c->cylinders; ++i) { config.firing_position[i] = c->firing_position[i]; }
-    return sd_afr_init(afr, &config, &c->afr);
+    return sd_afr_init(afr, &config, &c->afr, c->sine_q31);
 }
 
 sd_balance_config_t sd_ecu_balance_config(const sd_calibration_t *c) {
@@ -90,29 +96,18 @@ static void read_afr(sd_ecu_t *self, float speed_radps) {
     }
 }
 
-/* Torques by firing order, less what is known to be wrong of them; returns their mean. */
-static float cylinder_torques(const sd_ecu_t *self, float *torque_nm) {
-    const sd_calibration_t *c = &self->calibration;
-    const float intake_bar = self->sample[SD_INPUT_AIR_INTAKE_PRESSURE].value;
-    float mean = 0.0f;
-    for (uint32_t i = 0; i < c->cylinders; ++i) {
-        torque_nm[i] = self->signals.cycle_cylinder_torque_nm[c->firing_order[i] - 1u] - sd_balance_zero_nm(&self->torque_zero, i, intake_bar);
-        mean += torque_nm[i] / (float)c->cylinders;
-    }
-    return mean;
-}
-
 /* What cylinders deviate by, in firing order, from the source chosen; returns the health of it. */
 static uint8_t torque_deviations(const sd_ecu_t *self, float *deviation, float *sd) {
-    const sd_calibration_t *c = &self->calibration;
-    float torque[SD_CYLINDERS_MAX] = { 0.0f };
-    const float mean = cylinder_torques(self, torque);
-    if (!(mean > 1.0f)) { return SD_INVALID; } /* Nm: nothing burns */
-    for (uint32_t i = 0; i < c->cylinders; ++i) {
-        deviation[i] = torque[i] / mean - 1.0f;
-        sd[i] = self->signals.cycle_cylinder_sd_nm[c->firing_order[i] - 1u] / mean;
+    const sd_cycle_firings_t *firings = &self->cycle_firings;
+    const uint32_t n = self->calibration.cylinders;
+    float mean = 0.0f;
+    for (uint32_t i = 0; i < n; ++i) { mean += firings->torque_nm[i] / (float)n; }
+    if ((firings->count < n) || !(mean > 1.0f)) { return SD_INVALID; } /* Nm: nothing burns */
+    for (uint32_t i = 0; i < n; ++i) {
+        deviation[i] = firings->torque_nm[i] / mean - 1.0f;
+        sd[i] = firings->sd_nm[i] / mean;
     }
-    return self->status[SD_OWNER_CYLINDER].health;
+    return firings->health;
 }
 
 static uint8_t mixture_deviations(const sd_ecu_t *self, float *deviation, float *sd) {
@@ -123,18 +118,9 @@ static uint8_t mixture_deviations(const sd_ecu_t *self, float *deviation, float 
     return self->status[SD_OWNER_AFR].health;
 }
 
-/* In fuel cut all cylinders give the same: what differs is an error. */
-static void learn_zero(sd_ecu_t *self, bool steady) {
-    const sd_calibration_t *c = &self->calibration;
-    const sd_sample_t *fuel = &self->sample[SD_INPUT_FUEL_INJECTED];
-    float torque[SD_CYLINDERS_MAX] = { 0.0f };
-    for (uint32_t i = 0; i < c->cylinders; ++i) { torque[i] = self->signals.cycle_cylinder_torque_nm[c->firing_order[i] - 1u]; }
-    const bool motored = steady && (fuel->seen != 0u) && (fuel->value <= 0.0f) && (self->status[SD_OWNER_CYLINDER].health == SD_VALID);
-    sd_balance_zero_step(&self->torque_zero, torque, c->cylinders, self->sample[SD_INPUT_AIR_INTAKE_PRESSURE].value, motored);
-}
-
 /* Share of a change that the mixture's estimate takes up in a cycle: from its variance before and after, and its drift. */
 static float mixture_follows(sd_ecu_t *self, float sd) {
+    if (!is_told(self)) { return CHAIN_FOLLOWS; }
     const sd_parameters_t *p = &self->calibration.parameters;
     const float drift = (self->afr.slow != 0u) ? p->afr_drift_slow : p->afr_drift;
     const float before = self->last_variance + drift * drift;
@@ -150,7 +136,7 @@ static void balance(sd_ecu_t *self, uint8_t transient) {
     if (on) {
         const bool from_torque = c->parameters.balance_source > 1.5f;
         float deviation[SD_CYLINDERS_MAX] = { 0.0f }, sd[SD_CYLINDERS_MAX] = { 0.0f };
-        sd_balance_input_t in = { .deviation = deviation, .sd = sd, .follow = TORQUE_FOLLOWS, .told = from_torque ? 0u : 1u, .transient = transient };
+        sd_balance_input_t in = { .deviation = deviation, .sd = sd, .follow = TORQUE_FOLLOWS, .told = (uint8_t)((from_torque || !is_told(self)) ? 0 : 1), .transient = transient };
         in.health = from_torque ? torque_deviations(self, deviation, sd) : mixture_deviations(self, deviation, sd);
         if (!from_torque) { in.follow = mixture_follows(self, sd[0]); }
         sd_balance_step(b, &in);
@@ -165,7 +151,7 @@ static void balance(sd_ecu_t *self, uint8_t transient) {
 static void tell_trims(sd_ecu_t *self) {
     for (uint32_t i = 0; i < self->balance.config.cylinders; ++i) {
         const float trim = self->balance.trim[i];
-        if (ready(self)) { sd_afr_trimmed(&self->afr, i, (1.0f + trim) / (1.0f + self->last_trim[i])); }
+        if (ready(self) && is_told(self)) { sd_afr_trimmed(&self->afr, i, (1.0f + trim) / (1.0f + self->last_trim[i])); }
         self->last_trim[i] = trim;
     }
 }
@@ -174,10 +160,10 @@ void sd_ecu_afr_cycle(sd_ecu_t *self) {
     const float speed = self->signals.cycle_speed_rpm * RADPS_PER_RPM, fuel = self->sample[SD_INPUT_FUEL_INJECTED].value;
     tell_trims(self);
     read_afr(self, speed);
-    const bool steady = changed(speed, self->last_speed_radps) <= TRANSIENT_SPEED;
-    learn_zero(self, steady);
-    const bool transient = !steady || (changed(fuel, self->last_fuel_mg) > TRANSIENT_FUEL) || (fuel <= 0.0f);
-    balance(self, transient ? 1u : 0u);
+    const bool moves = (changed(speed, self->last_speed_radps) > TRANSIENT_SPEED) || (changed(fuel, self->last_fuel_mg) > TRANSIENT_FUEL);
+    /* What has not burned is no mixture to be trimmed. */
+    balance(self, (moves || (fuel <= 0.0f) || (self->cycle_firings.misfired != 0u)) ? 1u : 0u);
+    self->cycle_firings.count = self->cycle_firings.health = self->cycle_firings.misfired = 0;
     self->last_speed_radps = speed;
     self->last_fuel_mg = fuel;
 }

@@ -122,6 +122,13 @@ static bool step_filters(sd_ecu_t *self, const sd_kalman_tooth_t *seen, sd_firin
     return other_complete;
 }
 
+static void keep_for_trims(sd_cycle_firings_t *cycle, const sd_firing_t *firing, uint8_t health) {
+    cycle->torque_nm[firing->index] = firing->torque_nm;
+    cycle->sd_nm[firing->index] = firing->sd_nm;
+    if (health > cycle->health) { cycle->health = health; }
+    cycle->count++;
+}
+
 void sd_ecu_firing_tooth(sd_ecu_t *self, const sd_port_t *port, const sd_tooth_t *tooth) {
     if (!has_filter(self)) {
         self->status[SD_OWNER_FIRING] = (sd_status_t){ .health = SD_INVALID, .why = SD_WHY_UNCALIBRATED };
@@ -140,6 +147,7 @@ void sd_ecu_firing_tooth(sd_ecu_t *self, const sd_port_t *port, const sd_tooth_t
     learn(self, tooth, &seen);
     if (!complete) { return; }
     learn_zero(self, &firing);
+    keep_for_trims(&self->cycle_firings, &firing, self->status[SD_OWNER_FIRING].health);
     self->signals.firing_cylinder = (float)self->calibration.firing_order[firing.index];
     self->signals.firing_torque_nm = firing.torque_nm;
     self->signals.firing_sd_nm = firing.sd_nm;

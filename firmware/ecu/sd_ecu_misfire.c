@@ -69,6 +69,7 @@ void sd_ecu_misfire_firing(sd_ecu_t *self, const sd_firing_t *firing, uint32_t t
         .energy_j = sd_ecu_filter(self)->energy_j,
     };
     const sd_misfire_verdict_t verdict = sd_misfire_judge(&self->misfire, &seen);
+    if (verdict.verdict == (uint8_t)SD_MISFIRE) { self->cycle_firings.misfired = 1; }
     show(self, &verdict);
     report(self);
     sd_ecu_worst_of(&self->status[SD_OWNER_MISFIRE], estimate->health, estimate->why);

@@ -7,7 +7,7 @@
 #include <stdint.h>
 
 /// Changes whenever the table does; calibration pages and logs carry it.
-#define SD_SIGNALS_SIGNATURE 0xb92b0579u
+#define SD_SIGNALS_SIGNATURE 0x7ef305d4u
 
 /// Channel of an SD_EVENT_SAMPLE.
 typedef enum sd_input {
@@ -44,8 +44,8 @@ typedef enum sd_signal {
     SD_SIGNAL_FIRING_MEAN_SD = 32, ///< Standard deviation of firing.mean less that of all cylinders: of the imbalance. [Nm]
     SD_SIGNAL_FIRING_ROUGH = 33, ///< 1: the road is rough, and all of firing comes from the filter whose gains let the load move. [-]
     SD_SIGNAL_AFR_CYLINDER_BURNED = 34, ///< Burned share of each cylinder's exhaust gas, by physical number: lambda = 1 - air/gas of document 004, above 1 where air is missing. [-, 8 channels]
-    SD_SIGNAL_AFR_CYLINDER_SD = 42, ///< Standard deviation that the filter states for a cylinder's deviation from the mean, over the mean. [-, 8 channels]
-    SD_SIGNAL_AFR_SLOW = 50, ///< 1: the sensor is too slow for this speed; the estimate learns over some tens of seconds. [-]
+    SD_SIGNAL_AFR_CYLINDER_SD = 42, ///< Standard deviation of a cylinder's deviation from the mean, over the mean: as the filter states it; of the chain, what it scatters by. [-, 8 channels]
+    SD_SIGNAL_AFR_SLOW = 50, ///< 1: the sensor is too slow for this speed; the filter learns over some tens of seconds, the chain stays degraded. [-]
     SD_SIGNAL_BALANCE_TRIM = 51, ///< Fuel to add to each cylinder, over its nominal, by physical number; their mean is 0. [-, 8 channels]
     SD_SIGNAL_MISFIRE_INDEX = 59, ///< Work of the firing over the work expected of its fuel: 1 healthy, 0 a misfire; 0 when not judged. [-]
     SD_SIGNAL_MISFIRE_LIMIT = 60, ///< Index below which this firing counted as a misfire; 0 when not judged. [-]
@@ -144,20 +144,25 @@ typedef struct sd_parameters {
     float misfire_catalyst_percent; ///< Misfires in 200 revolutions that harm the catalyst.
     float misfire_emission_windows; ///< Windows of 1000 over the limit that light the lamp; one is enough in the first.
     float misfire_catalyst_windows; ///< Windows of 200 over the limit that make it blink.
+    float afr_method; ///< 1 joint filter; document 004's chain with the sensor inverted 2 as oscillators, gains from the page, 3 by its adaptive Fourier law.
+    float afr_gain_air; ///< L2 of the chain: of the manifold's air, a position.
+    float afr_gain_cylinder; ///< L_cyl of the chain: of the cylinders, over the charge squared.
+    float afr_inversion_gain; ///< g of the chain's Fourier law, a position.
+    float afr_inversion_floor; ///< rho of the chain's Fourier law: responses of the sensor below it are not inverted in full.
     float afr_noise; ///< Density of the lambda sensor's noise, of burned share over sqrt(Hz), one-sided: what the filter expects.
     float afr_drift; ///< q: how far a cylinder is expected to move in one cycle, of the mean burned share. Larger is noisier; steps are for afr.jump.
     float afr_jump; ///< How far a cylinder may have moved where innovations keep to one side, of the mean burned share. 0: steps are followed by drift alone.
     float afr_drift_slow; ///< The same in slow mode.
     float afr_slow_above; ///< Slow mode where crank speed (rad/s) times the sum of the sensor's lags (s) is above this.
     float afr_stoichiometric; ///< Air to fuel of the fuel in use.
-    float balance_source; ///< 0 no trims, 1 from afr.cylinder_burned, 2 from cycle.cylinder_torque.
+    float balance_source; ///< 0 no trims, 1 from afr.cylinder_burned, 2 from firing.torque; no trims follow a misfire.
     float balance_gain; ///< Of the deviation, taken off the trim each cycle.
     float balance_rate; ///< Largest change of a trim in a cycle.
     float balance_limit; ///< Largest trim.
     float balance_sd_max; ///< Stated standard deviation of a deviation above which nothing is learned.
     float balance_hold_cycles; ///< How long trims hold after a transient or an estimate that is not valid.
 } sd_parameters_t;
-#define SD_PARAMETER_COUNT 50u
+#define SD_PARAMETER_COUNT 55u
 
 typedef enum sd_rate { SD_RATE_EDGE, SD_RATE_CYCLE, SD_RATE_FIRING } sd_rate_t;
 typedef enum sd_owner { SD_OWNER_CRANK, SD_OWNER_TORQUE, SD_OWNER_CYLINDER, SD_OWNER_FIRING, SD_OWNER_MISFIRE, SD_OWNER_AFR, SD_OWNER_BALANCE, SD_OWNER_COUNT } sd_owner_t;

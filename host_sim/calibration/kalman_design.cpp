@@ -10,12 +10,18 @@ namespace sixdeg {
 namespace {
 
 using Eigen::MatrixXd;
-using Eigen::VectorXd;
+using StateColumn = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kMostStates, 1>;
 
 bool present(const ToothModel &model, int k) { return model.present[std::size_t(k % model.positions)]; }
 
+/// What a correction leaves of the error: (I - K h) error.
+void correct(const Eigen::Ref<const Eigen::RowVectorXd, 0, Eigen::InnerStride<>> &gain, const StateRow &h, StateMatrix &error) {
+    const StateRow shown = h.lazyProduct(error);
+    error -= gain.transpose().lazyProduct(shown);
+}
+
 /// P <- A P A' + Q, P symmetric.
-void predict_variance(const ToothModel &model, const ToothNoise &noise, int k, MatrixXd &p) {
+void predict_variance(const ToothModel &model, const ToothNoise &noise, int k, StateMatrix &p) {
     predict_error(model, k, p);
     p.transposeInPlace();
     predict_error(model, k, p);
@@ -24,7 +30,7 @@ void predict_variance(const ToothModel &model, const ToothNoise &noise, int k, M
     for (int j = first; j < 2 + model.torques(); ++j) p(j, j) += noise.basis_walk * noise.basis_walk;
 }
 
-void inject(const ToothModel &model, const ToothNoise &noise, int k, MatrixXd &p) {
+void inject(const ToothModel &model, const ToothNoise &noise, int k, StateMatrix &p) {
     for (std::size_t i = 0; i < model.inject_at.size(); ++i) {
         if (model.inject_at[i] == k) p(3 + int(i), 3 + int(i)) += noise.firing_change * noise.firing_change;
     }
@@ -34,15 +40,15 @@ void inject(const ToothModel &model, const ToothNoise &noise, int k, MatrixXd &p
 MatrixXd response(const ToothModel &model, const MatrixXd &gain, int from, int cycles) {
     const int firings = int(model.read_at.size());
     MatrixXd read = MatrixXd::Zero(cycles, firings);
-    MatrixXd error = -gain.row(from).transpose();
-    const Eigen::RowVectorXd h = seen(model);
+    StateMatrix error = -gain.row(from).transpose();
+    const StateRow h = seen(model);
     for (int step = 1; step <= (cycles - 1) * model.cycle(); ++step) {
         const int k = (from + step) % model.cycle(), cycle = (from + step) / model.cycle();
         predict_error(model, k, error);
         for (int i = 0; i < firings; ++i) {
             if (model.read_at[std::size_t(i)] == k) read(cycle, i) = error(3 + i);
         }
-        if (present(model, k)) error -= (gain.row(k).transpose() * (h * error)).eval();
+        if (present(model, k)) correct(gain.row(k), h, error);
         if (k == 0 && error.squaredNorm() < 1e-20 * gain.squaredNorm()) break; // it has died out
     }
     return read.colwise() - read.rowwise().mean();
@@ -51,8 +57,8 @@ MatrixXd response(const ToothModel &model, const MatrixXd &gain, int from, int c
 /// Variance of the firings where they are read, with the walk and without timing errors, under given gains.
 double load_variance(const ToothModel &model, const ToothNoise &noise, const MatrixXd &gain) {
     constexpr int kCycles = 40;
-    const Eigen::RowVectorXd h = seen(model);
-    MatrixXd p = MatrixXd::Zero(model.states(), model.states());
+    const StateRow h = seen(model);
+    StateMatrix p = StateMatrix::Zero(model.states(), model.states());
     double sum = 0;
     for (int step = 0; step < kCycles * model.cycle(); ++step) {
         const int k = step % model.cycle();
@@ -61,8 +67,9 @@ double load_variance(const ToothModel &model, const ToothNoise &noise, const Mat
             if (model.read_at[i] == k && step >= (kCycles - 1) * model.cycle()) sum += p(3 + int(i), 3 + int(i));
         }
         if (!present(model, k)) continue;
-        p -= (gain.row(k).transpose() * (h * p)).eval();
-        p -= (p * h.transpose() * gain.row(k)).eval();
+        correct(gain.row(k), h, p);
+        p.transposeInPlace();
+        correct(gain.row(k), h, p);
     }
     return sum / double(model.read_at.size());
 }
@@ -102,33 +109,34 @@ ToothMode tooth_mode(double turn_rad, double damping, const Eigen::RowVectorXd &
 
 double ToothModel::pitch() const { return 2 * M_PI / positions; }
 
-void predict_error(const ToothModel &model, int k, Eigen::Ref<MatrixXd> error) {
+void predict_error(const ToothModel &model, int k, StateMatrix &error) {
     const double d = model.pitch(), j = model.inertia_ratio[std::size_t(k % model.positions)];
     const auto x = error.middleRows(2, model.torques());
-    error.row(0) -= d / j * (error.row(1) + d * model.moment.row(k) * x);
-    error.row(1) += d * model.mean.row(k) * x;
+    const StateRow lift = model.mean.row(k).lazyProduct(x), early = model.moment.row(k).lazyProduct(x);
+    error.row(0) -= d / j * (error.row(1) + d * early);
+    error.row(1) += d * lift;
     for (std::size_t i = 0; i < model.modes.size(); ++i) {
         const ToothMode &mode = model.modes[i];
         auto q = error.row(model.mode_at(i)), v = error.row(model.mode_at(i) + 1);
-        const Eigen::RowVectorXd held = model.mean.row(k).cwiseProduct(mode.compliance) * x, away = q - held;
+        const StateRow held = model.mean.row(k).cwiseProduct(mode.compliance).lazyProduct(x), away = q - held;
         q = held + mode.a * away + mode.b * v;
-        v = (mode.a * v - mode.b * (away + 2 * mode.damping * v)).eval();
+        v = mode.a * v - mode.b * (away + 2 * mode.damping * v);
     }
 }
 
-Eigen::RowVectorXd seen(const ToothModel &model) {
-    Eigen::RowVectorXd h = Eigen::RowVectorXd::Zero(model.states());
+StateRow seen(const ToothModel &model) {
+    StateRow h = StateRow::Zero(model.states());
     h(0) = 1;
     for (std::size_t i = 0; i < model.modes.size(); ++i) h(model.mode_at(i)) = -1;
     return h;
 }
 
 double cycle_radius(const ToothModel &model, const MatrixXd &gain) {
-    MatrixXd map = MatrixXd::Identity(model.states(), model.states());
-    const Eigen::RowVectorXd h = seen(model);
+    StateMatrix map = StateMatrix::Identity(model.states(), model.states());
+    const StateRow h = seen(model);
     for (int k = 0; k < model.cycle(); ++k) {
         predict_error(model, k, map);
-        if (present(model, k)) map -= (gain.row(k).transpose() * (h * map)).eval();
+        if (present(model, k)) correct(gain.row(k), h, map);
     }
     return map.eigenvalues().cwiseAbs().maxCoeff();
 }
@@ -172,18 +180,18 @@ PeriodicGains design_gains(const ToothModel &model, const ToothNoise &noise, int
     const double r = noise.edge_rad * noise.edge_rad;
     PeriodicGains gains;
     gains.gain = MatrixXd::Zero(model.cycle(), model.states());
-    MatrixXd p = MatrixXd::Identity(model.states(), model.states());
-    const Eigen::RowVectorXd h = seen(model);
+    StateMatrix p = StateMatrix::Identity(model.states(), model.states());
+    const StateRow h = seen(model);
     for (int cycle = 0; cycle < kMostCycles; ++cycle) {
         double change = 0, teeth = 0, innovation = 0;
         for (int k = 0; k < model.cycle(); ++k) {
             predict_variance(model, noise, k, p);
             if (present(model, k)) {
-                const VectorXd column = p * h.transpose();
+                const StateColumn column = p * h.transpose();
                 const double s = h * column + r;
                 change = std::max(change, (column / s - gains.gain.row(k).transpose()).cwiseAbs().maxCoeff());
                 gains.gain.row(k) = column.transpose() / s;
-                p -= column * column.transpose() / s;
+                p -= column.lazyProduct(column.transpose()) / s;
                 innovation += s / r, ++teeth;
             }
             p = (0.5 * (p + p.transpose())).eval();

@@ -11,7 +11,16 @@
 #include <Eigen/Core>
 #include <vector>
 
+extern "C" {
+#include "sd_kalman.h"
+}
+
 namespace sixdeg {
+
+/// Bounded by the firmware's largest filter, so that no step of a recursion takes from the heap.
+constexpr int kMostStates = 2 + SD_KALMAN_COEFFICIENTS_MAX + 2 * SD_KALMAN_MODES_MAX;
+using StateMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMostStates, kMostStates>;
+using StateRow = Eigen::Matrix<double, 1, Eigen::Dynamic, Eigen::RowMajor, 1, kMostStates>;
 
 /// A mode of the crank at one speed, a pitch long.
 struct ToothMode {
@@ -68,9 +77,9 @@ Eigen::MatrixXd steady_reading(const ToothModel &model, const Eigen::MatrixXd &g
                                const Eigen::MatrixXd &moment);
 
 /// What of the state a tooth edge shows.
-Eigen::RowVectorXd seen(const ToothModel &model);
+StateRow seen(const ToothModel &model);
 
-/// Step of the error's prediction into cycle position k, rows of `error` (any number of columns).
-void predict_error(const ToothModel &model, int k, Eigen::Ref<Eigen::MatrixXd> error);
+/// Step of the error's prediction into cycle position k, rows of `error` (any number of columns up to kMostStates).
+void predict_error(const ToothModel &model, int k, StateMatrix &error);
 
 } // namespace sixdeg

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The AFR blocks wired as Figure 13 of document 004 (B and C feed A, D inverts the sensor for it), or B and C
-// with the joint filter. V names the number type.
+// The AFR blocks on a trace: document 004's chain, block A alone, or the joint filter, each with the same B and C. V names
+// the number type.
 #pragma once
 #include <cmath>
 #include <stdexcept>
@@ -10,9 +10,8 @@
 #include "calibration/uego_gains.hpp"
 #include "run/afr_judge.hpp"
 extern "C" {
+#include "sd_afr_chain.h"
 #include "sd_afr_joint.h"
-#include "sd_afr_observer.h"
-#include "sd_uego.h"
 }
 
 namespace sixdeg {
@@ -22,18 +21,16 @@ namespace sixdeg {
         using Type = TYPE;                                                                                   \
         using Exhaust = sd_exhaust_##N##_t;                                                                  \
         using Now = sd_exhaust_now_##N##_t;                                                                  \
-        using Observer = sd_afr_observer_##N##_t;                                                            \
-        using Uego = sd_uego_##N##_t;                                                                        \
+        using Chain = sd_afr_chain_##N##_t;                                                                  \
         static constexpr auto exhaust_init = sd_exhaust_init_##N;                                            \
         static constexpr auto exhaust_set = sd_exhaust_set_##N;                                              \
         static constexpr auto exhaust_step = sd_exhaust_step_##N;                                            \
-        static constexpr auto observer_init = sd_afr_observer_init_##N;                                      \
-        static constexpr auto observer_set = sd_afr_observer_set_##N;                                        \
+        static constexpr auto chain_init = sd_afr_chain_init_##N;                                            \
+        static constexpr auto chain_set = sd_afr_chain_set_##N;                                              \
+        static constexpr auto chain_step = sd_afr_chain_step_##N;                                            \
+        static constexpr auto chain_lambda = sd_afr_chain_lambda_##N;                                        \
+        static constexpr auto chain_variance = sd_afr_chain_deviation_variance_##N;                          \
         static constexpr auto observer_step = sd_afr_observer_step_##N;                                      \
-        static constexpr auto observer_lambda = sd_afr_observer_lambda_##N;                                  \
-        static constexpr auto uego_init = sd_uego_init_##N;                                                  \
-        static constexpr auto uego_set = sd_uego_set_##N;                                                    \
-        static constexpr auto uego_step = sd_uego_step_##N;                                                  \
         static Type of(double x) { return sd_from_float_##N(float(x)); }                                     \
     };
 SD_AFR_VARIANT(F32, f32, float)
@@ -64,12 +61,10 @@ template <class V> class AfrBlocks {
         const auto psi = exhaust_psi();
         std::copy(psi.begin(), psi.end(), e.psi);
         must(V::exhaust_init(&exhaust_, &e));
-        // Lags stepped from their own ends lead by half a position each, the mean over a position lags by
-        // half.
-        const double lead = is_joint() ? 1.5 : 0.5;
         const bool at_manifold = setup.method == AfrMethod::true_gas;
         const double wait =
-            engine.exhaust->dead_time_s / trace.step_s + error.delay_deg / 360 * engine.wheel.positions + lead;
+            engine.exhaust->dead_time_s / trace.step_s + error.delay_deg / 360 * engine.wheel.positions +
+            double(SD_UEGO_LEAD);
         const sd_exhaust_point_t p{share_.data(),
                                    float(charge),
                                    float(point.rate_hz * (1 + error.turbine)),
@@ -86,12 +81,10 @@ template <class V> class AfrBlocks {
         for (std::size_t k = 0; k < trace_.sensor.size(); ++k) {
             const auto position =
                 std::uint32_t((trace_.first_cycle_position + k) % std::size_t(trace_.cycle_positions));
-            typename V::Now now;
-            V::exhaust_step(&exhaust_, position, &now);
             const double measured = setup_.method == AfrMethod::true_gas
                                         ? trace_.gas[k]
                                         : trace_.sensor[k] + (noise.empty() ? 0 : noise[k]);
-            step(position, now, 1 - measured);
+            step(position, 1 - measured);
             if (int(k % std::size_t(trace_.cycle_positions)) == trace_.cycle_positions - 1) read(result);
         }
         return result;
@@ -103,30 +96,28 @@ template <class V> class AfrBlocks {
     bool is_joint() const { return setup_.method == AfrMethod::joint || setup_.method == AfrMethod::joint_fixed; }
 
     void init_chain() {
-        const sd_afr_observer_config_t a{std::uint8_t(n_), 0, float(setup_.gain_air),
-                                         float(setup_.gain_cylinder)};
-        must(V::observer_init(&observer_, &a));
-        V::observer_set(&observer_, float(1 / kBaseCharges));
         for (int k = 0; k < trace_.cycle_positions; ++k)
             sine_.push_back(
                 std::int32_t(std::lround(2147483647.0 * std::sin(2 * M_PI * k / trace_.cycle_positions))));
         const double tau1 = engine_.exhaust->uego_tau_s[0] * (1 + setup_.error.tau),
                      tau2 = engine_.exhaust->uego_tau_s[1] * (1 + setup_.error.tau);
-        const sd_uego_config_t d{std::uint16_t(trace_.cycle_positions),
-                                 SD_UEGO_HARMONICS_MAX,
-                                 float(tau1),
-                                 float(tau2),
-                                 float(setup_.fourier_gain),
-                                 float(setup_.fourier_floor),
-                                 sine_.data()};
-        must(V::uego_init(&uego_, &d));
-        if (setup_.method == AfrMethod::oscillator) {
-            const UegoDesign design{
-                tau1,         tau2,        trace_.step_s, trace_.cycle_positions, SD_UEGO_HARMONICS_MAX,
-                setup_.noise, setup_.oscillator_drift};
-            gains_ = uego_gains(design);
-        }
-        V::uego_set(&uego_, float(trace_.step_s), setup_.method == AfrMethod::oscillator ? &gains_ : nullptr);
+        sd_afr_chain_config_t c{};
+        c.cycle_positions = std::uint16_t(trace_.cycle_positions);
+        c.cylinders = std::uint8_t(n_), c.harmonics = std::uint8_t(setup_.harmonics);
+        c.tau1_s = float(tau1), c.tau2_s = float(tau2);
+        c.gain_air = float(setup_.gain_air), c.gain_cylinder = float(setup_.gain_cylinder);
+        c.inversion_gain = float(setup_.inversion_gain), c.inversion_floor = float(setup_.inversion_floor);
+        c.sine_q31 = sine_.data();
+        must(V::chain_init(&chain_, &c));
+        if (setup_.method == AfrMethod::oscillator)
+            gains_ = uego_gains({tau1, tau2, trace_.step_s, trace_.cycle_positions, setup_.harmonics, setup_.noise,
+                                 setup_.oscillator_drift});
+        cycle_chain();
+    }
+
+    void cycle_chain() {
+        V::chain_set(&chain_, float(trace_.step_s), setup_.method == AfrMethod::oscillator ? &gains_ : nullptr,
+                     float(1 / kBaseCharges));
     }
 
     void init_joint() {
@@ -160,26 +151,24 @@ template <class V> class AfrBlocks {
         fixed_gains_ = joint_gains(d);
     }
 
-    void step(std::uint32_t position, const typename V::Now &now, double air) {
-        if (is_joint()) {
-            if constexpr (std::is_same_v<V, F32>)
-                sd_afr_joint_step(&joint_, &now, float(air),
-                                  fixed_gains_.empty() ? nullptr : fixed_gains_[position].data());
-        } else if (setup_.method == AfrMethod::true_gas) {
-            V::observer_step(&observer_, &now, V::of(air));
-        } else {
-            V::observer_step(&observer_, &now, V::uego_step(&uego_, position, V::of(air)));
-        }
+    void step(std::uint32_t position, double air) {
+        typename V::Now now;
+        V::exhaust_step(&exhaust_, position, &now);
+        if (setup_.method == AfrMethod::true_gas) return V::observer_step(&chain_.observer, &now, V::of(air));
+        if (!is_joint()) return V::chain_step(&chain_, &now, position, V::of(air));
+        if constexpr (std::is_same_v<V, F32>)
+            sd_afr_joint_step(&joint_, &now, float(air), fixed_gains_.empty() ? nullptr : fixed_gains_[position].data());
     }
 
     void read(AfrEstimates &result) {
         std::array<double, 8> lambda{};
-        const bool joint = is_joint();
         for (std::uint32_t i = 0; i < std::uint32_t(n_); ++i)
-            lambda[i] = double(joint ? sd_afr_joint_lambda(&joint_, i) : V::observer_lambda(&observer_, i));
+            lambda[i] = double(is_joint() ? sd_afr_joint_lambda(&joint_, i) : V::chain_lambda(&chain_, i));
         result.lambda.push_back(lambda);
-        if (!joint) return;
-        result.sd.push_back(std::sqrt(double(sd_afr_joint_deviation_variance(&joint_, 0))));
+        if (!is_joint()) cycle_chain();
+        result.sd.push_back(
+            std::sqrt(double(is_joint() ? sd_afr_joint_deviation_variance(&joint_, 0) : V::chain_variance(&chain_))));
+        if (!is_joint()) return;
         float deviation = 0;
         result.blamed.push_back(
             int(sd_afr_joint_blame(&joint_, true, float(setup_.usual_sd * setup_.mean_lambda), &deviation)));
@@ -192,8 +181,7 @@ template <class V> class AfrBlocks {
     std::vector<float> share_;
     std::vector<std::int32_t> sine_;
     typename V::Exhaust exhaust_;
-    typename V::Observer observer_;
-    typename V::Uego uego_;
+    typename V::Chain chain_;
     sd_uego_gains_t gains_{};
     std::vector<std::vector<float>> fixed_gains_;
     sd_afr_joint_t joint_;

@@ -28,15 +28,17 @@ struct AfrSetup {
     double noise = 0.005;             ///< rms of lambda a position, what the filter is told.
     double usual_sd = 0.02;           ///< How cylinders differ beside the one to blame, of the mean lambda.
     double mean_lambda = 1;
-    double gain_air = 0.1, gain_cylinder = 3;         ///< A
-    double fourier_gain = 0.005, fourier_floor = 0.1, oscillator_drift = 0.02; ///< D
+    double gain_air = 0.1, gain_cylinder = 4;           ///< A
+    int harmonics = 2;                                  ///< D
+    double inversion_gain = 0.03, inversion_floor = 0.1; ///< D by the Fourier law
+    double oscillator_drift = 0.005;                    ///< D as oscillators, beside `noise`
     AfrError error;
     bool fixed_point = false; ///< The chain in q31.
 };
 
 struct AfrEstimates {
     std::vector<std::array<double, 8>> lambda; ///< By lane, at the end of each cycle.
-    std::vector<double> sd;                    ///< Stated, of lane 0's deviation from the mean; joint filter only.
+    std::vector<double> sd;                    ///< Stated, of lane 0's deviation from the mean; not by block A alone.
     std::vector<int> blamed;                   ///< Lane that being rich alone explains best; joint filter only.
 };
 

@@ -10,7 +10,6 @@
 
 extern "C" {
 #include "sd_balance.h"
-#include "sd_balance_zero.h"
 }
 
 namespace {
@@ -218,44 +217,6 @@ TEST(Balance, AStepOfAnInjectorIsNotTakenForDivergence) {
         ASSERT_NE(sd_balance_status(&loop.b).health, SD_INVALID) << k;
     }
     EXPECT_LT(loop.worst, 1e-3f);
-}
-
-TEST(BalanceZero, IsTheMeanOfMotoredCyclesPerBar) {
-    sd_balance_zero_t zero{};
-    const float torque[3] = {7, 4, 1}; // 3, 0, -3 about their mean
-    for (int k = 0; k < 9; ++k) sd_balance_zero_step(&zero, torque, 3, 1.5f, true);
-    EXPECT_EQ(sd_balance_zero_nm(&zero, 0, 1), 0); // the estimate settles first
-    sd_balance_zero_step(&zero, torque, 3, 1.5f, true);
-    EXPECT_FLOAT_EQ(sd_balance_zero_nm(&zero, 0, 1), 2);
-    EXPECT_FLOAT_EQ(sd_balance_zero_nm(&zero, 2, 3), -6);
-    const float other[3] = {4, 4, 4};
-    sd_balance_zero_step(&zero, other, 3, 1, true);
-    EXPECT_FLOAT_EQ(sd_balance_zero_nm(&zero, 0, 1), 1);
-    for (int k = 0; k < 1000; ++k) sd_balance_zero_step(&zero, torque, 3, 1.5f, true);
-    EXPECT_NEAR(sd_balance_zero_nm(&zero, 0, 1), 2, 1e-3);
-}
-
-TEST(BalanceZero, LearnsNothingFromFiringOrBadNumbers) {
-    sd_balance_zero_t zero{};
-    const float torque[2] = {5, -5}, bad[2] = {NAN, 0}, huge[2] = {INFINITY, 0};
-    const auto settle = [&] { for (int k = 0; k < 9; ++k) sd_balance_zero_step(&zero, torque, 2, 1, true); };
-    const auto nothing = [&](const float *x, float bar, bool motored) {
-        settle();
-        sd_balance_zero_step(&zero, x, 2, bar, motored);
-        sd_balance_zero_step(&zero, torque, 2, 1, true);
-        EXPECT_EQ(zero.cycles, 0);
-        sd_balance_zero_step(&zero, torque, 2, 1, false);
-    };
-    nothing(torque, 1, false);
-    nothing(bad, 1, true);
-    nothing(huge, 1, true);
-    nothing(torque, 0, true);
-    nothing(torque, NAN, true);
-    settle();
-    sd_balance_zero_step(&zero, torque, 2, 1, true);
-    EXPECT_FLOAT_EQ(sd_balance_zero_nm(&zero, 0, 1), 5);
-    EXPECT_EQ(sd_balance_zero_nm(&zero, 0, NAN), 0);
-    EXPECT_EQ(sd_balance_zero_nm(&zero, SD_BALANCE_CYLINDERS_MAX, 1), 0);
 }
 
 TEST(Balance, RefusesBadConfigurations) {

@@ -236,18 +236,23 @@ extern "C" {
 #define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_CATALYST_CHOICE (35u)
 #define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_EMISSION_WINDOWS_CHOICE (36u)
 #define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_CATALYST_WINDOWS_CHOICE (37u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_NOISE_CHOICE (38u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_DRIFT_CHOICE (39u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_JUMP_CHOICE (40u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_DRIFT_SLOW_CHOICE (41u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_SLOW_ABOVE_CHOICE (42u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_STOICHIOMETRIC_CHOICE (43u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_SOURCE_CHOICE (44u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_GAIN_CHOICE (45u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_RATE_CHOICE (46u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_LIMIT_CHOICE (47u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_SD_MAX_CHOICE (48u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_HOLD_CHOICE (49u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_METHOD_CHOICE (38u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_GAIN_AIR_CHOICE (39u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_GAIN_CYLINDER_CHOICE (40u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_INVERSION_GAIN_CHOICE (41u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_INVERSION_FLOOR_CHOICE (42u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_NOISE_CHOICE (43u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_DRIFT_CHOICE (44u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_JUMP_CHOICE (45u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_DRIFT_SLOW_CHOICE (46u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_SLOW_ABOVE_CHOICE (47u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_STOICHIOMETRIC_CHOICE (48u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_SOURCE_CHOICE (49u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_GAIN_CHOICE (50u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_RATE_CHOICE (51u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_LIMIT_CHOICE (52u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_SD_MAX_CHOICE (53u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_HOLD_CHOICE (54u)
 #define SD_BUS_PARAMETER_REQUEST_INDEX_ALL_CHOICE (255u)
 
 #define SD_BUS_PARAMETER_COMMAND_READ_CHOICE (0u)
@@ -293,18 +298,23 @@ extern "C" {
 #define SD_BUS_PARAMETER_INDEX_MISFIRE_CATALYST_CHOICE (35u)
 #define SD_BUS_PARAMETER_INDEX_MISFIRE_EMISSION_WINDOWS_CHOICE (36u)
 #define SD_BUS_PARAMETER_INDEX_MISFIRE_CATALYST_WINDOWS_CHOICE (37u)
-#define SD_BUS_PARAMETER_INDEX_AFR_NOISE_CHOICE (38u)
-#define SD_BUS_PARAMETER_INDEX_AFR_DRIFT_CHOICE (39u)
-#define SD_BUS_PARAMETER_INDEX_AFR_JUMP_CHOICE (40u)
-#define SD_BUS_PARAMETER_INDEX_AFR_DRIFT_SLOW_CHOICE (41u)
-#define SD_BUS_PARAMETER_INDEX_AFR_SLOW_ABOVE_CHOICE (42u)
-#define SD_BUS_PARAMETER_INDEX_AFR_STOICHIOMETRIC_CHOICE (43u)
-#define SD_BUS_PARAMETER_INDEX_BALANCE_SOURCE_CHOICE (44u)
-#define SD_BUS_PARAMETER_INDEX_BALANCE_GAIN_CHOICE (45u)
-#define SD_BUS_PARAMETER_INDEX_BALANCE_RATE_CHOICE (46u)
-#define SD_BUS_PARAMETER_INDEX_BALANCE_LIMIT_CHOICE (47u)
-#define SD_BUS_PARAMETER_INDEX_BALANCE_SD_MAX_CHOICE (48u)
-#define SD_BUS_PARAMETER_INDEX_BALANCE_HOLD_CHOICE (49u)
+#define SD_BUS_PARAMETER_INDEX_AFR_METHOD_CHOICE (38u)
+#define SD_BUS_PARAMETER_INDEX_AFR_GAIN_AIR_CHOICE (39u)
+#define SD_BUS_PARAMETER_INDEX_AFR_GAIN_CYLINDER_CHOICE (40u)
+#define SD_BUS_PARAMETER_INDEX_AFR_INVERSION_GAIN_CHOICE (41u)
+#define SD_BUS_PARAMETER_INDEX_AFR_INVERSION_FLOOR_CHOICE (42u)
+#define SD_BUS_PARAMETER_INDEX_AFR_NOISE_CHOICE (43u)
+#define SD_BUS_PARAMETER_INDEX_AFR_DRIFT_CHOICE (44u)
+#define SD_BUS_PARAMETER_INDEX_AFR_JUMP_CHOICE (45u)
+#define SD_BUS_PARAMETER_INDEX_AFR_DRIFT_SLOW_CHOICE (46u)
+#define SD_BUS_PARAMETER_INDEX_AFR_SLOW_ABOVE_CHOICE (47u)
+#define SD_BUS_PARAMETER_INDEX_AFR_STOICHIOMETRIC_CHOICE (48u)
+#define SD_BUS_PARAMETER_INDEX_BALANCE_SOURCE_CHOICE (49u)
+#define SD_BUS_PARAMETER_INDEX_BALANCE_GAIN_CHOICE (50u)
+#define SD_BUS_PARAMETER_INDEX_BALANCE_RATE_CHOICE (51u)
+#define SD_BUS_PARAMETER_INDEX_BALANCE_LIMIT_CHOICE (52u)
+#define SD_BUS_PARAMETER_INDEX_BALANCE_SD_MAX_CHOICE (53u)
+#define SD_BUS_PARAMETER_INDEX_BALANCE_HOLD_CHOICE (54u)
 #define SD_BUS_PARAMETER_INDEX_ALL_CHOICE (255u)
 
 #define SD_BUS_PARAMETER_RESULT_OK_CHOICE (0u)
@@ -1456,7 +1466,7 @@ struct sd_bus_cycle_3_t {
     uint8_t balance_why;
 
     /**
-     * Standard deviation that the filter states for a cylinder's deviation from the mean, over the mean.
+     * Standard deviation of a cylinder's deviation from the mean, over the mean: as the filter states it; of the chain, what it scatters by.
      *
      * Range: 0.0..10.0 (0..10 -)
      * Scale: 1
@@ -1465,7 +1475,7 @@ struct sd_bus_cycle_3_t {
     float afr_cylinder_sd_1;
 
     /**
-     * Standard deviation that the filter states for a cylinder's deviation from the mean, over the mean.
+     * Standard deviation of a cylinder's deviation from the mean, over the mean: as the filter states it; of the chain, what it scatters by.
      *
      * Range: 0.0..10.0 (0..10 -)
      * Scale: 1
@@ -1474,7 +1484,7 @@ struct sd_bus_cycle_3_t {
     float afr_cylinder_sd_2;
 
     /**
-     * Standard deviation that the filter states for a cylinder's deviation from the mean, over the mean.
+     * Standard deviation of a cylinder's deviation from the mean, over the mean: as the filter states it; of the chain, what it scatters by.
      *
      * Range: 0.0..10.0 (0..10 -)
      * Scale: 1
@@ -1483,7 +1493,7 @@ struct sd_bus_cycle_3_t {
     float afr_cylinder_sd_3;
 
     /**
-     * Standard deviation that the filter states for a cylinder's deviation from the mean, over the mean.
+     * Standard deviation of a cylinder's deviation from the mean, over the mean: as the filter states it; of the chain, what it scatters by.
      *
      * Range: 0.0..10.0 (0..10 -)
      * Scale: 1
@@ -1492,7 +1502,7 @@ struct sd_bus_cycle_3_t {
     float afr_cylinder_sd_4;
 
     /**
-     * Standard deviation that the filter states for a cylinder's deviation from the mean, over the mean.
+     * Standard deviation of a cylinder's deviation from the mean, over the mean: as the filter states it; of the chain, what it scatters by.
      *
      * Range: 0.0..10.0 (0..10 -)
      * Scale: 1
@@ -1501,7 +1511,7 @@ struct sd_bus_cycle_3_t {
     float afr_cylinder_sd_5;
 
     /**
-     * Standard deviation that the filter states for a cylinder's deviation from the mean, over the mean.
+     * Standard deviation of a cylinder's deviation from the mean, over the mean: as the filter states it; of the chain, what it scatters by.
      *
      * Range: 0.0..10.0 (0..10 -)
      * Scale: 1
@@ -1510,7 +1520,7 @@ struct sd_bus_cycle_3_t {
     float afr_cylinder_sd_6;
 
     /**
-     * Standard deviation that the filter states for a cylinder's deviation from the mean, over the mean.
+     * Standard deviation of a cylinder's deviation from the mean, over the mean: as the filter states it; of the chain, what it scatters by.
      *
      * Range: 0.0..10.0 (0..10 -)
      * Scale: 1
@@ -1519,7 +1529,7 @@ struct sd_bus_cycle_3_t {
     float afr_cylinder_sd_7;
 
     /**
-     * Standard deviation that the filter states for a cylinder's deviation from the mean, over the mean.
+     * Standard deviation of a cylinder's deviation from the mean, over the mean: as the filter states it; of the chain, what it scatters by.
      *
      * Range: 0.0..10.0 (0..10 -)
      * Scale: 1
@@ -1528,7 +1538,7 @@ struct sd_bus_cycle_3_t {
     float afr_cylinder_sd_8;
 
     /**
-     * 1: the sensor is too slow for this speed; the estimate learns over some tens of seconds.
+     * 1: the sensor is too slow for this speed; the filter learns over some tens of seconds, the chain stays degraded.
      *
      * Range: 0.0..1.0 (0..1 -)
      * Scale: 1

@@ -123,6 +123,8 @@ static bool step_filters(sd_ecu_t *self, const sd_kalman_tooth_t *seen, sd_firin
         (void)sd_road_step(&self->road, firing, &other);
     }
     self->on_rough = (smooth != rough) ? (smooth > rough) : self->road.rough;
+    /* The pulses' shape is learned by the one that is believed. */
+    *((self->on_rough != 0u) ? &self->filter.shape : &self->rough.shape) = sd_ecu_filter(self)->shape;
     if (self->on_rough == 0u) { return complete; }
     *firing = other;
     return other_complete;

@@ -11,7 +11,7 @@
 #define SPREAD_MIN  0.05f  /* of u, relative: below it one speed only was seen */
 #define MOTORED_SD  0.03f  /* of the motored torque, relative, while the speeds do not tell */
 
-_Static_assert(sizeof(sd_pattern_t) == 4136, "without pointers, the same size on every target");
+_Static_assert(sizeof(sd_pattern_t) == 4144, "without pointers, the same size on every target");
 
 static void remove_mean(const sd_kalman_tables_t *t, float *values) {
     float sum = 0.0f, count = 0.0f;

@@ -120,7 +120,7 @@ const sd_signal_info_t sd_parameter_infos[SD_PARAMETER_COUNT] = {
     { "firing.load_walk", "Nm", 0.001f, 1000.0f, 0.1f, SD_RATE_EDGE, SD_OWNER_FIRING, 1 },
     { "firing.rough_walk", "Nm", 0.0f, 1000.0f, 3.0f, SD_RATE_EDGE, SD_OWNER_FIRING, 1 },
     { "firing.change", "Nm", 0.01f, 10000.0f, 10.0f, SD_RATE_EDGE, SD_OWNER_FIRING, 1 },
-    { "firing.shape_sd", "", 0.0f, 1.0f, 0.0015f, SD_RATE_EDGE, SD_OWNER_FIRING, 0 },
+    { "firing.shape_walk", "Nm", 0.0f, 1000.0f, 0.1f, SD_RATE_EDGE, SD_OWNER_FIRING, 1 },
     { "firing.reject", "deg", 0.01f, 10.0f, 1.5f, SD_RATE_EDGE, SD_OWNER_FIRING, 0 },
     { "firing.settle", "cycles", 1.0f, 200.0f, 3.0f, SD_RATE_EDGE, SD_OWNER_FIRING, 0 },
     { "misfire.work_per_fuel", "J/mg", 0.001f, 100.0f, 18.0f, SD_RATE_EDGE, SD_OWNER_MISFIRE, 0 },

@@ -7,7 +7,7 @@
 #include <stdint.h>
 
 /// Changes whenever the table does; calibration pages and logs carry it.
-#define SD_SIGNALS_SIGNATURE 0x1b414e5au
+#define SD_SIGNALS_SIGNATURE 0x7ef305d4u
 
 /// Channel of an SD_EVENT_SAMPLE.
 typedef enum sd_input {
@@ -124,7 +124,7 @@ typedef struct sd_parameters {
     float firing_load_walk_nm; ///< Change of load and friction from tooth to tooth.
     float firing_rough_walk_nm; ///< The same on rough roads: of the second filter, which is used when the two disagree. 0: there is none.
     float firing_change_nm; ///< Change of a cylinder's torque from one firing to the next.
-    float firing_shape_sd; ///< What the calibration does not know of single pulses, as a share of the mean torque at the lowest speed of the gains, falling with speed; part of the stated deviations.
+    float firing_shape_walk_nm; ///< Change from tooth to tooth of the pulses' shape, times the mean torque. 0: the calibration's shape is kept.
     float firing_reject_deg; ///< Lateness of a tooth beyond which it is left out, besides what torque.torque_base explains.
     float firing_settle_cycles; ///< Cycles after a start during which firings are flagged as converging.
     float misfire_work_per_fuel_jpmg; ///< Work of combustion that a healthy firing is expected to give; each cylinder learns its own within 0.6 to 1.5 of it.

@@ -143,10 +143,10 @@ double cycle_radius(const ToothModel &model, const MatrixXd &gain) {
 
 MatrixXd steady_reading(const ToothModel &model, const MatrixXd &gain, const MatrixXd &mean, const MatrixXd &moment) {
     const double d = model.pitch();
-    const Eigen::RowVectorXd h = seen(model);
+    const StateRow h = seen(model);
     const auto firings = int(model.read_at.size()), others = model.torques() - 1 - firings;
     MatrixXd read = MatrixXd::Zero(firings + others, mean.cols());
-    const auto cycle = [&](MatrixXd &error, bool driven) { // true less estimated
+    const auto cycle = [&](StateMatrix &error, bool driven) { // true less estimated
         for (int k = 0; k < model.cycle(); ++k) {
             predict_error(model, k, error);
             if (driven) {
@@ -154,7 +154,7 @@ MatrixXd steady_reading(const ToothModel &model, const MatrixXd &gain, const Mat
                 error.row(1) += d * mean.row(k);
                 for (std::size_t i = 0; i < model.modes.size(); ++i) {
                     const ToothMode &mode = model.modes[i];
-                    const Eigen::RowVectorXd held = mean.row(k).cwiseProduct(mode.compliance.segment(1, mean.cols()));
+                    const StateRow held = mean.row(k).cwiseProduct(mode.compliance.segment(1, mean.cols()));
                     error.row(model.mode_at(i)) += (1 - mode.a) * held;
                     error.row(model.mode_at(i) + 1) += mode.b * held;
                 }
@@ -165,11 +165,11 @@ MatrixXd steady_reading(const ToothModel &model, const MatrixXd &gain, const Mat
             if (present(model, k)) error -= (gain.row(k).transpose() * (h * error)).eval();
         }
     };
-    MatrixXd map = MatrixXd::Identity(model.states(), model.states());
+    StateMatrix map = StateMatrix::Identity(model.states(), model.states());
     cycle(map, false);
-    MatrixXd error = MatrixXd::Zero(model.states(), mean.cols());
+    StateMatrix error = StateMatrix::Zero(model.states(), mean.cols());
     cycle(error, true);
-    error = (MatrixXd::Identity(model.states(), model.states()) - map).partialPivLu().solve(error).eval();
+    error = (StateMatrix::Identity(model.states(), model.states()) - map).partialPivLu().solve(error).eval();
     cycle(error, true);
     read.bottomRows(others) = -error.middleRows(3 + firings, others);
     return read;

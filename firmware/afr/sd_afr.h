@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: MIT */
-/// sd_afr.h - composition of every cylinder's gas, ready to use: manifold and delay (sd_exhaust.h) and joint filter
-/// (sd_afr_joint.h) at the present operating point of a grid from the calibration.
+/// sd_afr.h - composition of every cylinder's gas, ready to use: manifold and delay (sd_exhaust.h), and on them the joint
+/// filter (sd_afr_joint.h) or document 004's chain (sd_afr_chain.h), at the present operating point of a grid from the
+/// calibration.
 ///
 /// Once a cycle the point is interpolated over speed, intake pressure and mean lambda; once a wheel position, missing ones
 /// included, comes the step. Lambda here is document 004's, 1 - air/gas. Real-time contract: no heap, no globals, no libm;
 /// sd_afr_cycle passes over 8 grid points. One writer per state.
 #ifndef SD_AFR_H
 #define SD_AFR_H
+#include "sd_afr_chain.h"
 #include "sd_afr_delay.h"
 #include "sd_afr_joint.h"
 
@@ -15,6 +17,13 @@
 #define SD_AFR_LAMBDAS   2
 #define SD_AFR_OPEN      96 /* positions of a cycle that a point holds */
 #define SD_AFR_NO_SAMPLE 100.0f
+
+/// Which estimator stands on manifold and delay.
+typedef enum sd_afr_method {
+    SD_AFR_JOINT       = 1, ///< Joint filter.
+    SD_AFR_OSCILLATORS = 2, ///< Chain, sensor inverted as oscillators with gains of the calibration.
+    SD_AFR_FOURIER     = 3, ///< Chain, sensor inverted by the document's law.
+} sd_afr_method_t;
 
 /// Where the exhaust is in one node of the grid.
 typedef struct sd_afr_node {
@@ -33,11 +42,13 @@ typedef struct sd_afr_grid {
     float    tau1_s, tau2_s;     ///< Sensor's lags.
     float    mass_base_kg;
     float    psi[SD_EXHAUST_PSI + 1];
+    sd_uego_gains_t inversion[SD_AFR_SPEEDS]; ///< Of the oscillators, at speed_radps.
     sd_afr_node_t node[SD_AFR_SPEEDS][SD_AFR_PRESSURES][SD_AFR_LAMBDAS];
 } sd_afr_grid_t;
 
 /// Choices; read by init only.
 typedef struct sd_afr_config {
+    uint8_t  method;             ///< sd_afr_method_t.
     uint16_t cycle_positions;
     uint8_t  cylinders;
     uint16_t firing_position[SD_AFR_CYLINDERS_MAX];
@@ -45,24 +56,32 @@ typedef struct sd_afr_config {
     float    drift, drift_slow;  ///< q of the joint filter, of the mean lambda a cycle: usually, and in slow mode.
     float    jump;               ///< Of the joint filter, of the mean lambda, [0, 1].
     float    slow_above;         ///< Slow mode where speed (rad/s) times the sum of the lags is above this.
+    float    gain_air, gain_cylinder;         ///< Of the chain, as in sd_afr_chain_config_t.
+    float    inversion_gain, inversion_floor;
 } sd_afr_config_t;
 
 typedef struct sd_afr {
     sd_afr_config_t    config;
     sd_exhaust_f32_t   exhaust;
-    sd_afr_joint_t     joint;
+    union {                               /* which one: config.method */
+        sd_afr_joint_t     joint;
+        sd_afr_chain_f32_t chain;
+    };
     sd_exhaust_now_f32_t now;             ///< What the sensor met at the last position.
     sd_afr_learned_t known;               ///< Of delay and lags, and how well.
     float    doubt;                       ///< What that leaves in deviations: sd_afr_delay_doubt.
     float    share[SD_AFR_POSITIONS_MAX]; ///< At the present point.
     float    mean_lambda;                 ///< Of all cylinders, last cycle.
     uint32_t cycles;                      ///< Since a start.
-    uint8_t  slow;                        ///< Slow mode: settles in tens of seconds.
+    uint8_t  slow;                        ///< Slow mode: settles in tens of seconds; the chain has none and stays degraded.
     uint8_t  placed;                      ///< A point has been set.
 } sd_afr_t;
 
-/// SD_OK, or SD_ERR_CONFIG with the state untouched: no grid, or a field out of its range.
-sd_result_t sd_afr_init(sd_afr_t *self, const sd_afr_config_t *config, const sd_afr_grid_t *grid);
+/// Harmonics of the cycle that hold every pattern of so many cylinders.
+uint8_t sd_afr_harmonics(uint8_t cylinders);
+/// SD_OK, or SD_ERR_CONFIG with the state untouched: no grid, or a field out of its range. sine_q31: as in
+/// sd_afr_chain_config_t; NULL for the joint filter.
+sd_result_t sd_afr_init(sd_afr_t *self, const sd_afr_config_t *config, const sd_afr_grid_t *grid, const int32_t *sine_q31);
 /// Operating point of the coming cycle. Out of the grid its edge stands; numbers not above 0 (NaN too) keep the last.
 void sd_afr_cycle(sd_afr_t *self, const sd_afr_grid_t *grid, float speed_radps, float intake_bar, float fuel_mg);
 /// From the next cycle on the delay is longer by late_s and the lags by the share lag (sd_afr_delay.h), +-50 ms and +-0.5;
@@ -76,10 +95,11 @@ void sd_afr_step(sd_afr_t *self, uint32_t cycle_position, float lambda);
 void sd_afr_trimmed(sd_afr_t *self, uint32_t cylinder, float fuel_factor);
 /// Of a cylinder by firing order.
 float sd_afr_lambda(const sd_afr_t *self, uint32_t cylinder);
-/// Its deviation from the mean over the mean, and what that may be off by (standard deviation).
+/// Its deviation from the mean over the mean, and what that may be off by (standard deviation): the filter's, or what the
+/// chain scatters by.
 float sd_afr_deviation(const sd_afr_t *self, uint32_t cylinder);
 float sd_afr_deviation_sd(const sd_afr_t *self, uint32_t cylinder);
-/// Invalid before a point and a sample; degraded while converging (8 cycles, 200 in slow mode).
+/// Invalid before a point and a sample; degraded while converging (8 cycles, 200 in slow mode; there the chain always).
 sd_status_t sd_afr_status(const sd_afr_t *self);
 
 #endif

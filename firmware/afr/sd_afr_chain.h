@@ -4,13 +4,13 @@
 ///     measured -> D, sensor inverted (sd_uego.h) -----------------> air fraction u -> A, observer (sd_afr_observer.h)
 ///     B, manifold -> C, delay (sd_exhaust.h) -> M, D_i, outflow as the sensor meets them -^
 ///
-/// The chain has no covariance. What it says of its own scatter is measured: cylinders' deviations from the mean change from
-/// cycle to cycle, and the mean square of that, over some 8 cycles, stands for their variance. It holds noise and whatever
-/// still moves, and nothing of a bias (docs/afr.md).
+/// The chain has no covariance. What it says of its own scatter is measured: cylinders' deviations from the mean change
+/// from cycle to cycle, and three times the mean square of that, over some 8 cycles, stands for their variance. It holds
+/// noise and whatever still moves; of a bias only what is usual beside such noise (docs/afr.md).
 ///
-/// B and C are the caller's, as for the joint filter, so that both estimators can share them; their delay includes
-/// SD_UEGO_LEAD. Two variants from one body: _f32 and _q31. Real-time contract: no heap, no globals, no libm; set divides,
-/// once a cycle. One writer per state.
+/// B and C are stepped by the caller, as for the joint filter (sd_afr_joint.h), and so serve whoever else reads them; their
+/// delay includes SD_UEGO_LEAD. Two variants from one body: _f32 and _q31. Real-time contract: no heap, no globals, no libm;
+/// set divides, once a cycle. One writer per state.
 #ifndef SD_AFR_CHAIN_H
 #define SD_AFR_CHAIN_H
 #include "sd_afr_observer.h"
@@ -38,17 +38,17 @@ typedef struct sd_afr_chain_config {
     } sd_afr_chain_##N##_t;                                                                                            \
     /* SD_OK, or SD_ERR_CONFIG with the state untouched. */                                                            \
     sd_result_t sd_afr_chain_init_##N(sd_afr_chain_##N##_t *self, const sd_afr_chain_config_t *config);                \
-    /* Once a cycle, after sd_exhaust_set: duration of a position, (0, 0.1] s; gains: oscillator form of D, NULL: */   \
-    /* Fourier form. */                                                                                                \
-    void sd_afr_chain_set_##N(sd_afr_chain_##N##_t *self, const sd_exhaust_##N##_t *exhaust, float step_s,             \
-                              const sd_uego_gains_t *gains);                                                           \
+    /* Once a cycle. Duration of a position, (0, 0.1] s; gains: oscillator form of D, NULL: Fourier form; */           \
+    /* charge_pu: one cylinder's gas in one cycle over mass_base, (0, 1). What is outside keeps its last value. */     \
+    void sd_afr_chain_set_##N(sd_afr_chain_##N##_t *self, float step_s, const sd_uego_gains_t *gains,                  \
+                              float charge_pu);                                                                        \
     /* The next sample begins anew, all cylinders alike. */                                                            \
     void sd_afr_chain_restart_##N(sd_afr_chain_##N##_t *self);                                                         \
-    /* Next position, with B and C: steps them too. measured: air fraction, mean of the samples within the position; */ \
-    /* anything outside (-1, 1) (NaN too) counts as no sample. */                                                      \
-    void sd_afr_chain_step_##N(sd_afr_chain_##N##_t *self, sd_exhaust_##N##_t *exhaust, uint32_t cycle_position,       \
+    /* Next position. measured: air fraction, mean of the samples within the position; anything outside (-1, 1) */     \
+    /* (NaN too) counts as no sample. */                                                                               \
+    void sd_afr_chain_step_##N(sd_afr_chain_##N##_t *self, const sd_exhaust_now_##N##_t *now, uint32_t cycle_position, \
                                T measured);                                                                            \
-    /* A cylinder's lambda is known to have changed by this much: its fuel was trimmed. Ignored beyond +-1 (NaN too). */ \
+    /* A cylinder's lambda is known to have changed by this much: its fuel was trimmed. Beyond +-1, or NaN: ignored. */\
     void sd_afr_chain_move_##N(sd_afr_chain_##N##_t *self, uint32_t cylinder, float lambda_change);                    \
     /* lambda = 1 - a of a cylinder, by firing order; 0 beyond, or while not running. */                               \
     float sd_afr_chain_lambda_##N(const sd_afr_chain_##N##_t *self, uint32_t cylinder);                                \

@@ -34,11 +34,12 @@ static void walk_kalman(sd_page_walk_t *walk, sd_kalman_tables_t *t) {
     sd_page_u8(walk, &t->firings);
     sd_page_u8(walk, &t->cylinders);
     sd_page_u8(walk, &t->modes);
+    sd_page_u8(walk, &t->shapes);
     for (uint32_t i = 0; i < SD_KALMAN_FIRINGS_MAX; ++i) { sd_page_u16(walk, &t->read_position[i]); }
     for (uint32_t i = 0; i < SD_KALMAN_FIRINGS_MAX; ++i) { sd_page_u16(walk, &t->close_position[i]); }
     sd_page_32(walk, &t->tick_hz);
     sd_page_32(walk, &t->torque_base_nm);
-    sd_page_32(walk, &t->shape_sd);
+    sd_page_32(walk, &t->shape_min_nm);
     sd_page_32(walk, &t->reject_rad);
     sd_page_u16(walk, &t->settle_teeth);
     sd_page_32(walk, &t->inertia_mean_kgm2);
@@ -49,7 +50,8 @@ static void walk_kalman(sd_page_walk_t *walk, sd_kalman_tables_t *t) {
         walk_floats(walk, (float *)&t->mode[m], sizeof t->mode[m] / sizeof(float)); /* floats without gaps */
     }
     walk_floats(walk, t->speed_radps, SD_KALMAN_SPEEDS_MAX);
-    float *const of_gains[] = { t->noise_rad, t->innovation, t->single_sd, t->mean_sd, t->pattern_sd, t->load_sd_nm };
+    float *const of_gains[] = { t->noise_rad, t->innovation, t->single_sd, t->mean_sd, t->pattern_sd, t->load_sd_nm,
+                                 t->mean_share, t->spread_share, t->charge_nm_per_bar, t->learned_nm_per_bar };
     for (uint32_t i = 0; i < sizeof of_gains / sizeof of_gains[0]; ++i) { walk_floats(walk, of_gains[i], SD_KALMAN_GAINS_MAX); }
     const uint32_t used = sd_kalman_pool_used(t);
     walk_floats(walk, t->pool, (used <= SD_KALMAN_POOL) ? used : 0u);
@@ -68,6 +70,9 @@ static void walk_afr(sd_page_walk_t *walk, sd_afr_grid_t *afr) {
     sd_page_32(walk, &afr->tau2_s);
     sd_page_32(walk, &afr->mass_base_kg);
     walk_floats(walk, afr->psi, SD_EXHAUST_PSI + 1u);
+    for (uint32_t i = 0; i < SD_AFR_SPEEDS; ++i) {
+        walk_floats(walk, (float *)&afr->inversion[i], sizeof afr->inversion[i] / sizeof(float)); /* floats without gaps */
+    }
     sd_afr_node_t *node = &afr->node[0][0][0];
     for (uint32_t i = 0; i < SD_AFR_SPEEDS * SD_AFR_PRESSURES * SD_AFR_LAMBDAS; ++i, ++node) {
         for (uint32_t k = 0; k < SD_AFR_OPEN; ++k) { sd_page_u16(walk, &node->share[k]); }
@@ -170,7 +175,6 @@ sd_misfire_config_t sd_calibration_misfire(const sd_calibration_t *calibration) 
 void sd_calibration_choose_filter(sd_calibration_t *calibration) {
     const sd_parameters_t *p = &calibration->parameters;
     const sd_kalman_choice_t choice = { .torque_base_nm = p->torque_torque_base_nm,
-                                        .shape_sd = p->firing_shape_sd,
                                         .reject_deg = p->firing_reject_deg,
                                         .settle_cycles = p->firing_settle_cycles,
                                         .teeth = (uint8_t)(calibration->positions - calibration->missing_count) };

@@ -8,8 +8,13 @@
 #define TRANSIENT_FUEL  0.05f
 #define TORQUE_FOLLOWS  0.5f   /* a cycle: half of the firings that a cycle reads were injected before it began */
 #define FOLLOW_LEAST    0.001f
+#define CHAIN_FOLLOWS   0.3f   /* a cycle: it settles to a tenth in some 4 */
 
 static bool ready(const sd_ecu_t *self) { return self->afr.config.cylinders != 0u; }
+
+/* The filter is told of the trims. The chain is not: its inverted sensor finds a trim some cycles later, and until then its
+ * observer would take back what it was told. */
+static bool is_told(const sd_ecu_t *self) { return self->afr.config.method == SD_AFR_JOINT; }
 
 sd_result_t sd_ecu_afr_init(sd_afr_t *afr, const sd_calibration_t *c) {
     const sd_parameters_t *p = &c->parameters;
@@ -17,11 +22,12 @@ sd_result_t sd_ecu_afr_init(sd_afr_t *afr, const sd_calibration_t *c) {
         memset(afr, 0, sizeof *afr);
         return SD_OK;
     }
-    sd_afr_config_t config = { .cycle_positions = (uint16_t)(2u * c->positions), .cylinders = c->cylinders,
+    sd_afr_config_t config = { .method = (uint8_t)(p->afr_method + 0.5f), .gain_air = p->afr_gain_air, .gain_cylinder = p->afr_gain_cylinder,
+                               .inversion_gain = p->afr_inversion_gain, .inversion_floor = p->afr_inversion_floor, .cycle_positions = (uint16_t)(2u * c->positions), .cylinders = c->cylinders,
                                .noise_per_rthz = p->afr_noise, .drift = p->afr_drift, .drift_slow = p->afr_drift_slow,
                                .jump = p->afr_jump, .slow_above = p->afr_slow_above };
     for (uint32_t i = 0; i < c->cylinders; ++i) { config.firing_position[i] = c->firing_position[i]; }
-    return sd_afr_init(afr, &config, &c->afr);
+    return sd_afr_init(afr, &config, &c->afr, c->sine_q31);
 }
 
 sd_balance_config_t sd_ecu_balance_config(const sd_calibration_t *c) {
@@ -123,6 +129,7 @@ static uint8_t mixture_deviations(const sd_ecu_t *self, float *deviation, float 
 
 /* Share of a change that the mixture's estimate takes up in a cycle: from its variance before and after, and its drift. */
 static float mixture_follows(sd_ecu_t *self, float sd) {
+    if (!is_told(self)) { return CHAIN_FOLLOWS; }
     const sd_parameters_t *p = &self->calibration.parameters;
     const float drift = (self->afr.slow != 0u) ? p->afr_drift_slow : p->afr_drift;
     const float before = self->last_variance + drift * drift;
@@ -138,7 +145,7 @@ static void balance(sd_ecu_t *self, uint8_t transient) {
     if (on) {
         const bool from_torque = c->parameters.balance_source > 1.5f;
         float deviation[SD_CYLINDERS_MAX] = { 0.0f }, sd[SD_CYLINDERS_MAX] = { 0.0f };
-        sd_balance_input_t in = { .deviation = deviation, .sd = sd, .follow = TORQUE_FOLLOWS, .told = from_torque ? 0u : 1u, .transient = transient };
+        sd_balance_input_t in = { .deviation = deviation, .sd = sd, .follow = TORQUE_FOLLOWS, .told = (uint8_t)((from_torque || !is_told(self)) ? 0 : 1), .transient = transient };
         in.health = from_torque ? torque_deviations(self, deviation, sd) : mixture_deviations(self, deviation, sd);
         if (!from_torque) { in.follow = mixture_follows(self, sd[0]); }
         sd_balance_step(b, &in);
@@ -163,7 +170,7 @@ static void command_trims(sd_ecu_t *self) {
 static void tell_trims(sd_ecu_t *self) {
     for (uint32_t i = 0; i < self->balance.config.cylinders; ++i) {
         const float trim = self->fuel_trim[i];
-        if (ready(self)) { sd_afr_trimmed(&self->afr, i, (1.0f + trim) / (1.0f + self->last_trim[i])); }
+        if (ready(self) && is_told(self)) { sd_afr_trimmed(&self->afr, i, (1.0f + trim) / (1.0f + self->last_trim[i])); }
         self->last_trim[i] = trim;
     }
 }

@@ -45,7 +45,7 @@ static bool wants_probe(const sd_ecu_t *self, float speed_radps) {
 void sd_ecu_delay_cycle(sd_ecu_t *self, float speed_radps, bool moves) {
     sd_afr_delay_t *delay = &self->afr_delay;
     const bool on = (self->sample[SD_INPUT_BALANCE_ENABLE].value > 0.5f) && (self->calibration.parameters.balance_source > 0.5f);
-    const bool steady = !moves && (self->crank.phase_votes >= 2u) && (sd_afr_joint_status(&self->afr.joint).health == SD_VALID);
+    const bool steady = !moves && (self->crank.phase_votes >= 2u) && (sd_afr_status(&self->afr).health != SD_INVALID);
     if ((delay->config.cylinders == 0u) || (self->calibration.parameters.afr_identify < 0.5f)) {
         sd_afr_delay_probe(delay, false);
         take_over(self, speed_radps, &(sd_afr_learned_t){ .late_sd_s = 1.0f, .lag_sd = 1.0f });

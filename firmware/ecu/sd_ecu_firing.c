@@ -43,6 +43,12 @@ static bool is_motored(sd_ecu_t *self, const sd_tooth_t *tooth) {
     return self->motored > 4u * self->calibration.positions;
 }
 
+/* At what frequencies the crank twists. */
+static void take_twist(sd_ecu_t *self) {
+    sd_twist_tune(&self->pattern.sums.twist, &self->filter);
+    self->rough.tuning = self->filter.tuning;
+}
+
 static void learn(sd_ecu_t *self, const sd_tooth_t *tooth, const sd_kalman_tooth_t *seen) {
     const bool known = (self->crank.phase_votes >= 2u) && (sd_ecu_recent(self, SD_INPUT_AIR_INTAKE_PRESSURE, tooth->tick) != NULL);
     if (!is_motored(self, tooth) || !known) {
@@ -50,6 +56,7 @@ static void learn(sd_ecu_t *self, const sd_tooth_t *tooth, const sd_kalman_tooth
     } else if (sd_pattern_step(&self->pattern, &self->calibration.kalman, seen)) {
         self->signals.wheel_learned_cycles = self->pattern.sums.cycles;
         self->signals.wheel_pattern_sd_deg = self->pattern.sd_rad / RAD_PER_DEG;
+        take_twist(self);
     }
 }
 
@@ -60,7 +67,8 @@ static void take_zeros(sd_ecu_t *self) {
 
 /* What cylinders read without fuel is their zero. */
 static void learn_zero(sd_ecu_t *self, const sd_firing_t *firing) {
-    const bool rests = self->motored > ZERO_REVOLUTIONS * self->calibration.positions;
+    const bool rests = (self->motored > ZERO_REVOLUTIONS * self->calibration.positions) &&
+                       sd_twist_known(&self->pattern.twist, &self->calibration.kalman);
     if (!rests || (self->status[SD_OWNER_FIRING].health != SD_VALID)) { return; }
     const float speed = self->signals.crank_speed_rpm * 0.10471976f;
     if (sd_pattern_take_zero(&self->pattern, &self->calibration.kalman, firing, self->filter.charge_bar[firing->index], speed)) {
@@ -115,6 +123,8 @@ static bool step_filters(sd_ecu_t *self, const sd_kalman_tooth_t *seen, sd_firin
         (void)sd_road_step(&self->road, firing, &other);
     }
     self->on_rough = (smooth != rough) ? (smooth > rough) : self->road.rough;
+    /* The pulses' shape is learned by the one that is believed. */
+    *((self->on_rough != 0u) ? &self->filter.shape : &self->rough.shape) = sd_ecu_filter(self)->shape;
     if (self->on_rough == 0u) { return complete; }
     *firing = other;
     return other_complete;
@@ -161,6 +171,7 @@ sd_result_t sd_ecu_resume(sd_ecu_t *self, const sd_pattern_sums_t *learned) {
         return SD_ERR_CONFIG;
     }
     take_zeros(self);
+    take_twist(self);
     self->signals.wheel_learned_cycles = self->pattern.sums.cycles;
     self->signals.wheel_pattern_sd_deg = self->pattern.sd_rad / RAD_PER_DEG;
     return SD_OK;

@@ -8,7 +8,7 @@
 
 static const float INVERSE[6] = { 1.0f, 0.5f, 1.0f / 3.0f, 0.25f, 0.2f, 1.0f / 6.0f };
 
-_Static_assert(sizeof(sd_kalman_t) == 556, "without pointers, the same size on every target");
+_Static_assert(sizeof(sd_kalman_t) == 572, "without pointers, the same size on every target");
 
 enum { REJECTED_IN_ROW_MAX = 12, /* teeth left out in a row after which the estimate itself must be wrong */
        SPEED_MIN_RADPS = 5 };
@@ -21,6 +21,7 @@ typedef struct sd_between {
 
 static sd_between_t find_speed(const sd_kalman_t *self, const sd_kalman_tables_t *t, float speed) {
     sd_between_t b = { 0, 0, 0.0f };
+    speed *= self->tuning.gain_speed;
     while ((b.at + 1u < t->speeds) && (speed >= t->speed_radps[b.at + 1u])) { b.at++; }
     b.next = b.at;
     if ((b.at + 1u < t->speeds) && (speed > t->speed_radps[b.at])) {
@@ -40,11 +41,13 @@ static float blend(const float *table, sd_between_t b) {
 /* Where the parts of a row begin (sd_kalman.h). */
 static uint32_t motored_from(const sd_kalman_tables_t *t) { return 3u * (t->coefficients - 1u); }
 
-static uint32_t modes_from(const sd_kalman_tables_t *t) { return motored_from(t) + 3u * t->cylinders; }
+static uint32_t shapes_from(const sd_kalman_tables_t *t) { return motored_from(t) + 3u * t->cylinders; }
+
+static uint32_t modes_from(const sd_kalman_tables_t *t) { return shapes_from(t) + 3u * t->shapes * t->firings; }
 
 static uint32_t gains_from(const sd_kalman_tables_t *t) { return modes_from(t) + 2u * t->modes; }
 
-static uint32_t gains_size(const sd_kalman_tables_t *t) { return t->coefficients + 2u + 2u * t->modes; }
+static uint32_t gains_size(const sd_kalman_tables_t *t) { return t->coefficients + 2u + t->shapes + 2u * t->modes; }
 
 static uint32_t row_size(const sd_kalman_tables_t *t) {
     return gains_from(t) + (uint32_t)t->sets * t->speeds * gains_size(t);
@@ -67,16 +70,20 @@ static float torque_by(const sd_kalman_t *self, const sd_kalman_tables_t *t, uin
     float sum = t->known[which][k] + whole * self->coefficient_nm[0];
     for (uint32_t j = 0; j < count; ++j) { sum += f[j] * self->coefficient_nm[1u + j]; }
     for (uint32_t i = 0; i < t->cylinders; ++i) { sum += g[i] * self->charge_bar[i]; }
+    if (t->shapes == 0u) { return sum; }
+    const float *bend = row_of(t, k) + shapes_from(t) + which * t->firings;
+    for (uint32_t j = 0; j < t->firings; ++j) { sum += self->shape * bend[j] * self->coefficient_nm[1u + j]; }
     return sum;
 }
 
 /* The twist that the mean torques of an interval would hold, of mode m; firing j is cylinder j where there are modes. */
 static float held_twist(const sd_kalman_t *self, const sd_kalman_tables_t *t, uint32_t k, uint32_t m, float square) {
-    const float *f = row_of(t, k), *g = f + motored_from(t), *known = f + modes_from(t) + 2u * m;
+    const float *f = row_of(t, k), *g = f + motored_from(t), *bend = f + shapes_from(t), *known = f + modes_from(t) + 2u * m;
     const sd_kalman_mode_t *mode = &t->mode[m];
     float sum = known[0] + known[1] * square + mode->constant_radpnm * self->coefficient_nm[0];
     for (uint32_t i = 0; i < t->cylinders; ++i) {
-        sum += mode->cylinder_radpnm[i] * (f[i] * self->coefficient_nm[1u + i] + g[i] * self->charge_bar[i]);
+        const float pulse = f[i] + ((t->shapes != 0u) ? self->shape * bend[i] : 0.0f);
+        sum += mode->cylinder_radpnm[i] * (pulse * self->coefficient_nm[1u + i] + g[i] * self->charge_bar[i]);
     }
     return sum;
 }
@@ -101,12 +108,16 @@ static void exponential(float x, float z, float *a, float *b) {
     }
 }
 
+static float frequency_radps(const sd_kalman_t *self, const sd_kalman_tables_t *t, uint32_t m) {
+    return self->tuning.frequency * t->mode[m].frequency_radps;
+}
+
 static void swing(sd_kalman_t *self, const sd_kalman_tables_t *t, uint32_t k, float dt, float square) {
     for (uint32_t m = 0; m < t->modes; ++m) {
-        const float held = held_twist(self, t, k, m, square), away = self->twist_rad[m] - held, v = self->swing_rad[m];
+        const float held = self->tuning.compliance * held_twist(self, t, k, m, square), away = self->twist_rad[m] - held, v = self->swing_rad[m];
         const float z = t->mode[m].damping;
         float a, b;
-        exponential(t->mode[m].frequency_radps * dt, z, &a, &b);
+        exponential(frequency_radps(self, t, m) * dt, z, &a, &b);
         self->twist_rad[m] = held + a * away + b * v;
         self->swing_rad[m] = a * v - b * (away + 2.0f * z * v);
     }
@@ -187,7 +198,7 @@ static float late_rad(const sd_kalman_t *self, const sd_kalman_tables_t *t, floa
     float twist = 0.0f, rate = 0.0f;
     for (uint32_t m = 0; m < t->modes; ++m) {
         twist += self->twist_rad[m];
-        rate += self->swing_rad[m] * t->mode[m].frequency_radps;
+        rate += self->swing_rad[m] * frequency_radps(self, t, m);
     }
     return twist * (1.0f - rate * slowness) - self->lateness_s * speed;
 }
@@ -195,6 +206,20 @@ static float late_rad(const sd_kalman_t *self, const sd_kalman_tables_t *t, floa
 float sd_kalman_late(const sd_kalman_t *self, const sd_kalman_tables_t *t, uint32_t cycle_position) {
     const float square = square_speed(self, t, cycle_position), slowness = sd_rsqrt_f32(square);
     return late_rad(self, t, square * slowness, slowness);
+}
+
+static float mean_firing(const sd_kalman_t *self, const sd_kalman_tables_t *t) {
+    float sum = 0.0f;
+    for (uint32_t j = 0; j < t->firings; ++j) { sum += self->coefficient_nm[1u + j]; }
+    return sum / (float)t->firings;
+}
+
+/* The gain is that of shape times the mean torque. */
+static void bend_pulses(sd_kalman_t *self, const sd_kalman_tables_t *t, float change_nm) {
+    const float mean = mean_firing(self, t);
+    if (!(mean > t->shape_min_nm)) { return; }
+    const float shape = self->shape + change_nm / mean;
+    self->shape = (shape < SD_KALMAN_SHAPE_MIN) ? SD_KALMAN_SHAPE_MIN : (shape > SD_KALMAN_SHAPE_MAX) ? SD_KALMAN_SHAPE_MAX : shape;
 }
 
 static void correct(sd_kalman_t *self, const sd_kalman_tables_t *t, const sd_kalman_tooth_t *tooth) {
@@ -216,6 +241,10 @@ static void correct(sd_kalman_t *self, const sd_kalman_tables_t *t, const sd_kal
         self->coefficient_nm[j] += (low[2u + j] + at.share * (high[2u + j] - low[2u + j])) * push;
     }
     low += 2u + t->coefficients, high += 2u + t->coefficients;
+    if (t->shapes != 0u) {
+        if (settled) { bend_pulses(self, t, (low[0] + at.share * (high[0] - low[0])) * push); }
+        low++, high++;
+    }
     for (uint32_t m = 0; m < t->modes; ++m, low += 2, high += 2) {
         self->twist_rad[m] += (low[0] + at.share * (high[0] - low[0])) * r;
         self->swing_rad[m] += (low[1] + at.share * (high[1] - low[1])) * r;
@@ -251,6 +280,19 @@ static void remember(sd_kalman_t *self, uint32_t i, float torque_nm) {
     if (self->kept[i] < SD_KALMAN_MEAN) { self->kept[i]++; }
 }
 
+/* Variance of a firing less the mean of all, from what is not known of the engine. */
+static float model_variance(const sd_kalman_t *self, const sd_kalman_tables_t *t, sd_between_t at, uint32_t i) {
+    const float mean = mean_firing(self, t);
+    float spread = 0.0f;
+    for (uint32_t j = 0; j < t->firings; ++j) {
+        const float apart = self->coefficient_nm[1u + j] - mean;
+        spread += apart * apart / (float)t->firings;
+    }
+    const float of_mean = blend(t->mean_share, at), of_spread = blend(t->spread_share, at);
+    const float of_charge = blend((self->zero_nm_per_bar[i] != 0.0f) ? t->learned_nm_per_bar : t->charge_nm_per_bar, at) * self->charge_bar[i];
+    return of_mean * of_mean * mean * mean + of_spread * of_spread * spread + of_charge * of_charge;
+}
+
 static void read_firing(sd_kalman_t *self, const sd_kalman_tables_t *t, uint32_t i, float pattern_rad, sd_firing_t *firing) {
     const float square = 2.0f * self->energy_j / t->inertia_mean_kgm2, speed = root(square);
     const sd_between_t at = find_speed(self, t, speed);
@@ -267,15 +309,12 @@ static void read_firing(sd_kalman_t *self, const sd_kalman_tables_t *t, uint32_t
     firing->index = (uint8_t)i;
     firing->mean_nm = sum / (float)count;
     const float single = blend(t->single_sd, at), mean = blend(t->mean_sd, at), stays = blend(t->pattern_sd, at);
-    float all = 0.0f;
-    for (uint32_t j = 0; j < t->firings; ++j) { all += self->coefficient_nm[1u + j] / (float)t->firings; }
-    /* The faster the engine, the less does the constant torque follow within a cycle what the pulses leave unexplained. */
-    const float slower = t->speed_radps[0] / speed, shape = t->shape_sd * all * ((slower < 1.0f) ? slower : 1.0f);
+    const float model = model_variance(self, t, at, i);
     const float shrink = (float)SD_KALMAN_MEAN / (float)count; /* variance, taken as independent until it is full */
     const float load = (self->set > 0u) ? blend(t->load_sd_nm, at) : 0.0f;
     firing->noise_nm = scale * single * ((fresh > design * design) ? root(fresh) : design);
-    firing->sd_nm = root(scale * scale * single * single * fresh + scale * scale * stays * stays * fixed + shape * shape + load * load);
-    firing->mean_sd_nm = root(scale * scale * (mean * mean * fresh * shrink + stays * stays * fixed) + shape * shape);
+    firing->sd_nm = root(scale * scale * single * single * fresh + scale * scale * stays * stays * fixed + model + load * load);
+    firing->mean_sd_nm = root(scale * scale * (mean * mean * fresh * shrink + stays * stays * fixed) + model);
 }
 
 static bool pass(sd_kalman_t *self, const sd_kalman_tables_t *t, uint32_t k, float pattern_rad, sd_firing_t *firing) {
@@ -299,11 +338,12 @@ void sd_kalman_set_intake(sd_kalman_t *self, float intake_bar) {
 
 /* What a dual-mass flywheel takes from the crank beyond the constant torque. */
 static float through_spring(const sd_kalman_t *self, const sd_kalman_tables_t *t) {
+    const float r = self->tuning.frequency;
     float torque = 0.0f;
     for (uint32_t m = 0; m < t->modes; ++m) {
-        torque += t->mode[m].spring_nmprad * self->twist_rad[m] + t->mode[m].damper_nmprad * self->swing_rad[m];
+        torque += r * t->mode[m].spring_nmprad * self->twist_rad[m] + t->mode[m].damper_nmprad * self->swing_rad[m];
     }
-    return torque;
+    return r * torque;
 }
 
 bool sd_kalman_step(sd_kalman_t *self, const sd_kalman_tables_t *t, const sd_kalman_tooth_t *tooth, sd_firing_t *firing) {
@@ -334,13 +374,16 @@ bool sd_kalman_step(sd_kalman_t *self, const sd_kalman_tables_t *t, const sd_kal
 
 void sd_kalman_restart(sd_kalman_t *self) {
     const uint16_t rejected = self->rejected;
-    const float intake_bar = self->intake_bar;
+    const float intake_bar = self->intake_bar, shape = self->shape;
     const uint8_t held = self->intake_held, set = self->set;
+    const sd_kalman_tuning_t tuning = self->tuning;
     float zero[SD_KALMAN_FIRINGS_MAX];
     memcpy(zero, self->zero_nm_per_bar, sizeof zero);
     memset(self, 0, sizeof *self);
     memcpy(self->zero_nm_per_bar, zero, sizeof zero);
+    self->tuning = tuning;
     self->noise_ratio = 1.0f;
+    self->shape = shape;
     self->rejected = rejected;
     sd_kalman_set_intake(self, intake_bar);
     self->intake_held = held;
@@ -363,6 +406,7 @@ sd_status_t sd_kalman_status(const sd_kalman_t *self, const sd_kalman_tables_t *
 sd_result_t sd_kalman_init(sd_kalman_t *self, const sd_kalman_tables_t *tables) {
     if (!sd_kalman_tables_ok(tables)) { return SD_ERR_CONFIG; }
     memset(self, 0, sizeof *self);
+    self->tuning = (sd_kalman_tuning_t){ 1.0f, 1.0f, 1.0f };
     sd_kalman_set_intake(self, 1.0f);
     sd_kalman_restart(self);
     return SD_OK;

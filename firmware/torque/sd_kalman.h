@@ -8,7 +8,8 @@
 /// constant: less load, less friction.
 /// With the pulse basis f_j is the combustion torque of firing j, mean 1 over the 180 deg after its TDC, so that x_j is
 /// that cylinder's mean combustion torque; with the Fourier basis it is cos and sin of harmonics. The kernel knows only
-/// tables. One tooth position, d the pitch (derivation: docs/firing.md):
+/// tables. Pulses may have a shape to learn: f_j + shape g_j in place of f_j, one number for all cylinders; what their mean
+/// torque's share of the gain K_s says of it. One tooth position, d the pitch (derivation: docs/firing.md):
 ///     dt   = d sqrt(J_interval / (2 (e + d (moment of T))))      time over the interval, by its mean energy
 ///     e   += d (mean of T),  tau += dt
 /// and at a tooth that is there, w = sqrt(2 e / J_tooth), s = J_mean w^2, r its lateness in rad against the prediction:
@@ -42,7 +43,9 @@
 #define SD_KALMAN_SETS_MAX         2    ///< Of gains.
 #define SD_KALMAN_GAINS_MAX        (SD_KALMAN_SETS_MAX * SD_KALMAN_SPEEDS_MAX)
 #define SD_KALMAN_MODES_MAX        2
-#define SD_KALMAN_POOL             28000///< Floats for torques and gains: 12 speeds for 8 cylinders with 2 modes.
+#ifndef SD_KALMAN_POOL
+#define SD_KALMAN_POOL             28000///< Floats for torques and gains: 12 speeds for 8 cylinders with 2 modes. A build for less may define it.
+#endif
 
 /// A natural vibration that moves the toothed wheel. Torques in Nm hold it at a twist of the wheel in rad.
 typedef struct sd_kalman_mode {
@@ -55,8 +58,8 @@ typedef struct sd_kalman_mode {
 
 /// Read only. One row of `pool` a cycle position k, angles between the teeth k - 1 and k:
 /// mean[m - 1], moment[m - 1], point[m - 1] of the basis; mean[n], moment[n], point[n] of each cylinder's motored torque,
-/// Nm per bar of its intake pressure; for each mode the twist that its mean known torques hold: rad, and rad a w^2 of
-/// (rad/s)^2; then for each speed of each set K_0, K_1, K_x[m], and K_q, K_v of each mode.
+/// Nm per bar of its intake pressure; with a shape to learn, mean[n], moment[n], point[n] of g; for each mode the twist that its mean known torques hold: rad, and rad a w^2 of
+/// (rad/s)^2; then for each speed of each set K_0, K_1, K_x[m], K_s with a shape, and K_q, K_v of each mode.
 /// mean: over the interval; moment: of (1 - s) f, s from 0 to 1 over the interval; point: at tooth k.
 typedef struct sd_kalman_tables {
     uint8_t  positions;    ///< Wheel positions a revolution N, even, 12 to 120.
@@ -66,11 +69,12 @@ typedef struct sd_kalman_tables {
     uint8_t  firings;      ///< Coefficient 1 + i belongs to firing i; 0 with the Fourier basis. Below m.
     uint8_t  cylinders;    ///< n, 1 to SD_KALMAN_FIRINGS_MAX, in firing order.
     uint8_t  modes;        ///< Up to SD_KALMAN_MODES_MAX; 0 with the Fourier basis.
+    uint8_t  shapes;       ///< 1: the pulses have a shape to learn; 0: none, as with the Fourier basis.
     uint16_t read_position[SD_KALMAN_FIRINGS_MAX];  ///< Cycle position at which firing i is read, [0, 2 N).
     uint16_t close_position[SD_KALMAN_FIRINGS_MAX]; ///< Cycle position at which cylinder i's intake valve closes, [0, 2 N).
     float    tick_hz;        ///< Capture ticks a second, [1e5, 2e8].
     float    torque_base_nm; ///< Highest |coefficient|, (0, 20000]; beyond it the filter starts anew.
-    float    shape_sd;       ///< What is not known of single pulses, as a share of the mean torque, [0, 1], at speed_radps[0].
+    float    shape_min_nm;   ///< Mean torque of all cylinders below which the shape is not learned, [0, 20000].
     float    reject_rad;     ///< Lateness beyond which a tooth is left out, besides what a torque explains, > 0; once settled
                              ///< 8 times the innovation as met.
     uint16_t settle_teeth;   ///< Until the estimate counts as converged.
@@ -87,9 +91,15 @@ typedef struct sd_kalman_tables {
     /// firing, errors new at each edge; mean of SD_KALMAN_MEAN cycles, the same; either, errors that stay with a tooth.
     float    single_sd[SD_KALMAN_GAINS_MAX], mean_sd[SD_KALMAN_GAINS_MAX], pattern_sd[SD_KALMAN_GAINS_MAX];
     float    load_sd_nm[SD_KALMAN_GAINS_MAX]; ///< Of a firing, from the load's walk that the gains were made for, >= 0.
+    /// Standard deviation of a firing less the mean of all cylinders from what is not known of the engine: share of the mean torque, share
+    /// of the cylinders' rms difference from it, and Nm per bar of charge: before and after the cylinder's zero was learned.
+    float    mean_share[SD_KALMAN_GAINS_MAX], spread_share[SD_KALMAN_GAINS_MAX];
+    float    charge_nm_per_bar[SD_KALMAN_GAINS_MAX], learned_nm_per_bar[SD_KALMAN_GAINS_MAX];
     float    pool[SD_KALMAN_POOL];
 } sd_kalman_tables_t;
 
+#define SD_KALMAN_SHAPE_MIN (-1.0f)
+#define SD_KALMAN_SHAPE_MAX 3.0f
 #define SD_KALMAN_MEAN 10 ///< Cycles that a cylinder's mean torque is taken over.
 
 /// A placed tooth.
@@ -108,12 +118,20 @@ typedef struct sd_firing {
     uint8_t index;      ///< In firing order.
     float   raw_nm;     ///< torque_nm before zero_nm_per_bar was taken out.
     float   torque_nm;  ///< Mean combustion torque over the 180 deg after its TDC.
-    float   sd_nm;      ///< Standard deviation of that less the mean of all cylinders: timing noise as met, shape_sd, and
-                        ///< with the gains for rough roads what the load's walk gives.
+    float   sd_nm;      ///< Standard deviation of that less the mean of all cylinders: timing noise as met, what is not
+                        ///< known of the engine, and with the gains for rough roads what the load's walk gives.
     float   noise_nm;   ///< From timing errors that are new at each edge: as met, and no less than the gains were made for.
     float   mean_nm;    ///< Of this cylinder's last SD_KALMAN_MEAN cycles, fewer after a start.
     float   mean_sd_nm;
 } sd_firing_t;
+
+/// What was learned of the crank's modes (sd_twist.h): how much faster they swing than in the tables. To the gains a mode
+/// of r times the frequency at r times the speed is what it was, so they are looked up at 1 / r of the speed.
+typedef struct sd_kalman_tuning {
+    float frequency;  ///< r, [0.9, 1.1],
+    float gain_speed; ///< 1 / r,
+    float compliance; ///< 1 / r^2: the twist that a torque holds, over that of the tables.
+} sd_kalman_tuning_t;
 
 typedef struct sd_kalman {
     float    lateness_s;  ///< When the last tooth was due, after it came.
@@ -126,7 +144,9 @@ typedef struct sd_kalman {
     float    swing_rad[SD_KALMAN_MODES_MAX];
     float    innovation_rad, test_ratio;
     float    noise_ratio; ///< Running mean square of the innovation over its expectation.
-    float    zero_nm_per_bar[SD_KALMAN_FIRINGS_MAX]; ///< What a cylinder reads without combustion, of its charge; kept by restart.
+    float    shape;       ///< [SD_KALMAN_SHAPE_MIN, SD_KALMAN_SHAPE_MAX], kept by restart.
+    float    zero_nm_per_bar[SD_KALMAN_FIRINGS_MAX]; ///< What a cylinder reads without combustion, of its charge; 0: not learned; kept by restart.
+    sd_kalman_tuning_t tuning; ///< Kept by restart.
     float    ring_nm[SD_KALMAN_FIRINGS_MAX][SD_KALMAN_MEAN];
     uint8_t  kept[SD_KALMAN_FIRINGS_MAX]; ///< Filled places of each ring.
     uint8_t  next[SD_KALMAN_FIRINGS_MAX]; ///< Where the next firing goes.
@@ -139,7 +159,7 @@ typedef struct sd_kalman {
 
 /// What the tables hold beside tables. None of it needs a restart.
 typedef struct sd_kalman_choice {
-    float   torque_base_nm, shape_sd; ///< As in sd_kalman_tables_t.
+    float   torque_base_nm; ///< As in sd_kalman_tables_t.
     float   reject_deg;
     float   settle_cycles; ///< [0, 200].
     uint8_t teeth;         ///< That are there, a revolution.

@@ -3,26 +3,15 @@
 
 #include <string.h>
 
+#include "sd_teeth.h"
+
 #define W_REF_RADPS 200.0f
 #define SLOPE_MAX   1e-3f  /* rad per rad: the guess is good enough for the trend to be linear in it */
+#define MODES_SETTLED 8u   /* cycles after which it is forgotten how the modes swung at the start */
 #define SPREAD_MIN  0.05f  /* of u, relative: below it one speed only was seen */
 #define MOTORED_SD  0.03f  /* of the motored torque, relative, while the speeds do not tell */
 
-_Static_assert(sizeof(sd_pattern_t) == 3060, "without pointers, the same size on every target");
-
-static uint32_t teeth_of_cycle(const sd_kalman_tables_t *t) {
-    uint32_t present = 0;
-    for (uint32_t k = 0; k < t->positions; ++k) { present += sd_kalman_has_tooth(t, k) ? 2u : 0u; }
-    return present;
-}
-
-static float mean_product(const sd_kalman_tables_t *t, const float *a, const float *b) {
-    float sum = 0.0f, count = 0.0f;
-    for (uint32_t k = 0; k < t->positions; ++k) {
-        if (sd_kalman_has_tooth(t, k)) { sum += a[k] * b[k]; count += 1.0f; }
-    }
-    return sum / count;
-}
+_Static_assert(sizeof(sd_pattern_t) == 4144, "without pointers, the same size on every target");
 
 static void remove_mean(const sd_kalman_tables_t *t, float *values) {
     float sum = 0.0f, count = 0.0f;
@@ -33,18 +22,12 @@ static void remove_mean(const sd_kalman_tables_t *t, float *values) {
 }
 
 /* The trend a_1 k + a_2 k^2 from the differences between the two revolutions. */
-static void find_trend(const sd_pattern_t *self, const sd_kalman_tables_t *t, float *a1, float *a2) {
+static void find_trend(const sd_kalman_tables_t *t, const float *difference_rad, float *a1, float *a2) {
     const float n = (float)t->positions;
-    float count = 0.0f, k_sum = 0.0f, d_sum = 0.0f, kk = 0.0f, kd = 0.0f;
-    for (uint32_t k = 0; k < t->positions; ++k) {
-        if (!sd_kalman_has_tooth(t, k)) { continue; }
-        const float at = (float)k - 0.5f * n, d = self->cycle_rad[k + t->positions] - self->cycle_rad[k];
-        count += 1.0f; k_sum += at; d_sum += d; kk += at * at; kd += at * d;
-    }
-    const float slope = (count * kd - k_sum * d_sum) / (count * kk - k_sum * k_sum);
-    const float offset = (d_sum - slope * k_sum) / count; /* at k = N / 2 */
+    float level, slope;
+    sd_teeth_line(t, difference_rad, &level, &slope);
     *a2 = slope / (2.0f * n);
-    *a1 = offset / n - 2.0f * n * *a2;
+    *a1 = level / n - 2.0f * n * *a2;
 }
 
 /* Each tooth's constant, and where the speeds tell, its slope over u; standard deviation from what the fit leaves. */
@@ -59,7 +42,7 @@ static void solve(sd_pattern_t *self, const sd_kalman_tables_t *t, float scale_n
         self->late_rad[k] = (self->late_rad[k] - s->u / (s->cycles * s->uu) * s->late_u[k]) / spread;
         slope[k] = (s->late_u[k] - s->u * self->late_rad[k]) / s->uu;
     }
-    float left = s->square - mean_product(t, self->late_rad, s->late) - mean_product(t, slope, s->late_u);
+    float left = s->square - sd_teeth_mean_product(t, self->late_rad, s->late) - sd_teeth_mean_product(t, slope, s->late_u);
     left = ((left > 0.0f) ? left / (s->cycles - 2.0f) : 0.0f) + 1e-12f; /* 6e-5 deg: no wheel is known better */
     const float twist = (self->pooled != 0u) ? 0.0f : MOTORED_SD * self->ripple_nm / (4.0f * scale_nm);
     const float effective = (self->pooled != 0u) ? s->cycles * spread : s->cycles;
@@ -83,17 +66,21 @@ static void add_cycle(sd_pattern_t *self, const sd_kalman_tables_t *t, float a1,
     self->sums.cycles += 1.0f;
     self->sums.u += u;
     self->sums.uu += u * u;
-    self->sums.square += mean_product(t, late, late);
+    self->sums.square += sd_teeth_mean_product(t, late, late);
 }
 
 /* All teeth of a cycle are in: learn from it when the guess was good, and better the guess. */
 static bool end_cycle(sd_pattern_t *self, const sd_kalman_tables_t *t) {
     const float pitch = 6.2831853f / (float)t->positions;
     float a1 = 0.0f, a2 = 0.0f;
-    find_trend(self, t, &a1, &a2);
+    float difference[SD_KALMAN_POSITIONS_MAX];
+    for (uint32_t k = 0; k < t->positions; ++k) { difference[k] = self->cycle_rad[k + t->positions] - self->cycle_rad[k]; }
+    const bool settled = self->guessed >= ((t->modes > 0u) ? MODES_SETTLED : 2u);
+    if (settled) { sd_twist_learn(&self->twist, t, &self->sums.twist, difference, &self->free); }
+    find_trend(t, difference, &a1, &a2);
     const float slope = a1 / pitch, bend = a2 / (pitch * pitch); /* a rad */
     const float square_speed = 2.0f * self->energy_j / t->inertia_mean_kgm2;
-    const bool good = (self->guessed >= 2u) && (slope < SLOPE_MAX) && (slope > -SLOPE_MAX);
+    const bool good = settled && (slope < SLOPE_MAX) && (slope > -SLOPE_MAX) && sd_twist_known(&self->twist, t);
     if (good) { add_cycle(self, t, a1, a2, square_speed); }
     /* L' = -de / (2 e), and de grows by the constant torque's error. */
     const float constant = -4.0f * bend * self->energy_j;
@@ -139,6 +126,7 @@ static void begin_cycle(sd_pattern_t *self, const sd_kalman_tables_t *t, const s
     self->free.energy_j = self->energy_j;
     self->free.coefficient_nm[0] = self->constant_nm;
     self->free.lateness_s = sd_kalman_late(&self->free, t, 0) * sd_rsqrt_f32(2.0f * self->energy_j / t->inertia_tooth_kgm2[0]);
+    sd_twist_begin(&self->twist, t, &self->free);
     self->cycle_rad[0] = 0.0f;
     self->teeth = 1;
     self->following = 1;
@@ -152,6 +140,7 @@ static void follow(sd_pattern_t *self, const sd_kalman_tables_t *t, const sd_kal
     if (self->free.running == 0u) { sd_pattern_pause(self); return; }
     const uint32_t k = tooth->cycle_position;
     self->cycle_rad[k] = sd_kalman_late(&self->free, t, k);
+    sd_twist_follow(&self->twist, t, &predicted, self->cycle_rad[k]);
     self->teeth++;
 }
 
@@ -165,7 +154,7 @@ bool sd_pattern_step(sd_pattern_t *self, const sd_kalman_tables_t *t, const sd_k
     if (self->following != 0u) {
         follow(self, t, tooth);
         /* Tooth 0 again: its lateness closes the cycle, but belongs to the next one. */
-        if ((self->following != 0u) && (tooth->cycle_position == 0u) && (self->teeth == teeth_of_cycle(t) + 1u)) {
+        if ((self->following != 0u) && (tooth->cycle_position == 0u) && ((float)self->teeth == 2.0f * sd_teeth_count(t) + 1.0f)) {
             self->cycle_rad[0] = 0.0f;
             changed = end_cycle(self, t);
         }
@@ -201,6 +190,7 @@ void sd_pattern_pause(sd_pattern_t *self) {
 void sd_pattern_init(sd_pattern_t *self, const sd_kalman_tables_t *tables) {
     memset(self, 0, sizeof *self);
     sd_kalman_init(&self->free, tables);
+    sd_twist_init(&self->twist, tables, &self->sums.twist);
 }
 
 sd_result_t sd_pattern_resume(sd_pattern_t *self, const sd_kalman_tables_t *tables, const sd_pattern_sums_t *sums) {
@@ -212,7 +202,9 @@ sd_result_t sd_pattern_resume(sd_pattern_t *self, const sd_kalman_tables_t *tabl
     for (uint32_t k = 0; k < tables->positions; ++k) {
         if (!sd_kalman_has_tooth(tables, k) && (sums->late[k] != 0.0f)) { return SD_ERR_CONFIG; }
     }
+    if (!sd_twist_sums_ok(&sums->twist, tables)) { return SD_ERR_CONFIG; }
     self->sums = *sums;
+    sd_twist_tune(&self->sums.twist, &self->free);
     sd_kalman_restart(&self->free);
     self->ripple_nm = ripple(&self->free, tables);
     if (sums->cycles < (float)SD_PATTERN_CYCLES_MIN) { return SD_OK; }

@@ -18,7 +18,7 @@
 /// placed tooth while fuel is cut, sd_pattern_pause once for any other.
 #ifndef SD_PATTERN_H
 #define SD_PATTERN_H
-#include "sd_kalman.h"
+#include "sd_twist.h"
 
 #define SD_PATTERN_CYCLES_MIN 4 ///< Cycles before a pattern is given at all.
 
@@ -30,6 +30,7 @@ typedef struct sd_pattern_sums {
     float square;                           ///< Sum over cycles of the mean over teeth of L^2.
     float zero[SD_KALMAN_FIRINGS_MAX];      ///< Sum of u^2 (reading of cylinder i over its charge), Nm/bar,
     float zero_u2[SD_KALMAN_FIRINGS_MAX];   ///< and of u^2.
+    sd_twist_sums_t twist;
 } sd_pattern_sums_t;
 
 typedef struct sd_pattern {
@@ -38,6 +39,7 @@ typedef struct sd_pattern {
     float sd_rad;         ///< Its standard deviation, a tooth; 0: nothing learned.
     uint8_t pooled;       ///< 1: the speeds seen tell pattern from motored torque.
     sd_kalman_t free;     ///< Prediction of the cycle under way.
+    sd_twist_t twist;     ///< Frequencies of a crank that twists.
     float energy_j, constant_nm; ///< Guess for the cycle under way: at its start, and throughout.
     float cycle_rad[2 * SD_KALMAN_POSITIONS_MAX]; ///< L of the cycle under way.
     float ripple_nm;      ///< Rms of the motored torque of the last cycle.

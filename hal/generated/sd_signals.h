@@ -7,7 +7,7 @@
 #include <stdint.h>
 
 /// Changes whenever the table does; calibration pages and logs carry it.
-#define SD_SIGNALS_SIGNATURE 0x1714075bu
+#define SD_SIGNALS_SIGNATURE 0xdc423732u
 
 /// Channel of an SD_EVENT_SAMPLE.
 typedef enum sd_input {
@@ -44,8 +44,8 @@ typedef enum sd_signal {
     SD_SIGNAL_FIRING_MEAN_SD = 32, ///< Standard deviation of firing.mean less that of all cylinders: of the imbalance. [Nm]
     SD_SIGNAL_FIRING_ROUGH = 33, ///< 1: the road is rough, and all of firing comes from the filter whose gains let the load move. [-]
     SD_SIGNAL_AFR_CYLINDER_BURNED = 34, ///< Burned share of each cylinder's exhaust gas, by physical number: lambda = 1 - air/gas of document 004, above 1 where air is missing. [-, 8 channels]
-    SD_SIGNAL_AFR_CYLINDER_SD = 42, ///< Standard deviation that the filter states for a cylinder's deviation from the mean, over the mean. [-, 8 channels]
-    SD_SIGNAL_AFR_SLOW = 50, ///< 1: the sensor is too slow for this speed; the estimate learns over some tens of seconds. [-]
+    SD_SIGNAL_AFR_CYLINDER_SD = 42, ///< Standard deviation of a cylinder's deviation from the mean, over the mean: as the filter states it; of the chain, what it scatters by. [-, 8 channels]
+    SD_SIGNAL_AFR_SLOW = 50, ///< 1: the sensor is too slow for this speed; the filter learns over some tens of seconds, the chain stays degraded. [-]
     SD_SIGNAL_AFR_LATE = 51, ///< How much later than calibrated the gas reaches the lambda sensor, as learned from the trims. [s]
     SD_SIGNAL_AFR_LATE_SD = 52, ///< Its standard deviation; 0.01 before anything was learned. [s]
     SD_SIGNAL_AFR_LAG = 53, ///< By what share the lambda sensor's lags are longer than calibrated, as learned from a probe. [-]
@@ -132,7 +132,7 @@ typedef struct sd_parameters {
     float firing_load_walk_nm; ///< Change of load and friction from tooth to tooth.
     float firing_rough_walk_nm; ///< The same on rough roads: of the second filter, which is used when the two disagree. 0: there is none.
     float firing_change_nm; ///< Change of a cylinder's torque from one firing to the next.
-    float firing_shape_sd; ///< What the calibration does not know of single pulses, as a share of the mean torque at the lowest speed of the gains, falling with speed; part of the stated deviations.
+    float firing_shape_walk_nm; ///< Change from tooth to tooth of the pulses' shape, times the mean torque. 0: the calibration's shape is kept.
     float firing_reject_deg; ///< Lateness of a tooth beyond which it is left out, besides what torque.torque_base explains.
     float firing_settle_cycles; ///< Cycles after a start during which firings are flagged as converging.
     float misfire_work_per_fuel_jpmg; ///< Work of combustion that a healthy firing is expected to give; each cylinder learns its own within 0.6 to 1.5 of it.
@@ -152,6 +152,11 @@ typedef struct sd_parameters {
     float misfire_catalyst_percent; ///< Misfires in 200 revolutions that harm the catalyst.
     float misfire_emission_windows; ///< Windows of 1000 over the limit that light the lamp; one is enough in the first.
     float misfire_catalyst_windows; ///< Windows of 200 over the limit that make it blink.
+    float afr_method; ///< 1 joint filter; document 004's chain with the sensor inverted 2 as oscillators, gains from the page, 3 by its adaptive Fourier law.
+    float afr_gain_air; ///< L2 of the chain: of the manifold's air, a position.
+    float afr_gain_cylinder; ///< L_cyl of the chain: of the cylinders, over the charge squared.
+    float afr_inversion_gain; ///< g of the chain's Fourier law, a position.
+    float afr_inversion_floor; ///< rho of the chain's Fourier law: responses of the sensor below it are not inverted in full.
     float afr_noise; ///< Density of the lambda sensor's noise, of burned share over sqrt(Hz), one-sided: what the filter expects.
     float afr_drift; ///< q: how far a cylinder is expected to move in one cycle, of the mean burned share. Larger is noisier; steps are for afr.jump.
     float afr_jump; ///< How far a cylinder may have moved where innovations keep to one side, of the mean burned share. 0: steps are followed by drift alone.
@@ -169,7 +174,7 @@ typedef struct sd_parameters {
     float balance_sd_max; ///< Stated standard deviation of a deviation above which nothing is learned.
     float balance_hold_cycles; ///< How long trims hold after a transient or an estimate that is not valid.
 } sd_parameters_t;
-#define SD_PARAMETER_COUNT 54u
+#define SD_PARAMETER_COUNT 59u
 
 typedef enum sd_rate { SD_RATE_EDGE, SD_RATE_CYCLE, SD_RATE_FIRING } sd_rate_t;
 typedef enum sd_owner { SD_OWNER_CRANK, SD_OWNER_TORQUE, SD_OWNER_CYLINDER, SD_OWNER_FIRING, SD_OWNER_MISFIRE, SD_OWNER_AFR, SD_OWNER_BALANCE, SD_OWNER_COUNT } sd_owner_t;

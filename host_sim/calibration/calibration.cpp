@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <memory>
 
+#include "calibration/chain_map.hpp"
 #include "calibration/cylinder_map.hpp"
 #include "calibration/known_torque.hpp"
 #include "calibration/observer_map.hpp"
@@ -83,6 +84,13 @@ void page_filter(const EngineFile &engine, const std::string &tune_name, sd_cali
     c.kalman = made.tables;
 }
 
+void check_chain(const sd_calibration_t &c, const std::string &tune_name) {
+    const double radius = chain_radius(c);
+    if (radius < 1) return;
+    throw InputError(tune_name, "afr.gain_air, gain_cylinder, inversion_gain, inversion_floor",
+                     fmt::format("the chain does not converge: its error changes by {:.4g} a cycle, allowed below 1", radius));
+}
+
 } // namespace
 
 sd_parameters_t read_tune(TomlFile &tune, const sd_parameters_t *otherwise) {
@@ -153,6 +161,7 @@ sd_calibration_t calibrate(const EngineFile &engine, const sd_parameters_t &tune
     c.cylinder_map = page_map(engine, c);
     page_filter(engine, tune_name, c);
     c.afr = afr_grid(engine);
+    check_chain(c, tune_name);
     return c;
 }
 

@@ -6,6 +6,7 @@
 
 #include "calibration/pulse.hpp"
 #include "calibration/slider_crank.hpp"
+#include "calibration/uego_gains.hpp"
 
 namespace sixdeg {
 namespace {
@@ -204,6 +205,17 @@ sd_afr_node_t page_node(const ExhaustPoint &point, int open_position, double cha
     return node;
 }
 
+/// Drift of a coefficient in a cycle beside the noise of a position at 1500 rpm, of lambda: as fast as the document's law,
+/// docs/afr.md.
+constexpr double kInversionDrift = 0.005, kInversionNoisePerRthz = 1.83e-4;
+
+sd_uego_gains_t inversion_gains(const EngineFile &engine, double rpm) {
+    const int positions = 2 * engine.wheel.positions;
+    const double step_s = 120 / rpm / positions;
+    return uego_gains({engine.exhaust->uego_tau_s[0], engine.exhaust->uego_tau_s[1], step_s, positions,
+                       sd_afr_harmonics(std::uint8_t(engine.cylinders())), kInversionNoisePerRthz / std::sqrt(2 * step_s), kInversionDrift});
+}
+
 } // namespace
 
 sd_afr_grid_t afr_grid(const EngineFile &engine) {
@@ -225,7 +237,10 @@ sd_afr_grid_t afr_grid(const EngineFile &engine) {
             }
         }
     }
-    for (int s = 0; s < SD_AFR_SPEEDS; ++s) grid.speed_radps[s] = float(kRpm[s] * M_PI / 30);
+    for (int s = 0; s < SD_AFR_SPEEDS; ++s) {
+        grid.speed_radps[s] = float(kRpm[s] * M_PI / 30);
+        grid.inversion[s] = inversion_gains(engine, kRpm[s]);
+    }
     std::copy(std::begin(kBar), std::end(kBar), grid.pressure_bar);
     std::copy(std::begin(kLambda), std::end(kLambda), grid.lambda);
     grid.dead_s = float(engine.exhaust->dead_time_s);

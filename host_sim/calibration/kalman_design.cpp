@@ -2,6 +2,7 @@
 #include "calibration/kalman_design.hpp"
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
@@ -138,6 +139,40 @@ double cycle_radius(const ToothModel &model, const MatrixXd &gain) {
         if (present(model, k)) correct(gain.row(k), h, map);
     }
     return map.eigenvalues().cwiseAbs().maxCoeff();
+}
+
+MatrixXd steady_reading(const ToothModel &model, const MatrixXd &gain, const MatrixXd &mean, const MatrixXd &moment) {
+    const double d = model.pitch();
+    const StateRow h = seen(model);
+    const auto firings = int(model.read_at.size()), others = model.torques() - 1 - firings;
+    MatrixXd read = MatrixXd::Zero(firings + others, mean.cols());
+    const auto cycle = [&](StateMatrix &error, bool driven) { // true less estimated
+        for (int k = 0; k < model.cycle(); ++k) {
+            predict_error(model, k, error);
+            if (driven) {
+                error.row(0) -= d * d / model.inertia_ratio[std::size_t(k % model.positions)] * moment.row(k);
+                error.row(1) += d * mean.row(k);
+                for (std::size_t i = 0; i < model.modes.size(); ++i) {
+                    const ToothMode &mode = model.modes[i];
+                    const StateRow held = mean.row(k).cwiseProduct(mode.compliance.segment(1, mean.cols()));
+                    error.row(model.mode_at(i)) += (1 - mode.a) * held;
+                    error.row(model.mode_at(i) + 1) += mode.b * held;
+                }
+            }
+            for (std::size_t i = 0; driven && i < model.read_at.size(); ++i) {
+                if (model.read_at[i] == k) read.row(int(i)) = -error.row(3 + int(i));
+            }
+            if (present(model, k)) error -= (gain.row(k).transpose() * (h * error)).eval();
+        }
+    };
+    StateMatrix map = StateMatrix::Identity(model.states(), model.states());
+    cycle(map, false);
+    StateMatrix error = StateMatrix::Zero(model.states(), mean.cols());
+    cycle(error, true);
+    error = (StateMatrix::Identity(model.states(), model.states()) - map).partialPivLu().solve(error).eval();
+    cycle(error, true);
+    read.bottomRows(others) = -error.middleRows(3 + firings, others);
+    return read;
 }
 
 PeriodicGains design_gains(const ToothModel &model, const ToothNoise &noise, int mean_cycles) {

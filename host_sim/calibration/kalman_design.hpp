@@ -71,6 +71,11 @@ PeriodicGains design_gains(const ToothModel &model, const ToothNoise &noise, int
 /// Largest eigenvalue, by magnitude, of the error's map over a cycle for any gains.
 double cycle_radius(const ToothModel &model, const Eigen::MatrixXd &gain);
 
+/// What is read while torques that the model lacks act in every cycle alike, one of each cylinder at a time; mean and moment
+/// over each interval, [2 N][cylinder]. [coefficient but the constant][cylinder]: firings where they are read, others at the cycle's end.
+Eigen::MatrixXd steady_reading(const ToothModel &model, const Eigen::MatrixXd &gain, const Eigen::MatrixXd &mean,
+                               const Eigen::MatrixXd &moment);
+
 /// What of the state a tooth edge shows.
 StateRow seen(const ToothModel &model);
 

@@ -7,6 +7,7 @@
 
 #include "calibration/calibration.hpp"
 #include "calibration/crank_modes.hpp"
+#include "calibration/model_error.hpp"
 #include "common/error.hpp"
 
 namespace sixdeg {
@@ -17,6 +18,10 @@ constexpr double kRadPerDeg = M_PI / 180, kRadpsPerRpm = M_PI / 30;
 constexpr double kInjectDeg = -12, kReadDeg = 300;
 /// On rough roads a firing may change by this much more: what it lacks must not be taken for load, which may change too.
 constexpr double kRoughChange = 4;
+/// Cylinders' zeros are learned here: fuel cut, and of its speeds the lowest counts most.
+constexpr double kLearnedRpm = 1500;
+/// Indicated mean effective pressure below which the pulses' shape is not learned.
+constexpr double kShapeFromPa = 0.5e5;
 
 struct Interval {
     double mean = 0, moment = 0, point = 0;
@@ -74,6 +79,14 @@ void fill_angles(const EngineFile &engine, const KnownTorque &torque, sd_kalman_
     }
 }
 
+TorqueOverAngle sum_of(const std::vector<TorqueOverAngle> &torques) {
+    return [torques](double a) {
+        double sum = 0;
+        for (const TorqueOverAngle &torque : torques) sum += torque(a);
+        return sum;
+    };
+}
+
 /// Modes do not go with the Fourier basis, which does not know whose torque it is.
 std::vector<CrankMode> modes_of(const EngineFile &engine, const KnownTorque &torque) {
     return torque.firings ? crank_modes(engine, SD_KALMAN_MODES_MAX) : std::vector<CrankMode>{};
@@ -112,6 +125,7 @@ void fill_pool(const EngineFile &engine, const KnownTorque &torque, const std::v
     for (int k = 0; k < 2 * t.positions; ++k) {
         put(torque.basis, k);
         put(torque.motored_per_bar, k);
+        put(torque.shape, k);
         for (const CrankMode &mode : modes) {
             const auto [known, ripple] = held_by_known(engine, torque, mode, k);
             *to++ = float(known), *to++ = float(ripple);
@@ -130,8 +144,10 @@ sd_kalman_tables_t sizes(const EngineFile &engine, const KnownTorque &torque, co
     t.firings = std::uint8_t(torque.firings ? engine.cylinders() : 0);
     t.cylinders = std::uint8_t(engine.cylinders());
     for (const CrankMode &mode : modes_of(engine, torque)) t.mode[t.modes++] = mode_table(mode);
+    t.shapes = torque.shape.empty() ? 0 : 1;
+    t.shape_min_nm = float(kShapeFromPa * engine.displaced_m3() / M_PI);
     t.tick_hz = float(engine.tick_hz);
-    const sd_kalman_choice_t choice{float(tune.torque_base_nm), float(tune.shape_sd), float(tune.reject_deg),
+    const sd_kalman_choice_t choice{float(tune.torque_base_nm), float(tune.reject_deg),
                                     float(tune.settle_cycles), std::uint8_t(engine.wheel.teeth())};
     sd_kalman_choose(&t, &choice);
     t.inertia_mean_kgm2 = float(mean_inertia_kgm2(engine));
@@ -169,6 +185,30 @@ void add_set(const EngineFile &engine, const KnownTorque &torque, const KalmanTu
     }
 }
 
+/// A set's gains at any speed, as the firmware mixes them.
+GainsAt gains_at(const EngineFile &engine, const KnownTorque &torque, const KalmanTables &from, std::size_t set, double speed_radps) {
+    const float *speeds = from.tables.speed_radps;
+    std::size_t at = 0;
+    while (at + 1 < from.tables.speeds && speed_radps >= double(speeds[at + 1])) ++at;
+    const std::size_t next = at + 1 < from.tables.speeds && speed_radps > double(speeds[at]) ? at + 1 : at;
+    const double share = next > at ? (speed_radps - double(speeds[at])) / double(speeds[next] - speeds[at]) : 0;
+    const Eigen::MatrixXd &low = from.gains[set * from.tables.speeds + at].gain, &high = from.gains[set * from.tables.speeds + next].gain;
+    return {tooth_model(engine, torque, speed_radps), low + share * (high - low)};
+}
+
+/// What is not known of the engine goes into the deviations.
+void state_doubts(const EngineFile &engine, const KnownTorque &torque, KalmanTables &out) {
+    sd_kalman_tables_t &t = out.tables;
+    const std::vector<ModelDoubt> doubts = model_doubts(engine);
+    const auto zeros = zeros_learned(doubts, gains_at(engine, torque, out, 0, kLearnedRpm * kRadpsPerRpm)); // by the first filter
+    for (std::size_t i = 0; i < out.gains.size(); ++i) {
+        const GainsAt here = gains_at(engine, torque, out, i / t.speeds, double(t.speed_radps[i % t.speeds]));
+        const ModelError error = model_error(engine, torque, doubts, here, zeros);
+        t.mean_share[i] = float(error.mean_share), t.spread_share[i] = float(error.spread_share);
+        t.charge_nm_per_bar[i] = float(error.charge_nm_per_bar), t.learned_nm_per_bar[i] = float(error.learned_nm_per_bar);
+    }
+}
+
 } // namespace
 
 double mean_inertia_kgm2(const EngineFile &engine) {
@@ -186,9 +226,22 @@ std::vector<TorqueOverAngle> fourier_basis(int harmonics) {
     return basis;
 }
 
+std::pair<Eigen::MatrixXd, Eigen::MatrixXd> interval_tables(const EngineFile &engine, const std::vector<TorqueOverAngle> &torques) {
+    Eigen::MatrixXd mean(2 * engine.wheel.positions, torques.size()), moment = mean;
+    for (int k = 0; k < mean.rows(); ++k) {
+        for (int j = 0; j < mean.cols(); ++j) {
+            const Interval at = over_interval(engine, torques[std::size_t(j)], k);
+            mean(k, j) = at.mean, moment(k, j) = at.moment;
+        }
+    }
+    return {mean, moment};
+}
+
 ToothModel tooth_model(const EngineFile &engine, const KnownTorque &torque, double speed_radps) {
     ToothModel model;
-    const int n = engine.wheel.positions, m = 1 + int(torque.basis.size());
+    std::vector<TorqueOverAngle> basis = torque.basis;
+    if (!torque.shape.empty()) basis.push_back(sum_of(torque.shape));
+    const int n = engine.wheel.positions, m = 1 + int(basis.size());
     model.positions = n;
     model.present.assign(std::size_t(n), true);
     for (int k : engine.wheel.missing) model.present[std::size_t(k)] = false;
@@ -196,12 +249,8 @@ ToothModel tooth_model(const EngineFile &engine, const KnownTorque &torque, doub
     for (int k = 0; k < n; ++k) model.inertia_ratio.push_back(interval_inertia(engine, k) / mean);
     model.mean = Eigen::MatrixXd::Constant(2 * n, m, 1);
     model.moment = Eigen::MatrixXd::Constant(2 * n, m, 0.5);
-    for (int k = 0; k < 2 * n; ++k) {
-        for (int j = 1; j < m; ++j) {
-            const Interval at = over_interval(engine, torque.basis[std::size_t(j - 1)], k);
-            model.mean(k, j) = at.mean, model.moment(k, j) = at.moment;
-        }
-    }
+    const auto [mean_of, moment_of] = interval_tables(engine, basis);
+    model.mean.rightCols(m - 1) = mean_of, model.moment.rightCols(m - 1) = moment_of;
     for (std::size_t i = 0; torque.firings && i < std::size_t(engine.cylinders()); ++i) {
         model.inject_at.push_back(position_after(engine, i, kInjectDeg));
         model.read_at.push_back(position_after(engine, i, kReadDeg));
@@ -210,7 +259,8 @@ ToothModel tooth_model(const EngineFile &engine, const KnownTorque &torque, doub
     for (const CrankMode &mode : modes_of(engine, torque)) {
         Eigen::RowVectorXd compliance(m);
         compliance(0) = scale * mode.constant_radpnm;
-        for (int j = 1; j < m; ++j) compliance(j) = scale * mode.cylinder_radpnm[std::size_t(j - 1)];
+        // Behind a dual-mass flywheel all cylinders share one compliance, and so does the sum of their pulses.
+        for (int j = 1; j < m; ++j) compliance(j) = scale * mode.cylinder_radpnm[std::size_t(std::min(j, engine.cylinders()) - 1)];
         model.modes.push_back(tooth_mode(mode.frequency_radps * model.pitch() / speed_radps, mode.damping, compliance));
     }
     return model;
@@ -233,6 +283,7 @@ KalmanTables kalman_tables(const EngineFile &engine, const KnownTorque &torque, 
         rough.firing_change_nm *= kRoughChange;
         add_set(engine, torque, rough, out);
     }
+    if (t.firings > 0 && !engine.pulses.empty()) state_doubts(engine, torque, out);
     fill_pool(engine, torque, out.gains, t);
     return out;
 }

@@ -2,6 +2,8 @@
 // From torques over crank angle to the tables of the filter on tooth times (sd_kalman.h).
 #pragma once
 #include <functional>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "calibration/kalman_design.hpp"
@@ -20,6 +22,7 @@ struct KnownTorque {
     std::vector<TorqueOverAngle> basis;   ///< One for each coefficient but the constant.
     std::vector<TorqueOverAngle> motored_per_bar; ///< Of each entry of firing_order, Nm per bar of intake pressure.
     std::vector<TorqueOverAngle> motored;         ///< The part that does not scale with it.
+    std::vector<TorqueOverAngle> shape; ///< How the pulse of each entry of firing_order bends; empty: it keeps its shape.
     bool firings = true;                  ///< basis[i] is the pulse of firing_order[i].
 };
 
@@ -29,10 +32,9 @@ struct KalmanTune {
     double load_walk_nm = 0.1;    ///< Change of the constant torque from tooth to tooth.
     double firing_change_nm = 10; ///< Change of a firing's torque from one cycle to the next.
     double rough_walk_nm = 3;     ///< load_walk_nm of the second set of gains, for rough roads; 0: no second set.
-    double basis_walk_nm = 0.2;   ///< Change of other coefficients from tooth to tooth.
+    double basis_walk_nm = 0.2;   ///< Change of other coefficients from tooth to tooth, and of shape times mean torque.
     double torque_base_nm = 1500;
     double reject_deg = 1.5;
-    double shape_sd = 0; ///< As in sd_kalman.h.
     double settle_cycles = 3;
     std::vector<double> speeds_rpm{1000, 2000, 4000, 6500};
 };
@@ -48,6 +50,9 @@ double mean_inertia_kgm2(const EngineFile &engine);
 /// Basis and inertia over the wheel's teeth and the crank's modes at a speed, without gains.
 ToothModel tooth_model(const EngineFile &engine, const KnownTorque &torque, double speed_radps);
 ToothNoise tooth_noise(const EngineFile &engine, const KalmanTune &tune, double speed_radps);
+
+/// Torques over the interval that ends at each cycle position: mean, and moment as sd_kalman.h has it, [2 N][torque].
+std::pair<Eigen::MatrixXd, Eigen::MatrixXd> interval_tables(const EngineFile &engine, const std::vector<TorqueOverAngle> &torques);
 
 /// Throws InputError naming the engine file and `wheel` where the tables do not fit in the firmware's pool.
 KalmanTables kalman_tables(const EngineFile &engine, const KnownTorque &torque, const KalmanTune &tune);

@@ -23,7 +23,7 @@ Perturbation draw_perturbation(const EngineFile &engine, std::uint64_t seed, con
     return p;
 }
 
-EngineFile perturbed(const EngineFile &engine, const Perturbation &perturbation) {
+EngineFile perturbed(const EngineFile &engine, const Perturbation &perturbation, const PerturbationRanges &ranges) {
     const auto factors = [](const std::vector<double> &percent) {
         std::vector<double> factor;
         for (double p : percent) factor.push_back(1 + p / 100);
@@ -35,6 +35,10 @@ EngineFile perturbed(const EngineFile &engine, const Perturbation &perturbation)
     belief.position_0_deg = std::fmod(engine.position_0_deg + perturbation.wheel_offset_deg + 360, 360);
     belief.compression_factors = factors(perturbation.compression_percent);
     belief.trapped_factors = factors(perturbation.trapped_mass_percent);
+    belief.tolerance.inertia_percent = ranges.inertia_percent;
+    belief.tolerance.compression_percent = ranges.compression_percent;
+    belief.tolerance.trapped_mass_percent = ranges.trapped_mass_percent;
+    belief.tolerance.wheel_offset_deg = ranges.wheel_offset_deg;
     if (belief.exhaust) {
         constexpr double kDegPerS = 9000; // at 1500 rpm
         belief.exhaust->flow_factor = 1 + perturbation.exhaust_flow_percent / 100;

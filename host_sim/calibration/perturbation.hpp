@@ -23,7 +23,7 @@ struct Perturbation {
 
 /// The same seed draws the same errors.
 Perturbation draw_perturbation(const EngineFile &engine, std::uint64_t seed, const PerturbationRanges &ranges = {});
-/// The engine as the firmware is told.
-EngineFile perturbed(const EngineFile &engine, const Perturbation &perturbation);
+/// The engine as the firmware is told, its tolerance included.
+EngineFile perturbed(const EngineFile &engine, const Perturbation &perturbation, const PerturbationRanges &ranges = {});
 
 } // namespace sixdeg

@@ -9,8 +9,7 @@ namespace sixdeg {
 namespace {
 
 constexpr double kRadPerDeg = M_PI / 180, kStep = 4 * M_PI / kPulsePoints;
-constexpr double kCrankcase = 1.013e5, kExhaust = 1.1e5;  // Pa
-constexpr double kChargeK = 340;                          // when the intake valve closes
+constexpr double kCrankcase = 1.013e5;                    // Pa
 constexpr double kExchangePerRad = 6;                     // of the pressure of an open cylinder
 constexpr double kGasConstant = 287, kHeatPerAir = 42.7e6 / 14.6; // J/(kg K); J/kg, stoichiometric
 constexpr double kWallK = 430;
@@ -28,16 +27,15 @@ double gamma_of(double t) {
 class Cylinder {
   public:
     Cylinder(const EngineFile &engine, std::size_t lane, const PulseConditions &at, double heat_j)
-        : engine_(engine), crank_(engine, engine.compression_factor(lane)), intake_(at.intake_bar * 1e5), speed_(at.speed_radps),
-          heat_(heat_j) {}
+        : engine_(engine), crank_(engine, engine.compression_factor(lane)), at_(at), intake_(at.intake_bar * 1e5), heat_(heat_j) {}
 
     double volume(double a) const { return crank_.volume(a); }
     double closing() const { return engine_.intake_close_deg * kRadPerDeg - 4 * M_PI; } // before TDC
     double opening() const { return engine_.exhaust_open_deg * kRadPerDeg; }
 
     double slope(double a, double p) const {
-        if (a > opening()) return kExchangePerRad * ((a < 2 * M_PI ? kExhaust : intake_) - p);
-        const double t = kChargeK * p * volume(a) / (intake_ * volume(closing()));
+        if (a > opening()) return kExchangePerRad * ((a < 2 * M_PI ? at_.exhaust_bar * 1e5 : intake_) - p);
+        const double t = at_.charge_k * p * volume(a) / (intake_ * volume(closing()));
         const double gamma = gamma_of(t);
         return ((gamma - 1) * (heat_ * burn_rate(a) - wall_loss(a, p, t)) - gamma * p * crank_.volume_slope(a)) / volume(a);
     }
@@ -72,11 +70,11 @@ class Cylinder {
 
     /// J/rad; Hohenberg: h = 130 V^-0.06 p^0.8 T^-0.4 (c_m + 1.4)^0.8 W/(m2 K), p in bar, c_m the mean piston speed.
     double wall_loss(double a, double p, double t) const {
-        const double piston_mps = engine_.stroke_m * speed_ / M_PI;
+        const double piston_mps = engine_.stroke_m * at_.speed_radps / M_PI;
         const double h = 130 * std::pow(volume(a), -0.06) * std::pow(p / 1e5, 0.8) * std::pow(t, -0.4) *
                          std::pow(piston_mps + 1.4, 0.8);
         const double liner = 4 * (volume(a) - crank_.clearance) / engine_.bore_m;
-        return h * (2 * crank_.area + liner) * (t - kWallK) / speed_;
+        return at_.wall_factor * h * (2 * crank_.area + liner) * (t - kWallK) / at_.speed_radps;
     }
     double burn_rate(double a) const {
         double rate = 0;
@@ -91,12 +89,13 @@ class Cylinder {
 
     const EngineFile &engine_;
     SliderCrank crank_;
-    double intake_, speed_, heat_;
+    PulseConditions at_;
+    double intake_, heat_;
 };
 
 double heat_j(const EngineFile &engine, std::size_t lane, const PulseConditions &at) {
     const Cylinder cylinder(engine, lane, at, 0);
-    const double air = at.intake_bar * 1e5 * cylinder.volume(cylinder.closing()) / (kGasConstant * kChargeK);
+    const double air = at.intake_bar * 1e5 * cylinder.volume(cylinder.closing()) / (kGasConstant * at.charge_k);
     return at.equivalence_ratio * air * kHeatPerAir;
 }
 
@@ -106,23 +105,40 @@ double exhaust_opening_pa(const EngineFile &engine, const PulseConditions &condi
     return Cylinder(engine, 0, conditions, heat_j(engine, 0, conditions)).pressure_at_opening();
 }
 
+namespace {
+
+/// Fired less motored; its mean over the 180 deg after TDC is 1.
+std::vector<double> combustion(const EngineFile &engine, std::size_t lane, const PulseConditions &conditions, const std::vector<double> &motored) {
+    auto pulse = Cylinder(engine, lane, conditions, heat_j(engine, lane, conditions)).torque();
+    double mean = 0;
+    for (int i = 0; i < kPulsePoints; ++i) {
+        pulse[std::size_t(i)] -= motored[std::size_t(i)];
+        if (i < kPulsePoints / 4) mean += pulse[std::size_t(i)] / (kPulsePoints / 4);
+    }
+    for (double &torque : pulse) torque /= mean;
+    return pulse;
+}
+
+} // namespace
+
 CylinderPulse cylinder_pulse(const EngineFile &engine, std::size_t lane, const PulseConditions &conditions) {
     PulseConditions doubled_intake = conditions;
     doubled_intake.intake_bar *= 2;
-    const Cylinder motored(engine, lane, conditions, 0), twice(engine, lane, doubled_intake, 0);
-    const auto fired = Cylinder(engine, lane, conditions, heat_j(engine, lane, conditions)).torque();
-    const auto once = motored.torque(), doubled = twice.torque();
-    CylinderPulse pulse;
-    double mean = 0;
-    for (int i = 0; i < kPulsePoints; ++i) {
-        const auto k = std::size_t(i);
-        pulse.combustion.push_back(fired[k] - once[k]);
+    const auto once = Cylinder(engine, lane, conditions, 0).torque(), doubled = Cylinder(engine, lane, doubled_intake, 0).torque();
+    CylinderPulse pulse{combustion(engine, lane, conditions, once), {}, {}};
+    for (std::size_t k = 0; k < std::size_t(kPulsePoints); ++k) {
         pulse.motored_per_bar.push_back((doubled[k] - once[k]) / conditions.intake_bar);
         pulse.motored_rest.push_back(2 * once[k] - doubled[k]);
-        if (i < kPulsePoints / 4) mean += pulse.combustion[k] / (kPulsePoints / 4);
     }
-    for (double &torque : pulse.combustion) torque /= mean;
     return pulse;
+}
+
+std::vector<double> pulse_bend(const EngineFile &engine, std::size_t lane, const CylinderPulse &pulse) {
+    PulseConditions doubled_loss;
+    doubled_loss.wall_factor *= 2;
+    auto bend = combustion(engine, lane, doubled_loss, Cylinder(engine, lane, doubled_loss, 0).torque());
+    for (std::size_t k = 0; k < bend.size(); ++k) bend[k] -= pulse.combustion[k];
+    return bend;
 }
 
 double pulse_at(const std::vector<double> &table, double angle_rad) {

@@ -27,10 +27,16 @@ struct PulseConditions {
     double intake_bar = 1.2;
     double speed_radps = 200;       ///< For the wall loss.
     double equivalence_ratio = 0.5; ///< Heat over what the trapped air could burn.
+    double wall_factor = 1;         ///< On the wall loss.
+    double charge_k = 340;          ///< When the intake valve closes.
+    double exhaust_bar = 1.1;       ///< Behind the open exhaust valve.
 };
 
 /// Entry `lane` of firing_order, with the engine file's belief about its compression.
 CylinderPulse cylinder_pulse(const EngineFile &engine, std::size_t lane, const PulseConditions &conditions = {});
+
+/// What twice the wall loss adds to `combustion`, whose mean stays 1.
+std::vector<double> pulse_bend(const EngineFile &engine, std::size_t lane, const CylinderPulse &pulse);
 
 /// Pressure in the first cylinder when its exhaust valve opens.
 double exhaust_opening_pa(const EngineFile &engine, const PulseConditions &conditions);

@@ -32,6 +32,21 @@ void check_cylinders(const TomlFile &file, const EngineFile &engine) {
     if (engine.rod_m <= engine.stroke_m / 2) file.fail("cylinders.rod_m", "is not longer than half the stroke");
 }
 
+Tolerance read_tolerance(TomlFile &file) {
+    Tolerance t;
+    const auto read = [&](const char *name, double &value, double most, const char *unit) {
+        value = file.number_or(std::string("tolerance.") + name, {0, most, unit}, value);
+    };
+    read("inertia_percent", t.inertia_percent, 50, "%");
+    read("compression_percent", t.compression_percent, 20, "%");
+    read("trapped_mass_percent", t.trapped_mass_percent, 50, "%");
+    read("wheel_offset_deg", t.wheel_offset_deg, 10, "deg");
+    read("burn_start_deg", t.burn_start_deg, 20, "deg");
+    read("burn_duration_percent", t.burn_duration_percent, 50, "%");
+    read("wall_loss_percent", t.wall_loss_percent, 200, "%");
+    return t;
+}
+
 Wheel read_wheel(TomlFile &file) {
     Wheel wheel;
     if (!file.has("wheel.missing")) return parse_wheel(file.text_or("wheel.pattern", "60-2"), file.name() + ": wheel.pattern");
@@ -117,6 +132,7 @@ EngineFile read_engine(TomlFile &file) {
     engine.has_cam = file.has("cam.edge_deg");
     if (engine.has_cam) engine.cam_edge_deg = file.number("cam.edge_deg", {0, 719.999, "deg"});
     engine.tick_hz = file.number_or("timer.tick_hz", {1e5, 2e8, "Hz"}, 1e6);
+    engine.tolerance = read_tolerance(file);
     engine.exhaust = read_exhaust_system(file);
     file.ignore("plant");
     return engine;

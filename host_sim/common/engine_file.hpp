@@ -31,6 +31,15 @@ struct HeatPulse {
     double share; ///< Of the cycle's heat; the shares of all pulses add up to 1.
 };
 
+/// How far the file may be off: the largest error of a value, any within being as likely. What `sixdeg calibrate` makes of it:
+/// calibration/model_error.hpp.
+struct Tolerance {
+    double inertia_percent = 0, compression_percent = 0, trapped_mass_percent = 0; ///< The last two of each cylinder by itself.
+    double wheel_offset_deg = 0;
+    double burn_start_deg = 0.5, burn_duration_percent = 3; ///< Of combustion.pulse.
+    double wall_loss_percent = 100;                         ///< Beyond Hohenberg's.
+};
+
 struct EngineFile {
     std::string name;
     std::vector<std::string> guessed; ///< Fields whose value nobody measured; every report repeats them.
@@ -58,6 +67,8 @@ struct EngineFile {
 
     double tick_hz = 1e6; ///< Capture timer.
 
+    Tolerance tolerance;
+
     std::optional<ExhaustSystem> exhaust; ///< From the exhaust valves to the wideband sensor.
 
     /// How single cylinders are believed to differ, by entry of firing_order; empty: not at all. No field of the file:
@@ -65,6 +76,7 @@ struct EngineFile {
     std::vector<double> compression_factors, trapped_factors;
 
     int cylinders() const { return int(firing_order.size()); }
+    double displaced_m3() const { return 0.78539816339744831 * bore_m * bore_m * stroke_m; } ///< Of one cylinder.
     double compression_factor(std::size_t lane) const {
         return compression_factors.empty() ? 1 : compression_factors[lane];
     }

@@ -142,7 +142,8 @@ template <class V> class AfrBlocks {
     }
 
     void cycle_chain() {
-        V::chain_set(&chain_, &exhaust_, float(trace_.step_s), setup_.method == AfrMethod::oscillator ? &gains_ : nullptr);
+        V::chain_set(&chain_, float(trace_.step_s), setup_.method == AfrMethod::oscillator ? &gains_ : nullptr,
+                     float(1 / kBaseCharges));
     }
 
     void init_joint() {
@@ -177,11 +178,10 @@ template <class V> class AfrBlocks {
     }
 
     void step(std::uint32_t position, double air) {
-        if (setup_.method == AfrMethod::fourier || setup_.method == AfrMethod::oscillator)
-            return V::chain_step(&chain_, &exhaust_, position, V::of(air));
         typename V::Now now;
         V::exhaust_step(&exhaust_, position, &now);
         if (setup_.method == AfrMethod::true_gas) return V::observer_step(&chain_.observer, &now, V::of(air));
+        if (!is_joint()) return V::chain_step(&chain_, &now, position, V::of(air));
         if constexpr (std::is_same_v<V, F32>)
             sd_afr_joint_step(&joint_, &now, float(air), fixed_gains_.empty() ? nullptr : fixed_gains_[position].data());
     }

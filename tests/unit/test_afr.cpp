@@ -6,6 +6,8 @@
 #include <functional>
 #include <gtest/gtest.h>
 
+#include "calibration/calibration.hpp"
+#include "calibration/chain_map.hpp"
 #include "common/error.hpp"
 #include "common/random.hpp"
 #include "run/afr_blocks.hpp"
@@ -100,8 +102,9 @@ template <class V> struct ChainRun {
     }
     void cycles(int n, const std::function<double(double)> &spoil) {
         for (int k = 0; k < 120 * n; ++k) {
-            if (k % 120 == 0) V::chain_set(&chain, &exhaust, 6.667e-4f, nullptr);
-            V::chain_step(&chain, &exhaust, std::uint32_t(k % 120), V::of(spoil(0.5 + 0.01 * std::cos(2 * M_PI * k / 120))));
+            if (k % 120 == 0) V::chain_set(&chain, 6.667e-4f, nullptr, float(step().point.charge_kg / 0.01));
+            V::exhaust_step(&exhaust, std::uint32_t(k % 120), &now);
+            V::chain_step(&chain, &now, std::uint32_t(k % 120), V::of(spoil(0.5 + 0.01 * std::cos(2 * M_PI * k / 120))));
         }
     }
     std::array<double, 4> lambda() const {
@@ -113,6 +116,7 @@ template <class V> struct ChainRun {
     std::vector<std::int32_t> sine;
     sd_afr_chain_config_t config{};
     typename V::Exhaust exhaust;
+    typename V::Now now{};
     typename V::Chain chain;
 };
 
@@ -144,7 +148,7 @@ TEST(AfrChain, BeginsAnewAfterBadSamplesAndSaysSo) {
     EXPECT_EQ(sd_afr_chain_status_f32(&run.chain).health, SD_DEGRADED);
     run.chain.observer.air = NAN;
     run.cycles(40, good);
-    sd_afr_chain_step_f32(&run.chain, &run.exhaust, 120, 0.1f); // no such position
+    sd_afr_chain_step_f32(&run.chain, &run.now, 120, 0.1f); // no such position
     for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(run.lambda()[i], settled[i], 1e-3);
     sd_afr_chain_restart_f32(&run.chain);
     EXPECT_EQ(sd_afr_chain_status_f32(&run.chain).health, SD_INVALID);
@@ -191,50 +195,107 @@ TEST(AfrChain, FixedPointFollowsFloat) {
     }
 }
 
-/// Map of block A's error over one cycle, from the kernel itself, which is linear in its state.
-double observer_radius(double gain_air, double gain_cylinder) {
-    const Step &s = step();
-    sd_exhaust_config_t e{};
-    e.cycle_positions = 120, e.cylinders = 4, e.mass_base_kg = 0.01f;
-    for (int i = 0; i < 4; ++i) e.firing_position[i] = std::uint16_t(30 * i);
-    const auto psi = exhaust_psi();
-    std::copy(psi.begin(), psi.end(), e.psi);
-    const std::vector<float> share(s.point.share.begin(), s.point.share.end());
-    const sd_exhaust_point_t p{share.data(), float(s.point.charge_kg), float(s.point.rate_hz),
-                               float(s.point.z0_kg), 0, 0};
-    sd_exhaust_f32_t gas;
-    must(sd_exhaust_init_f32(&gas, &e));
-    must(sd_exhaust_set_f32(&gas, &p, float(s.trace.step_s)));
-    sd_exhaust_now_f32_t now;
-    for (std::uint32_t k = 0; k < 40 * 120; ++k) sd_exhaust_step_f32(&gas, k % 120, &now); // periodic
-    const sd_afr_observer_config_t c{4, 0, float(gain_air), float(gain_cylinder)};
-    const auto one_cycle = [&](int state) {
+/// Block A over a periodic gas at 1500 rpm, 9 bar, and what its error does over one cycle, written out in double.
+struct ObserverLimits {
+    ObserverLimits() {
+        ChainRun<F32> run;
+        const ExhaustPoint &p = step().point; // at the manifold: what goes in and out adds up exactly
+        const sd_exhaust_point_t point{run.share.data(), float(p.charge_kg), float(p.rate_hz), float(p.z0_kg), 0, 0};
+        must(sd_exhaust_set_f32(&run.exhaust, &point, 6.667e-4f));
+        run.cycles(40, [](double a) { return a; }); // it repeats itself
+        for (std::uint32_t k = 0; k < 120; ++k) {
+            sd_exhaust_now_f32_t now;
+            sd_exhaust_step_f32(&run.exhaust, k, &now);
+            cycle.push_back(now);
+        }
+    }
+    /// Largest eigenvalue of equation (9)'s error: x2 and the a_i.
+    double radius(double gain_air, double gain_cylinder) const {
+        Eigen::MatrixXd map = Eigen::MatrixXd::Identity(5, 5);
+        for (const auto &now : cycle) {
+            Eigen::MatrixXd predict = Eigen::MatrixXd::Identity(5, 5), correct = predict;
+            for (int i = 0; i < 4; ++i) predict(0, 1 + i) = double(now.charge) * double(now.share[i]);
+            correct(0, 0) -= gain_air;
+            for (int i = 0; i < 4; ++i) correct(1 + i, 0) = -gain_cylinder * double(now.share[i]) / double(now.charge);
+            map = correct * predict * map;
+        }
+        return map.eigenvalues().cwiseAbs().maxCoeff();
+    }
+    /// The gain at which it reaches 1, with the other one held.
+    template <class Radius> static double limit(double stable, double unstable, Radius radius) {
+        EXPECT_LT(radius(stable), 1);
+        EXPECT_GT(radius(unstable), 1);
+        while (unstable - stable > 1e-6 * stable) (radius((stable + unstable) / 2) < 1 ? stable : unstable) = (stable + unstable) / 2;
+        return stable;
+    }
+    /// What becomes of an error of 0.001 in one cylinder and in the manifold in the firmware, over it, after so many cycles
+    /// that by the eigenvalues it is `factor`; infinite where the observer left its range and began anew.
+    double grown(double gain_air, double gain_cylinder, double factor) const {
+        const int cycles = int(std::ceil(std::log(factor) / std::log(radius(gain_air, gain_cylinder))));
+        const sd_afr_observer_config_t c{4, 0, 0.1f, 1};
         sd_afr_observer_f32_t o;
         must(sd_afr_observer_init_f32(&o, &c));
-        sd_afr_observer_set_f32(&o, p.charge_kg / e.mass_base_kg);
-        o.running = 1;
-        if (state == 0) o.air = 0.01f;
-        if (state > 0) o.air_fraction[state - 1] = 0.01f;
-        sd_exhaust_f32_t copy = gas;
-        for (std::uint32_t k = 0; k < 120; ++k) {
-            sd_exhaust_step_f32(&copy, k, &now);
-            sd_afr_observer_step_f32(&o, &now, 0);
+        o.gain_air.factor = float(gain_air), o.cylinder_gain = float(gain_cylinder); // beyond what init allows, too
+        sd_afr_observer_set_f32(&o, cycle[0].charge);
+        const sd_exhaust_now_f32_t &end = cycle.back();
+        sd_afr_observer_step_f32(&o, &end, 0.3f);
+        o.air_fraction[0] += 1e-3f, o.air += 1e-3f * end.mass;
+        double worst = 1e-3;
+        for (int n = 0; n < cycles && worst < 0.1; ++n) {
+            for (const auto &now : cycle) sd_afr_observer_step_f32(&o, &now, 0.3f);
+            if (o.steps < 121) return INFINITY;
+            worst = std::abs(double(o.air / end.mass) - 0.3);
+            for (int i = 0; i < 4; ++i) worst = std::max(worst, std::abs(double(o.air_fraction[i]) - 0.3));
         }
-        Eigen::VectorXd x(5);
-        x << double(o.air), double(o.air_fraction[0]), double(o.air_fraction[1]), double(o.air_fraction[2]),
-            double(o.air_fraction[3]);
-        return Eigen::VectorXd(x / 0.01);
-    };
-    Eigen::MatrixXd map(5, 5);
-    for (int i = 0; i < 5; ++i) map.col(i) = one_cycle(i);
-    return map.eigenvalues().cwiseAbs().maxCoeff();
+        return worst / 1e-3;
+    }
+    std::vector<sd_exhaust_now_f32_t> cycle;
+};
+
+TEST(AfrChain, GainLimitsOfBlockAAreThoseOfTheEigenvaluesOverOneCycle) {
+    const ObserverLimits a;
+    for (double air : {0.06, 0.12})
+        for (double cylinder : {2.0, 5.0}) EXPECT_LT(a.radius(air, cylinder), 0.85) << air << " " << cylinder;
+    const double air = a.limit(0.1, 3, [&](double gain) { return a.radius(gain, 4); });
+    const double cylinder = a.limit(4, 4000, [&](double gain) { return a.radius(0.1, gain); });
+    RecordProperty("limit_gain_air", std::to_string(air));
+    RecordProperty("limit_gain_cylinder", std::to_string(cylinder));
+    std::printf("limits at 1500 rpm 9 bar: L2 %.4f with L_cyl 4; L_cyl %.2f with L2 0.1\n", air, cylinder);
+    for (double inside : {0.9, 0.98}) {
+        EXPECT_LT(a.grown(inside * air, 4, 0.01), 0.1) << inside;
+        EXPECT_LT(a.grown(0.1, inside * cylinder, 0.01), 0.1) << inside;
+    }
+    for (double outside : {1.02, 1.1}) {
+        EXPECT_GT(a.grown(outside * air, 4, 1e5), 10) << outside;
+        EXPECT_GT(a.grown(0.1, outside * cylinder, 1e5), 10) << outside;
+    }
 }
 
-TEST(AfrChain, GainLimitsByTheEigenvaluesOverOneCycle) {
-    for (double air : {0.06, 0.12})
-        for (double cylinder : {2.0, 5.0})
-            EXPECT_LT(observer_radius(air, cylinder), 0.85) << air << " " << cylinder;
-    EXPECT_LT(observer_radius(1.9, 3), 1); // L2 just below 2, its limit
+/// The whole chain at every point of the page.
+TEST(AfrChain, CalibrationRefusesAChainThatDoesNotConverge) {
+    const EngineFile &engine = step().scenario.engine.shared;
+    TomlFile tune("tune.toml", "firing.enabled = 0\nafr.gain_air = 0.001\nafr.gain_cylinder = 100\n");
+    const sd_parameters_t unstable = read_tune(tune);
+    sd_calibration_t page = calibrate(engine, unstable, "tune.toml"); // the filter has no such gains
+    EXPECT_EQ(chain_radius(page), 0);
+    const auto radius = [&](float method, float gain_air, float gain_cylinder) {
+        page.parameters.afr_method = method, page.parameters.afr_gain_air = gain_air, page.parameters.afr_gain_cylinder = gain_cylinder;
+        return chain_radius(page);
+    };
+    for (float method : {2.0f, 3.0f}) {
+        EXPECT_LT(radius(method, 0.1f, 4), 0.99) << "the defaults, at 4800 rpm too";
+        EXPECT_LT(radius(method, 1.9f, 4), 1) << "below its limit";
+        EXPECT_GT(radius(method, 0.001f, 100), 1);
+    }
+    sd_parameters_t chosen = unstable;
+    chosen.afr_method = 3;
+    try {
+        calibrate(engine, chosen, "tune.toml");
+        FAIL();
+    } catch (const InputError &error) {
+        EXPECT_NE(std::string(error.what()).find("tune.toml: afr.gain_air, gain_cylinder"), std::string::npos) << error.what();
+        EXPECT_NE(std::string(error.what()).find("the chain does not converge"), std::string::npos) << error.what();
+    }
 }
 
 // The joint filter's covariance against a full Kalman filter in double that shares no code with it.

@@ -155,6 +155,22 @@ TEST(AfrLoop, AProbeMendsALoopThatGaveUp) {
     }
 }
 
+/// Document 004's chain in place of the filter: noisier, so with less gain.
+TEST(AfrLoop, BalancesFromTheDocumentsChain) {
+    const auto chain = [](const char *method, double error) { return balanced({{}, {method, "balance.gain=0.1", "afr.identify=0"}, error}); };
+    for (const BalanceFigures &b : {chain("afr.method=2", 0), chain("afr.method=3", 0), chain("afr.method=3", 30)}) {
+        EXPECT_GE(b.cycles_to_3_percent, 4);
+        EXPECT_LE(b.cycles_to_3_percent, 60);
+        EXPECT_LT(b.residual_percent, 2);
+        EXPECT_EQ(b.gave_up_cycles, -1);
+    }
+    EXPECT_GE(chain("afr.method=3", 120).gave_up_cycles, 4);
+    // Where the sensor is too slow it says so, and nothing is learned from it.
+    const BalanceFigures slow = balanced({{"run.duration_s=6", "control.balance_on_s=[2,1000]"}, {"afr.method=3"}, 0, false, 1, "slow_3500rpm_12bar.toml"});
+    EXPECT_NEAR(slow.largest_spread_percent, slow.spread_before_percent, 0.5);
+    EXPECT_EQ(slow.wrong_way_percent, 0);
+}
+
 /// At 90 deg the alternating pattern is neither corrected nor driven; beyond, it is driven apart, and the watch stops that.
 TEST(AfrLoop, GivesUpBeforeAWrongPhaseDoesHarm) {
     for (double error : {90.0, -90.0, 120.0, -120.0, 150.0, -150.0, 180.0}) {
@@ -192,23 +208,29 @@ TEST(AfrLoop, HoldsWhileTheEstimateSaysThatItIsUncertain) {
     EXPECT_EQ(b.wrong_way_percent, 0);
 }
 
+/// What becomes of the trims where the lambda sensor sends `reading` for two seconds.
+void fails(const sd_calibration_t &page, const char *what, double moved, double residual_percent, std::function<float()> reading) {
+    const Scenario scenario = loop_scenario({});
+    const auto ecu = std::make_unique<BadSensor>(page, std::move(reading));
+    const RunResult r = run_scenario(scenario, page, *ecu, nullptr);
+    EXPECT_FALSE(ecu->bad) << what;
+    EXPECT_LE(ecu->moved, moved) << what;
+    ASSERT_TRUE(r.balance) << what;
+    EXPECT_LT(r.balance->residual_percent, residual_percent) << what;
+    EXPECT_EQ(r.balance->gave_up_cycles, -1) << what;
+}
+
 TEST(AfrLoop, ASensorThatFailsMovesNoTrimAndNeedsNoRestart) {
     std::mt19937 random(1);
-    const Scenario scenario = loop_scenario({});
-    const sd_calibration_t page = calibrate(scenario.engine.shared, read_tune(*std::make_unique<TomlFile>("t", "")), "t");
-    const auto check = [&](const char *what, std::function<float()> reading) {
-        const auto ecu = std::make_unique<BadSensor>(page, std::move(reading));
-        const RunResult r = run_scenario(scenario, page, *ecu, nullptr);
-        EXPECT_FALSE(ecu->bad) << what;
-        EXPECT_LE(ecu->moved, 0.005) << what;
-        ASSERT_TRUE(r.balance) << what;
-        EXPECT_LT(r.balance->residual_percent, 1.5) << what;
-        EXPECT_EQ(r.balance->gave_up_cycles, -1) << what;
-    };
-    check("not a number", [] { return NAN; });
-    check("out of range", [] { return -1e30f; });
-    check("stuck", [] { return 2.0f; });
-    check("any number", [&] { return std::uniform_real_distribution<float>(0.3f, 9)(random); });
+    TomlFile tune("tune", "");
+    sd_calibration_t page = calibrate(loop_scenario({}).engine.shared, read_tune(tune), "tune");
+    fails(page, "not a number", 0.005, 1.5, [] { return NAN; });
+    fails(page, "out of range", 0.005, 1.5, [] { return -1e30f; });
+    fails(page, "stuck", 0.005, 1.5, [] { return 2.0f; });
+    fails(page, "any number", 0.005, 1.5, [&] { return std::uniform_real_distribution<float>(0.3f, 9)(random); });
+    page.parameters.afr_method = SD_AFR_FOURIER, page.parameters.balance_gain = 0.1f;
+    fails(page, "chain, not a number", 0.005, 2, [] { return NAN; });
+    fails(page, "chain, stuck", 0.02, 2, [] { return 2.0f; });
 }
 
 TEST(AfrLoop, TheFilterTakesWhatItIsToldOfATrim) {

@@ -281,7 +281,10 @@ auto fields(const sd_misfire_config_t &c) {
                       c.emission_exceedances, c.catalyst_exceedances);
 }
 auto fields(const sd_balance_config_t &c) { return std::tuple(c.gain, c.rate, c.limit, c.sd_max, c.hold_cycles); }
-auto fields(const sd_afr_config_t &c) { return std::tuple(c.noise_per_rthz, c.drift, c.drift_slow, c.slow_above); }
+auto fields(const sd_afr_config_t &c) {
+    return std::tuple(c.method, c.noise_per_rthz, c.drift, c.drift_slow, c.slow_above, c.gain_air, c.gain_cylinder, c.inversion_gain,
+                      c.inversion_floor);
+}
 
 void expect_same_choices(const sd_ecu_t &a, const sd_ecu_t &b) {
     EXPECT_EQ(a.crank.config.stall_ticks, b.crank.config.stall_ticks);
@@ -327,7 +330,7 @@ TEST(Ecu, ParametersSetAtRunTimeGiveThePageOfThoseSetAtTheStart) {
         expect_same_choices(*Ecu(fresh).ecu, *ecu.ecu);
     }
     EXPECT_EQ(SD_PARAMETER_COUNT, unsigned(taken) + refused.size());
-    const std::vector<std::string> tables{"firing.harmonics", "firing.edge_sd", "firing.load_walk", "firing.rough_walk", "firing.change"};
+    const std::vector<std::string> tables{"firing.harmonics", "firing.edge_sd", "firing.load_walk", "firing.rough_walk", "firing.change", "firing.shape_walk"};
     EXPECT_EQ(tables, refused);
 }
 

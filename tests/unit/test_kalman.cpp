@@ -216,7 +216,10 @@ TEST(Kalman, RefusesTablesOutOfRange) {
     EXPECT_TRUE(refused([](auto &t) { t.read_position[2] = 120; }));
     EXPECT_TRUE(refused([](auto &t) { t.speed_radps[1] = t.speed_radps[0]; }));
     EXPECT_TRUE(refused([](auto &t) { t.pool[17] = NAN; }));
-    EXPECT_TRUE(refused([](auto &t) { t.shape_sd = -1; }));
+    EXPECT_TRUE(refused([](auto &t) { t.shape_min_nm = -1; }));
+    EXPECT_TRUE(refused([](auto &t) { t.shapes = 2; }));
+    EXPECT_TRUE(refused([](auto &t) { t.mean_share[3] = NAN; }));
+    EXPECT_TRUE(refused([](auto &t) { t.learned_nm_per_bar[0] = -1; }));
     EXPECT_TRUE(refused([](auto &t) { t.known[1][5] = INFINITY; }));
     EXPECT_TRUE(refused([](auto &t) { t.inertia_tooth_kgm2[59] = 0; }));
     EXPECT_FALSE(refused([](auto &) {}));

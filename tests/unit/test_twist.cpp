@@ -4,6 +4,9 @@
 
 #include "calibration/crank_modes.hpp"
 #include "support/kalman_bench.hpp"
+extern "C" {
+#include "sd_pattern.h"
+}
 
 namespace sixdeg {
 namespace {
@@ -173,6 +176,99 @@ TEST(Twist, FiringsAreFoundOnAWheelThatSwings) {
     }
 }
 
+/// Every cylinder turns the crank alike and as the tables know, so that only its place in the modes makes half orders. Gently:
+/// TwistedEdges takes the crank's speed for even.
+constexpr double kGently = 0.5;
+
+KnownTorque driven() {
+    KnownTorque known = known_torque();
+    for (std::size_t lane = 0; lane < 4; ++lane) known.motored_per_bar[lane] = [=](double a) { return kGently * pulse_of(lane, a); };
+    return known;
+}
+
+EngineFile stiffer(double frequency_ratio) {
+    EngineFile engine = with_torsion(true);
+    engine.reciprocating_mass_kg = 0;
+    engine.torsion->section_stiffness_nmprad *= frequency_ratio * frequency_ratio;
+    return engine;
+}
+
+/// Cycles of a crank whose modes swing at a ratio of what the tables say.
+void motor(sd_pattern_t &pattern, const sd_kalman_tables_t &tables, double ratio, double rpm, int cycles, double pattern_deg) {
+    TorqueSignal signal;
+    signal.compression_nm = signal.recip_mass_kg = 0;
+    signal.fuel.assign(4, kGently);
+    signal.rpm = rpm;
+    Bench bench(tables, Edges(signal, 0.01, pattern_deg, unsigned(rpm)));
+    const TwistedEdges twisted(signal, crank_modes(stiffer(ratio), SD_KALMAN_MODES_MAX));
+    bench.earlier_s = [&](int k) {
+        const double alpha = 2 * M_PI * k / kPositions;
+        return twisted.twist(alpha) / (1 + twisted.slope(alpha)) / (rpm * M_PI / 30);
+    };
+    bench.take = [&](const sd_kalman_tooth_t &tooth) { sd_pattern_step(&pattern, &tables, &tooth); };
+    bench.run(cycles);
+    sd_pattern_pause(&pattern);
+}
+
+const sd_kalman_tables_t &twisting_tables() {
+    static const KalmanTables made = kalman_tables(stiffer(1), driven(), {});
+    return made.tables;
+}
+
+TEST(Twist, FrequencyIsLearnedWhileMotored) {
+    for (double ratio : {0.95, 0.985, 1.0, 1.05}) {
+        sd_pattern_t pattern;
+        sd_pattern_init(&pattern, &twisting_tables());
+        for (double rpm : {4060.0, 3160.0}) motor(pattern, twisting_tables(), ratio, rpm, 60, 0.02);
+        const double error = double(pattern.sums.twist.deviation) - (ratio - 1), stated = double(sd_twist_sd(&pattern.sums.twist));
+        EXPECT_LT(std::abs(error), 0.0025) << ratio;
+        EXPECT_LT(std::abs(error), 3 * stated) << ratio;
+        EXPECT_GT(pattern.sums.cycles, 40) << "the pattern is learned when the frequency is known";
+    }
+}
+
+TEST(Twist, AFasterModeIsTheSameModeAtALowerSpeed) {
+    const double w = 3000 * M_PI / 30, ratio = 1.04;
+    const ToothModel faster = tooth_model(stiffer(ratio), driven(), ratio * w), tables = tooth_model(stiffer(1), driven(), w);
+    ASSERT_EQ(faster.modes.size(), 2u);
+    for (std::size_t m = 0; m < 2; ++m) {
+        EXPECT_NEAR(faster.modes[m].a, tables.modes[m].a, 1e-9);
+        EXPECT_NEAR(faster.modes[m].b, tables.modes[m].b, 1e-9);
+        EXPECT_LT((faster.modes[m].compliance - tables.modes[m].compliance).norm(), 1e-9 * tables.modes[m].compliance.norm());
+    }
+    // And so the firmware takes the gains, the frequencies and the twist that a torque holds.
+    sd_kalman_t filter;
+    ASSERT_EQ(sd_kalman_init(&filter, &twisting_tables()), SD_OK);
+    const sd_twist_sums_t sums{0.04f, 1e-6f, 0};
+    sd_twist_tune(&sums, &filter);
+    EXPECT_FLOAT_EQ(filter.tuning.frequency, 1.04f);
+    EXPECT_FLOAT_EQ(filter.tuning.gain_speed, 1 / 1.04f);
+    EXPECT_FLOAT_EQ(filter.tuning.compliance, 1 / (1.04f * 1.04f));
+    sd_kalman_restart(&filter);
+    EXPECT_FLOAT_EQ(filter.tuning.frequency, 1.04f) << "a restart keeps it";
+}
+
+TEST(Twist, KeptFrequencyGoesOnAndAWrongOneIsRefused) {
+    sd_pattern_t pattern;
+    sd_pattern_init(&pattern, &twisting_tables());
+    sd_pattern_sums_t sums = pattern.sums;
+    sums.twist = {0.03f, 1e-7f, 1e-4f};
+    ASSERT_EQ(sd_pattern_resume(&pattern, &twisting_tables(), &sums), SD_OK);
+    EXPECT_FLOAT_EQ(pattern.free.tuning.frequency, 1.03f);
+    motor(pattern, twisting_tables(), 1.03, 4500, 20, 0);
+    EXPECT_NEAR(double(pattern.sums.twist.deviation), 0.03, 0.001);
+    const auto refused = [&](sd_twist_sums_t twist, const sd_kalman_tables_t &tables) {
+        sums.twist = twist;
+        return sd_pattern_resume(&pattern, &tables, &sums) == SD_ERR_CONFIG;
+    };
+    EXPECT_TRUE(refused({NAN, 1e-7f, 0}, twisting_tables()));
+    EXPECT_TRUE(refused({0.11f, 1e-7f, 0}, twisting_tables()));
+    EXPECT_TRUE(refused({0, NAN, 0}, twisting_tables()));
+    EXPECT_TRUE(refused({0, 0, 0}, twisting_tables())) << "of a rigid crank";
+    EXPECT_TRUE(refused({0, 1e-3f, 0}, pulse_tables().tables)) << "of a crank that twists";
+    EXPECT_FALSE(refused({0, 0, 0}, pulse_tables().tables));
+}
+
 TEST(Twist, BadTeethNeverGiveNan) {
     const KalmanTables made = kalman_tables(with_torsion(true), known_torque(), {});
     ASSERT_EQ(made.tables.modes, 2);
@@ -180,6 +276,8 @@ TEST(Twist, BadTeethNeverGiveNan) {
     ASSERT_EQ(sd_kalman_init(&filter, &made.tables), SD_OK);
     std::mt19937 random(7);
     sd_firing_t firing{};
+    sd_pattern_t pattern;
+    sd_pattern_init(&pattern, &made.tables);
     for (int i = 0; i < 20000; ++i) {
         sd_kalman_tooth_t tooth{};
         tooth.cycle_position = std::uint16_t(i % 300 < 200 ? i % 120 : random() % 130);
@@ -188,6 +286,8 @@ TEST(Twist, BadTeethNeverGiveNan) {
         tooth.trusted = random() % 8 != 0;
         tooth.intake_bar = random() % 7 == 0 ? NAN : 1.f;
         sd_kalman_step(&filter, &made.tables, &tooth, &firing);
+        sd_pattern_step(&pattern, &made.tables, &tooth);
+        ASSERT_TRUE(std::isfinite(pattern.sums.twist.deviation) && pattern.sums.twist.variance > 0) << i;
         ASSERT_TRUE(std::isfinite(filter.energy_j) && std::isfinite(filter.torque_nm) && std::isfinite(firing.sd_nm)) << i;
         for (std::size_t m = 0; m < 2; ++m) ASSERT_TRUE(std::isfinite(filter.twist_rad[m]) && std::isfinite(filter.swing_rad[m])) << i;
         for (float x : filter.coefficient_nm) ASSERT_TRUE(std::isfinite(x)) << i;

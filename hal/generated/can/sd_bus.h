@@ -216,7 +216,7 @@ extern "C" {
 #define SD_BUS_PARAMETER_REQUEST_INDEX_FIRING_LOAD_WALK_CHOICE (15u)
 #define SD_BUS_PARAMETER_REQUEST_INDEX_FIRING_ROUGH_WALK_CHOICE (16u)
 #define SD_BUS_PARAMETER_REQUEST_INDEX_FIRING_CHANGE_CHOICE (17u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_FIRING_SHAPE_SD_CHOICE (18u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_FIRING_SHAPE_WALK_CHOICE (18u)
 #define SD_BUS_PARAMETER_REQUEST_INDEX_FIRING_REJECT_CHOICE (19u)
 #define SD_BUS_PARAMETER_REQUEST_INDEX_FIRING_SETTLE_CHOICE (20u)
 #define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_WORK_PER_FUEL_CHOICE (21u)
@@ -236,22 +236,27 @@ extern "C" {
 #define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_CATALYST_CHOICE (35u)
 #define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_EMISSION_WINDOWS_CHOICE (36u)
 #define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_CATALYST_WINDOWS_CHOICE (37u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_NOISE_CHOICE (38u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_DRIFT_CHOICE (39u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_JUMP_CHOICE (40u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_DRIFT_SLOW_CHOICE (41u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_SLOW_ABOVE_CHOICE (42u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_STOICHIOMETRIC_CHOICE (43u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_IDENTIFY_CHOICE (44u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_PROBE_CHOICE (45u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_LATE_ERROR_CHOICE (46u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_LAG_ERROR_CHOICE (47u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_SOURCE_CHOICE (48u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_GAIN_CHOICE (49u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_RATE_CHOICE (50u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_LIMIT_CHOICE (51u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_SD_MAX_CHOICE (52u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_HOLD_CHOICE (53u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_METHOD_CHOICE (38u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_GAIN_AIR_CHOICE (39u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_GAIN_CYLINDER_CHOICE (40u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_INVERSION_GAIN_CHOICE (41u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_INVERSION_FLOOR_CHOICE (42u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_NOISE_CHOICE (43u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_DRIFT_CHOICE (44u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_JUMP_CHOICE (45u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_DRIFT_SLOW_CHOICE (46u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_SLOW_ABOVE_CHOICE (47u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_STOICHIOMETRIC_CHOICE (48u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_IDENTIFY_CHOICE (49u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_PROBE_CHOICE (50u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_LATE_ERROR_CHOICE (51u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_LAG_ERROR_CHOICE (52u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_SOURCE_CHOICE (53u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_GAIN_CHOICE (54u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_RATE_CHOICE (55u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_LIMIT_CHOICE (56u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_SD_MAX_CHOICE (57u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_HOLD_CHOICE (58u)
 #define SD_BUS_PARAMETER_REQUEST_INDEX_ALL_CHOICE (255u)
 
 #define SD_BUS_PARAMETER_COMMAND_READ_CHOICE (0u)
@@ -277,7 +282,7 @@ extern "C" {
 #define SD_BUS_PARAMETER_INDEX_FIRING_LOAD_WALK_CHOICE (15u)
 #define SD_BUS_PARAMETER_INDEX_FIRING_ROUGH_WALK_CHOICE (16u)
 #define SD_BUS_PARAMETER_INDEX_FIRING_CHANGE_CHOICE (17u)
-#define SD_BUS_PARAMETER_INDEX_FIRING_SHAPE_SD_CHOICE (18u)
+#define SD_BUS_PARAMETER_INDEX_FIRING_SHAPE_WALK_CHOICE (18u)
 #define SD_BUS_PARAMETER_INDEX_FIRING_REJECT_CHOICE (19u)
 #define SD_BUS_PARAMETER_INDEX_FIRING_SETTLE_CHOICE (20u)
 #define SD_BUS_PARAMETER_INDEX_MISFIRE_WORK_PER_FUEL_CHOICE (21u)
@@ -297,22 +302,27 @@ extern "C" {
 #define SD_BUS_PARAMETER_INDEX_MISFIRE_CATALYST_CHOICE (35u)
 #define SD_BUS_PARAMETER_INDEX_MISFIRE_EMISSION_WINDOWS_CHOICE (36u)
 #define SD_BUS_PARAMETER_INDEX_MISFIRE_CATALYST_WINDOWS_CHOICE (37u)
-#define SD_BUS_PARAMETER_INDEX_AFR_NOISE_CHOICE (38u)
-#define SD_BUS_PARAMETER_INDEX_AFR_DRIFT_CHOICE (39u)
-#define SD_BUS_PARAMETER_INDEX_AFR_JUMP_CHOICE (40u)
-#define SD_BUS_PARAMETER_INDEX_AFR_DRIFT_SLOW_CHOICE (41u)
-#define SD_BUS_PARAMETER_INDEX_AFR_SLOW_ABOVE_CHOICE (42u)
-#define SD_BUS_PARAMETER_INDEX_AFR_STOICHIOMETRIC_CHOICE (43u)
-#define SD_BUS_PARAMETER_INDEX_AFR_IDENTIFY_CHOICE (44u)
-#define SD_BUS_PARAMETER_INDEX_AFR_PROBE_CHOICE (45u)
-#define SD_BUS_PARAMETER_INDEX_AFR_LATE_ERROR_CHOICE (46u)
-#define SD_BUS_PARAMETER_INDEX_AFR_LAG_ERROR_CHOICE (47u)
-#define SD_BUS_PARAMETER_INDEX_BALANCE_SOURCE_CHOICE (48u)
-#define SD_BUS_PARAMETER_INDEX_BALANCE_GAIN_CHOICE (49u)
-#define SD_BUS_PARAMETER_INDEX_BALANCE_RATE_CHOICE (50u)
-#define SD_BUS_PARAMETER_INDEX_BALANCE_LIMIT_CHOICE (51u)
-#define SD_BUS_PARAMETER_INDEX_BALANCE_SD_MAX_CHOICE (52u)
-#define SD_BUS_PARAMETER_INDEX_BALANCE_HOLD_CHOICE (53u)
+#define SD_BUS_PARAMETER_INDEX_AFR_METHOD_CHOICE (38u)
+#define SD_BUS_PARAMETER_INDEX_AFR_GAIN_AIR_CHOICE (39u)
+#define SD_BUS_PARAMETER_INDEX_AFR_GAIN_CYLINDER_CHOICE (40u)
+#define SD_BUS_PARAMETER_INDEX_AFR_INVERSION_GAIN_CHOICE (41u)
+#define SD_BUS_PARAMETER_INDEX_AFR_INVERSION_FLOOR_CHOICE (42u)
+#define SD_BUS_PARAMETER_INDEX_AFR_NOISE_CHOICE (43u)
+#define SD_BUS_PARAMETER_INDEX_AFR_DRIFT_CHOICE (44u)
+#define SD_BUS_PARAMETER_INDEX_AFR_JUMP_CHOICE (45u)
+#define SD_BUS_PARAMETER_INDEX_AFR_DRIFT_SLOW_CHOICE (46u)
+#define SD_BUS_PARAMETER_INDEX_AFR_SLOW_ABOVE_CHOICE (47u)
+#define SD_BUS_PARAMETER_INDEX_AFR_STOICHIOMETRIC_CHOICE (48u)
+#define SD_BUS_PARAMETER_INDEX_AFR_IDENTIFY_CHOICE (49u)
+#define SD_BUS_PARAMETER_INDEX_AFR_PROBE_CHOICE (50u)
+#define SD_BUS_PARAMETER_INDEX_AFR_LATE_ERROR_CHOICE (51u)
+#define SD_BUS_PARAMETER_INDEX_AFR_LAG_ERROR_CHOICE (52u)
+#define SD_BUS_PARAMETER_INDEX_BALANCE_SOURCE_CHOICE (53u)
+#define SD_BUS_PARAMETER_INDEX_BALANCE_GAIN_CHOICE (54u)
+#define SD_BUS_PARAMETER_INDEX_BALANCE_RATE_CHOICE (55u)
+#define SD_BUS_PARAMETER_INDEX_BALANCE_LIMIT_CHOICE (56u)
+#define SD_BUS_PARAMETER_INDEX_BALANCE_SD_MAX_CHOICE (57u)
+#define SD_BUS_PARAMETER_INDEX_BALANCE_HOLD_CHOICE (58u)
 #define SD_BUS_PARAMETER_INDEX_ALL_CHOICE (255u)
 
 #define SD_BUS_PARAMETER_RESULT_OK_CHOICE (0u)
@@ -1468,7 +1478,7 @@ struct sd_bus_cycle_3_t {
     uint8_t balance_why;
 
     /**
-     * Standard deviation that the filter states for a cylinder's deviation from the mean, over the mean.
+     * Standard deviation of a cylinder's deviation from the mean, over the mean: as the filter states it; of the chain, what it scatters by.
      *
      * Range: 0.0..10.0 (0..10 -)
      * Scale: 1
@@ -1477,7 +1487,7 @@ struct sd_bus_cycle_3_t {
     float afr_cylinder_sd_1;
 
     /**
-     * Standard deviation that the filter states for a cylinder's deviation from the mean, over the mean.
+     * Standard deviation of a cylinder's deviation from the mean, over the mean: as the filter states it; of the chain, what it scatters by.
      *
      * Range: 0.0..10.0 (0..10 -)
      * Scale: 1
@@ -1486,7 +1496,7 @@ struct sd_bus_cycle_3_t {
     float afr_cylinder_sd_2;
 
     /**
-     * Standard deviation that the filter states for a cylinder's deviation from the mean, over the mean.
+     * Standard deviation of a cylinder's deviation from the mean, over the mean: as the filter states it; of the chain, what it scatters by.
      *
      * Range: 0.0..10.0 (0..10 -)
      * Scale: 1
@@ -1495,7 +1505,7 @@ struct sd_bus_cycle_3_t {
     float afr_cylinder_sd_3;
 
     /**
-     * Standard deviation that the filter states for a cylinder's deviation from the mean, over the mean.
+     * Standard deviation of a cylinder's deviation from the mean, over the mean: as the filter states it; of the chain, what it scatters by.
      *
      * Range: 0.0..10.0 (0..10 -)
      * Scale: 1
@@ -1504,7 +1514,7 @@ struct sd_bus_cycle_3_t {
     float afr_cylinder_sd_4;
 
     /**
-     * Standard deviation that the filter states for a cylinder's deviation from the mean, over the mean.
+     * Standard deviation of a cylinder's deviation from the mean, over the mean: as the filter states it; of the chain, what it scatters by.
      *
      * Range: 0.0..10.0 (0..10 -)
      * Scale: 1
@@ -1513,7 +1523,7 @@ struct sd_bus_cycle_3_t {
     float afr_cylinder_sd_5;
 
     /**
-     * Standard deviation that the filter states for a cylinder's deviation from the mean, over the mean.
+     * Standard deviation of a cylinder's deviation from the mean, over the mean: as the filter states it; of the chain, what it scatters by.
      *
      * Range: 0.0..10.0 (0..10 -)
      * Scale: 1
@@ -1522,7 +1532,7 @@ struct sd_bus_cycle_3_t {
     float afr_cylinder_sd_6;
 
     /**
-     * Standard deviation that the filter states for a cylinder's deviation from the mean, over the mean.
+     * Standard deviation of a cylinder's deviation from the mean, over the mean: as the filter states it; of the chain, what it scatters by.
      *
      * Range: 0.0..10.0 (0..10 -)
      * Scale: 1
@@ -1531,7 +1541,7 @@ struct sd_bus_cycle_3_t {
     float afr_cylinder_sd_7;
 
     /**
-     * Standard deviation that the filter states for a cylinder's deviation from the mean, over the mean.
+     * Standard deviation of a cylinder's deviation from the mean, over the mean: as the filter states it; of the chain, what it scatters by.
      *
      * Range: 0.0..10.0 (0..10 -)
      * Scale: 1
@@ -1540,7 +1550,7 @@ struct sd_bus_cycle_3_t {
     float afr_cylinder_sd_8;
 
     /**
-     * 1: the sensor is too slow for this speed; the estimate learns over some tens of seconds.
+     * 1: the sensor is too slow for this speed; the filter learns over some tens of seconds, the chain stays degraded.
      *
      * Range: 0.0..1.0 (0..1 -)
      * Scale: 1

@@ -36,6 +36,55 @@ void inject(const ToothModel &model, const ToothNoise &noise, int k, StateMatrix
     }
 }
 
+/// One cycle of the Riccati recursion on p. at_tooth(k, column, s) sees each correction before it is made: p h' and its variance.
+template <class AtTooth> void run_cycle(const ToothModel &model, const ToothNoise &noise, StateMatrix &p, AtTooth at_tooth) {
+    const double r = noise.edge_rad * noise.edge_rad;
+    const StateRow h = seen(model);
+    for (int k = 0; k < model.cycle(); ++k) {
+        predict_variance(model, noise, k, p);
+        if (present(model, k)) {
+            const StateColumn column = p * h.transpose();
+            const double s = h * column + r;
+            at_tooth(k, column, s);
+            p -= column.lazyProduct(column.transpose()) / s;
+        }
+        p = (0.5 * (p + p.transpose())).eval();
+        inject(model, noise, k, p);
+    }
+}
+
+/// Variance at the start of a cycle, once it repeats from cycle to cycle. A stretch of cycles takes any variance P to
+/// E + F P (I + D P)^-1 F': E what it ends with when nothing was unknown, F the error's map, D what its teeth tell of the start.
+/// Two such stretches make one of twice the length, so that ten doublings are a thousand cycles (the doubling algorithm, B. D. O.
+/// Anderson, Int. J. Control 28, 1978).
+StateMatrix settled_variance(const ToothModel &model, const ToothNoise &noise) {
+    constexpr int kMostDoublings = 20;
+    const StateRow h = seen(model);
+    const int n = model.states();
+    StateMatrix e = StateMatrix::Zero(n, n), d = e, f = StateMatrix::Identity(n, n);
+    int from = 0; // f is predicted with each tooth, and before the first of them for the positions without one
+    const auto predict_to = [&](int k) {
+        for (; from <= k; ++from) predict_error(model, from, f);
+    };
+    run_cycle(model, noise, e, [&](int k, const StateColumn &column, double s) {
+        predict_to(k);
+        const StateRow shown = h.lazyProduct(f);
+        d += shown.transpose().lazyProduct(shown) / s;
+        f -= column.lazyProduct(shown) / s;
+    });
+    predict_to(model.cycle() - 1);
+    for (int i = 0; i < kMostDoublings && f.squaredNorm() > 1e-24; ++i) {
+        const Eigen::PartialPivLU<StateMatrix> both(StateMatrix::Identity(n, n) + e * d);
+        const StateMatrix through = both.solve(f), left = both.solve(e);
+        e += (f * left * f.transpose()).eval();
+        d += (f.transpose() * d * through).eval();
+        f = (f * through).eval();
+        e = (0.5 * (e + e.transpose())).eval();
+        d = (0.5 * (d + d.transpose())).eval();
+    }
+    return e;
+}
+
 /// How the error of every firing answers one timing error of 1 rad at cycle position `from`: [cycle][firing].
 MatrixXd response(const ToothModel &model, const MatrixXd &gain, int from, int cycles) {
     const int firings = int(model.read_at.size());
@@ -112,13 +161,14 @@ double ToothModel::pitch() const { return 2 * M_PI / positions; }
 void predict_error(const ToothModel &model, int k, StateMatrix &error) {
     const double d = model.pitch(), j = model.inertia_ratio[std::size_t(k % model.positions)];
     const auto x = error.middleRows(2, model.torques());
-    const StateRow lift = model.mean.row(k).lazyProduct(x), early = model.moment.row(k).lazyProduct(x);
+    const StateRow mean = model.mean.row(k), moment = model.moment.row(k); // in one piece
+    const StateRow lift = mean.lazyProduct(x), early = moment.lazyProduct(x);
     error.row(0) -= d / j * (error.row(1) + d * early);
     error.row(1) += d * lift;
     for (std::size_t i = 0; i < model.modes.size(); ++i) {
         const ToothMode &mode = model.modes[i];
         auto q = error.row(model.mode_at(i)), v = error.row(model.mode_at(i) + 1);
-        const StateRow held = model.mean.row(k).cwiseProduct(mode.compliance).lazyProduct(x), away = q - held;
+        const StateRow torque = mean.cwiseProduct(mode.compliance), held = torque.lazyProduct(x), away = q - held;
         q = held + mode.a * away + mode.b * v;
         v = mode.a * v - mode.b * (away + 2 * mode.damping * v);
     }
@@ -176,30 +226,16 @@ MatrixXd steady_reading(const ToothModel &model, const MatrixXd &gain, const Mat
 }
 
 PeriodicGains design_gains(const ToothModel &model, const ToothNoise &noise, int mean_cycles) {
-    constexpr int kMostCycles = 2000;
-    const double r = noise.edge_rad * noise.edge_rad;
     PeriodicGains gains;
     gains.gain = MatrixXd::Zero(model.cycle(), model.states());
-    StateMatrix p = StateMatrix::Identity(model.states(), model.states());
-    const StateRow h = seen(model);
-    for (int cycle = 0; cycle < kMostCycles; ++cycle) {
-        double change = 0, teeth = 0, innovation = 0;
-        for (int k = 0; k < model.cycle(); ++k) {
-            predict_variance(model, noise, k, p);
-            if (present(model, k)) {
-                const StateColumn column = p * h.transpose();
-                const double s = h * column + r;
-                change = std::max(change, (column / s - gains.gain.row(k).transpose()).cwiseAbs().maxCoeff());
-                gains.gain.row(k) = column.transpose() / s;
-                p -= column.lazyProduct(column.transpose()) / s;
-                innovation += s / r, ++teeth;
-            }
-            p = (0.5 * (p + p.transpose())).eval();
-            inject(model, noise, k, p);
-        }
-        gains.innovation = std::sqrt(innovation / teeth);
-        if (change < 1e-9 * gains.gain.cwiseAbs().maxCoeff()) break;
-    }
+    StateMatrix p = settled_variance(model, noise);
+    double teeth = 0, innovation = 0;
+    const double r = noise.edge_rad * noise.edge_rad;
+    run_cycle(model, noise, p, [&](int k, const StateColumn &column, double s) {
+        gains.gain.row(k) = column.transpose() / s;
+        innovation += s / r, ++teeth;
+    });
+    gains.innovation = std::sqrt(innovation / teeth);
     gains.radius = cycle_radius(model, gains.gain);
     if (model.read_at.empty()) return gains;
     find_deviations(model, mean_cycles, gains);

@@ -1,12 +1,47 @@
 // SPDX-License-Identifier: MIT
+#include <filesystem>
 #include <map>
 
+#include "calibration/calibration.hpp"
+#include "calibration/known_torque.hpp"
 #include "support/kalman_bench.hpp"
 
 namespace sixdeg {
 namespace {
 
 using namespace test;
+
+/// Found by doubling; here by going round the cycle with whole matrices until nothing changes.
+TEST(KalmanGains, AreWhereTheRecursionEnds) {
+    constexpr double kWalk = 1e-4; // large, so that going round ends soon
+    for (const char *name : {"diesel_22.toml", "eight_diesel.toml"}) {
+        TomlFile file(std::filesystem::path(SD_ENGINES) / name), tune("tune", "");
+        const EngineFile engine = read_engine(file);
+        const ToothModel model = tooth_model(engine, sixdeg::known_torque(engine, read_tune(tune)).value(), 300);
+        const ToothNoise noise{2e-4, kWalk, 1e-3, kWalk};
+        const PeriodicGains gains = design_gains(model, noise, 10);
+        const int n = model.states(), first = 3 + int(model.inject_at.size());
+        const Eigen::VectorXd h = seen(model).transpose();
+        Eigen::MatrixXd p = Eigen::MatrixXd::Identity(n, n), last(model.cycle(), n);
+        for (int step = 0; step < 60 * model.cycle(); ++step) {
+            const int k = step % model.cycle();
+            StateMatrix a = StateMatrix::Identity(n, n);
+            predict_error(model, k, a);
+            p = (a * p * a.transpose()).eval();
+            p(2, 2) += kWalk * kWalk;
+            for (int j = first; j < 2 + model.torques(); ++j) p(j, j) += kWalk * kWalk;
+            last.row(k).setZero();
+            if (model.present[std::size_t(k % model.positions)]) {
+                last.row(k) = (p * h).transpose() / (h.dot(p * h) + 4e-8);
+                p -= (last.row(k).transpose() * (h.transpose() * p)).eval();
+            }
+            for (std::size_t i = 0; i < model.inject_at.size(); ++i) {
+                if (model.inject_at[i] == k) p(3 + int(i), 3 + int(i)) += 1e-6;
+            }
+        }
+        EXPECT_LT((last - gains.gain).cwiseAbs().maxCoeff(), 1e-6 * gains.gain.cwiseAbs().maxCoeff()) << name << ' ' << gains.radius;
+    }
+}
 
 TEST(Kalman, FindsEveryFiringAndTheWaveform) {
     for (double rpm : {600.0, 1000.0, 3000.0, 6000.0}) {

@@ -195,38 +195,36 @@ static void invert(float m[][SD_AFR_CYLINDERS_MAX], uint32_t n) {
     }
 }
 
-/* W = (P + usual^2 I)^-1, G = W - W 1 1' W / 1' W 1: the mean is free. A cylinder alone off by delta explains
-   (G lambda)_i^2 / G_ii of the weighted square, with delta = (G lambda)_i / G_ii. */
-uint32_t sd_afr_joint_blame(const sd_afr_joint_t *self, bool rich, float usual_sd, float *deviation) {
+/* W = (P + sd^2 I)^-1; G = W - W 1 1' W/(1' W 1 + known) with 1/known the variance of what all have in common, 0 where that
+   is free. A cylinder alone off by delta explains (G d)_i^2/G_ii of the weighted square, with delta = (G d)_i/G_ii and d
+   what the cylinders are off by. */
+sd_afr_blame_t sd_afr_joint_blame(const sd_afr_joint_t *self, const sd_afr_usual_t *usual) {
     const uint32_t n = self->config.cylinders;
-    *deviation = 0.0f;
-    if ((self->running == 0u) || (n < 2u) || !within(usual_sd, 1e-6f, 1.0f)) { return 0; }
+    sd_afr_blame_t blame = { 0, 0.0f, 0.0f };
+    if ((self->running == 0u) || (n < 2u) || !within(usual->sd, 1e-6f, 1.0f)) { return blame; }
     sd_afr_joint_t *s = (sd_afr_joint_t *)self; /* entry() only reads here */
-    float w[SD_AFR_CYLINDERS_MAX][SD_AFR_CYLINDERS_MAX], row[SD_AFR_CYLINDERS_MAX], sum = 0.0f, mean = 0.0f;
+    const bool mean_known = within(usual->lambda, -2.0f, 2.0f) && within(usual->lambda_sd, 1e-6f, 1.0f);
+    const float lambda = mean_known ? usual->lambda : sd_afr_joint_lambda(self, 0);
+    float w[SD_AFR_CYLINDERS_MAX][SD_AFR_CYLINDERS_MAX], row[SD_AFR_CYLINDERS_MAX], common = 0.0f;
+    float sum = mean_known ? 1.0f / (usual->lambda_sd * usual->lambda_sd) : 0.0f;
     for (uint32_t i = 0; i < n; ++i) {
-        for (uint32_t j = 0; j < n; ++j) { w[i][j] = *entry(s, 1u + i, 1u + j) + ((i == j) ? usual_sd * usual_sd : 0.0f); }
+        for (uint32_t j = 0; j < n; ++j) { w[i][j] = *entry(s, 1u + i, 1u + j) + ((i == j) ? usual->sd * usual->sd : 0.0f); }
     }
     invert(w, n);
     for (uint32_t i = 0; i < n; ++i) {
         row[i] = 0.0f;
         for (uint32_t j = 0; j < n; ++j) { row[i] += w[i][j]; }
         sum += row[i];
-        mean += row[i] * sd_afr_joint_lambda(self, i);
+        common += row[i] * (sd_afr_joint_lambda(self, i) - lambda);
     }
-    mean /= sum;
-    uint32_t blamed = 0;
-    float most = 0.0f;
+    common /= sum;
     for (uint32_t i = 0; i < n; ++i) {
         float pull = 0.0f;
-        for (uint32_t j = 0; j < n; ++j) { pull += w[i][j] * (sd_afr_joint_lambda(self, j) - mean); }
+        for (uint32_t j = 0; j < n; ++j) { pull += w[i][j] * (sd_afr_joint_lambda(self, j) - lambda - common); }
         const float own = w[i][i] - row[i] * row[i] / sum;
-        if (((pull > 0.0f) == rich) && (pull * pull > most * own)) {
-            most = pull * pull / own;
-            *deviation = pull / own;
-            blamed = i;
-        }
+        if (pull * pull > blame.explained * own) { blame = (sd_afr_blame_t){ i, pull / own, pull * pull / own }; }
     }
-    return blamed;
+    return blame;
 }
 
 sd_status_t sd_afr_joint_status(const sd_afr_joint_t *self) {

@@ -44,6 +44,19 @@ typedef struct sd_afr_joint {
     uint8_t  flowing[SD_AFR_CYLINDERS_MAX]; ///< The cylinder's gas is passing.
 } sd_afr_joint_t;
 
+/// What is known of the cylinders beside the one to blame.
+typedef struct sd_afr_usual {
+    float sd;        ///< How they differ anyway, of lambda, [1e-6, 1].
+    float lambda;    ///< What all have in common: their lambda before the fault, say, [-2, 2].
+    float lambda_sd; ///< How far that may have moved since, [1e-6, 1]; anything else: it is not known.
+} sd_afr_usual_t;
+
+typedef struct sd_afr_blame {
+    uint32_t cylinder;  ///< By firing order.
+    float    deviation; ///< By how much of lambda it is off.
+    float    explained; ///< Of the weighted square of what cylinders are off by: twice the gain in log likelihood.
+} sd_afr_blame_t;
+
 /// SD_OK, or SD_ERR_CONFIG with the state untouched.
 sd_result_t sd_afr_joint_init(sd_afr_joint_t *self, const sd_afr_joint_config_t *config);
 /// Duration of a position, (0, 0.1] s; drift in place of the configured one, (0, 1]; jump, [0, 1] of lambda, 0 for none.
@@ -60,11 +73,11 @@ void sd_afr_joint_move(sd_afr_joint_t *self, uint32_t cylinder, float lambda_cha
 float sd_afr_joint_lambda(const sd_afr_joint_t *self, uint32_t cylinder);
 /// Variance of a cylinder's lambda less the mean of all.
 float sd_afr_joint_deviation_variance(const sd_afr_joint_t *self, uint32_t cylinder);
-/// The cylinder, by firing order, that being rich (or lean) alone explains best how the cylinders differ, weighing what the
-/// samples tell apart well; what all have in common counts for nothing. One that is rich and the one opposite in the firing
-/// order that is lean look nearly alike to a slow sensor: hence the choice. *deviation: by how much of lambda. usual_sd: how
-/// cylinders differ anyway, of lambda, (0, 1]. Once a cycle: it inverts a matrix of all cylinders. 0 and 0 while not running.
-uint32_t sd_afr_joint_blame(const sd_afr_joint_t *self, bool rich, float usual_sd, float *deviation);
+/// The cylinder that being rich or lean alone explains best how the cylinders are, weighing what the samples tell apart well.
+/// One that is rich and the one opposite in the firing order that is lean look nearly alike to a slow sensor; what tells them
+/// apart is which way the mean of all moved, hence usual->lambda. Once a cycle: it inverts a matrix of all cylinders. All 0
+/// while not running, with fewer than two cylinders, or sd outside its range.
+sd_afr_blame_t sd_afr_joint_blame(const sd_afr_joint_t *self, const sd_afr_usual_t *usual);
 /// Invalid until the first sample; rejected samples degrade it.
 sd_status_t sd_afr_joint_status(const sd_afr_joint_t *self);
 

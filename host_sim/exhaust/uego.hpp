@@ -14,6 +14,7 @@ struct UegoSetup {
     double noise_per_rthz = 0;   ///< One-sided density of the noise at low frequency, of lambda.
     double correlation_s = 0;    ///< Of the noise; 0 is white up to half the sampling rate.
     double pressure_per_bar = 0; ///< Measured air fraction grows by this share per bar over 1.013 bar.
+    bool before_turbine = false; ///< Its tip is at the manifold's pressure; else at that behind the turbine.
     double step = 0;             ///< Quantisation, of lambda; 0 none.
     double ageing = 1;           ///< Factor on both lags.
 };

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Prints how the AFR blocks do on the simulated engine: the figures of docs/afr.md, by its definitions.
-// Nothing is asserted. afr_bench [SEEDS], 100 by default; afr_bench chain: document 004's chain alone; afr_bench
-// readings: exhaust.reading of the engine file.
+// Nothing is asserted. afr_bench [SEEDS], 100 by default; or one part alone, afr_bench PART: chain (document 004's),
+// blame (which cylinder is off), stated (with the default doubt of lags and delay), egr (recirculation), ghosts (of a balanced
+// engine); readings: exhaust.reading of the engine file.
 #include <algorithm>
 #include <cmath>
 #include <complex>
@@ -30,9 +31,25 @@ struct Case {
     int scored_from() const { return slow_s > 0 ? int(slow_s * rpm / 120) : cycles; }
 };
 
+/// Those with load also as rich as the goals' engine was.
+std::vector<Case> step_cases() {
+    std::vector<Case> all;
+    for (const Case &c : {Case{"1000/3 nominal 0.5 %", 1000, 3, 30, 15, 0.005, 4},
+                          Case{"1500/9 nominal 0.5 %", 1500, 9, 30, 15, 0.005, 4},
+                          Case{"1500/9 nominal 0.2 %", 1500, 9, 30, 15, 0.002, 2},
+                          Case{"1500/9 fast 0.5 %", 1500, 9, 15, 5, 0.005, 2},
+                          Case{"2500/9 nominal 0.5 %", 2500, 9, 30, 15, 0.005, 8},
+                          Case{"2500/9 fast 0.5 %", 2500, 9, 15, 5, 0.005, 4}}) {
+        all.push_back(c);
+        if (c.bmep_bar > 5) all.push_back(c), all.back().intake_bar = 1.1;
+    }
+    return all;
+}
+
 /// A run of the plant with a fuel step on cylinder 1 (0: none) and what the calibration makes of it.
 struct Run {
-    Run(const Case &c, double percent, const std::vector<std::string> &changes = {}, bool uneven_runners = false) {
+    Run(const Case &c, double percent, const std::vector<std::string> &changes = {},
+        const std::function<void(PlantEngine &)> &change_plant = [](PlantEngine &) {}) {
         TomlFile file(
             "bench",
             fmt::format(
@@ -47,7 +64,7 @@ struct Run {
         s.engine.shared.exhaust->uego_tau_s[0] = 1e-3 * c.tau1_ms;
         s.engine.shared.exhaust->uego_tau_s[1] = 1e-3 * c.tau2_ms;
         if (c.intake_bar > 0) s.engine.intake_pressure_pa = Profile({0.0}, {1e5 * c.intake_bar});
-        if (uneven_runners) s.engine.exhaust.runner_m3 = {4e-5, 1.2e-4, 1e-4, 6e-5};
+        change_plant(s.engine);
         trace = afr_trace(s);
         engine = s.engine.shared;
         point = exhaust_point(engine, c.rpm * M_PI / 30, trace.intake_pa, trace.sensor.back());
@@ -192,14 +209,48 @@ double rms(const std::vector<Errors> &all, double Errors::*what) {
 }
 
 /// Percent of seeds in which, 4 cycles after a 10 % step, another cylinder is blamed.
-double wrong_cylinder(const Run &run, AfrSetup setup, const Case &c, bool perturbed, int seeds) {
-    int wrong = 0;
+struct Wrong {
+    double alone = 0, with_mean = 0;
+};
+Wrong wrong_cylinder(const Run &run, AfrSetup setup, const Case &c, bool perturbed, int seeds) {
+    Wrong wrong;
     for (int seed = 0; seed < seeds; ++seed) {
         if (perturbed) setup.error = drawn_error(std::uint64_t(seed));
-        const AfrEstimates e = run.run(setup, sensor_noise(run.trace, c.noise, 0, std::uint64_t(seed)));
-        wrong += e.blamed[run.at / 120 + 4] != 0;
+        const AfrBlamed b = run.run(setup, sensor_noise(run.trace, c.noise, 0, std::uint64_t(seed))).blamed[run.at / 120 + 4];
+        wrong.alone += b.alone != 0 ? 100.0 / seeds : 0;
+        wrong.with_mean += b.with_mean != 0 ? 100.0 / seeds : 0;
     }
-    return 100.0 * wrong / seeds;
+    return wrong;
+}
+
+void blames(const Case &c, int seeds) {
+    fmt::print("{:<28}", c.name);
+    double mean = 0;
+    for (double percent : {10.0, -10.0}) {
+        const Run run(c, percent);
+        mean = run.mean;
+        for (bool perturbed : {false, true}) {
+            const Wrong w = wrong_cylinder(run, setup_for(run, c), c, perturbed, seeds);
+            fmt::print("{:12.1f}{:6.1f}", w.with_mean, w.alone);
+        }
+    }
+    fmt::print("{:9.2f}\n", mean);
+}
+
+/// A calibration that is right and states the defaults of afr.late_error and afr.lag_error all the same.
+void doubts(int seeds) {
+    fmt::print("\nstated over rms of deviations, nominal, {} seeds: with no doubt of lags and delay; with the default 0.6 ms and 11.5 %\n", seeds);
+    for (const Case &c : step_cases()) {
+        const Run run(c, 20);
+        AfrSetup setup = setup_for(run, c);
+        const auto ratio = [&] {
+            const auto all = errors_of_seeds(run, setup, c, 0, false, seeds);
+            return rms(all, &Errors::stated) / rms(all, &Errors::deviations);
+        };
+        fmt::print("{:<28}{:6.2f}", fmt::format("{} ({:.2f})", c.name, run.mean), ratio());
+        setup.known = {0, 0.0006f, 0, 0.115f};
+        fmt::print("{:6.2f}\n", ratio());
+    }
 }
 
 std::vector<Errors> after_probes(const Run &run, const AfrSetup &setup, const Case &c, int seeds) {
@@ -208,7 +259,7 @@ std::vector<Errors> after_probes(const Run &run, const AfrSetup &setup, const Ca
 }
 
 void accuracy(const Case &c, int seeds, AfrMethod method = AfrMethod::joint, double drift = 0) {
-    const Run run(c, 20), small(c, 10);
+    const Run run(c, 20);
     AfrSetup setup = setup_for(run, c);
     setup.method = method;
     if (drift > 0) setup.drift = drift;
@@ -229,26 +280,28 @@ void accuracy(const Case &c, int seeds, AfrMethod method = AfrMethod::joint, dou
                percentile(coloured, &Errors::rms, 0.5), percentile(coloured_off, &Errors::rms, 0.5), percentile(probed, &Errors::rms, 0.5), first, bound,
                first / bound, rms(white, &Errors::stated) / rms(white, &Errors::deviations),
                rms(off, &Errors::stated) / rms(off, &Errors::deviations), rms(probed, &Errors::stated) / rms(probed, &Errors::deviations));
-    if (c.slow_s > 0) return fmt::print("\n");
-    fmt::print("{:8.1f}{:6.1f}\n", wrong_cylinder(small, setup, c, false, 4 * seeds),
-               wrong_cylinder(small, setup, c, true, 4 * seeds));
+    fmt::print("\n");
 }
 
-/// Largest deviation from the mean that a balanced engine seems to have, points.
+/// Largest deviation from the mean that an engine seems to have beyond its own, points.
 double ghost(const Run &run, const AfrError &error) {
     AfrSetup setup;
     setup.mean_lambda = run.mean;
     setup.error = error;
     const AfrEstimates e = run.run(setup);
+    const std::size_t end = e.lambda.size() - 1;
     double mean = 0, worst = 0;
-    for (std::size_t i = 0; i < kLanes; ++i) mean += e.lambda.back()[i] / kLanes;
-    for (std::size_t i = 0; i < kLanes; ++i) worst = std::max(worst, std::abs(e.lambda.back()[i] - mean));
-    return 100 * worst / run.mean;
+    for (std::size_t i = 0; i < kLanes; ++i) mean += run.error(e, end, i) / kLanes;
+    for (std::size_t i = 0; i < kLanes; ++i) worst = std::max(worst, std::abs(run.error(e, end, i) - mean));
+    return worst;
 }
 
 void ghosts() {
     const Case c{"", 1500, 9, 30, 15, 0.005, 4};
-    const Run balanced(c, 0), uneven(c, 0, {"uego.pressure_percent_per_bar=5"}, true);
+    const auto uneven = [](PlantEngine &e) { e.exhaust.runner_m3 = {4e-5, 1.2e-4, 1e-4, 6e-5}; };
+    const std::string sensitive = "uego.pressure_percent_per_bar=5", before = "uego.before_turbine=true";
+    const Run balanced(c, 0), behind(c, 0, {sensitive}, uneven), runners(c, 0, {}, uneven),
+        alike(c, 0, {sensitive, before}), pulsating(c, 0, {sensitive, before}, uneven);
     const auto row = [](const char *name, double points) { fmt::print("{:<44}{:8.3f}\n", name, points); };
     fmt::print("\nghost imbalance of a balanced engine, 1500 rpm 9 bar, points\n");
     row("calibration as it is", ghost(balanced, {}));
@@ -256,7 +309,50 @@ void ghosts() {
     row("flow +10 %", ghost(balanced, {0.1, 0, 0, 0}));
     row("lags +20 %", ghost(balanced, {0, 0.2, 0, 0}));
     row("turbine +20 %", ghost(balanced, {0, 0, 0, 0.2}));
-    row("5 % a bar at the sensor, unequal runners", ghost(uneven, {}));
+    row("unequal runners", ghost(runners, {}));
+    row("5 % a bar behind the turbine, unequal runners", ghost(behind, {}));
+    row("5 % a bar before the turbine", ghost(alike, {}));
+    row("5 % a bar before the turbine, unequal runners", ghost(pulsating, {}));
+    const std::string uneven_pulses = "cylinders.compression_percent=[4, 0, -4, 0]";
+    row("compression +4, 0, -4, 0 %", ghost(Run(c, 0, {uneven_pulses}), {}));
+    row("  and 5 % a bar before the turbine", ghost(Run(c, 0, {uneven_pulses, sensitive, before}), {}));
+    const auto left = [&](const Run &run) { return errors_of(run, c, run.run(setup_for(run, c))).deviations; };
+    row("left of +20 % on cylinder 1, rms", left(Run(c, 20)));
+    row("  with 5 % a bar behind the turbine", left(Run(c, 20, {sensitive})));
+    row("  with 5 % a bar before it", left(Run(c, 20, {sensitive, before})));
+}
+
+/// What the calibration is told of recirculation: nothing; that more leaves the manifold than the turbine takes; and that so
+/// much of lambda is not this cycle's fuel.
+void recirculation(int seeds) {
+    struct Row {
+        double vanes, valve_mm2; // share of the turbine's area
+    };
+    fmt::print("\nrecirculation, 1500 rpm 9 bar, intake 1.3 bar, +20 % on cylinder 1, {} seeds, points: rms; noise free; stated "
+               "over rms of deviations\n{:<8}{:>8}{:>7}{:>8}{:>14}{:>20}{:>20}{:>20}\n",
+               seeds, "vanes", "valve", "share", "lambda", "manifold, bar", "as it is", "told of outflow", "and of lambda");
+    for (const Row &row : {Row{1, 0}, Row{1, 200}, Row{1, 400}, Row{0.7, 0}, Row{0.7, 100}, Row{0.7, 200}}) {
+        const Case c{"", 1500, 9, 30, 15, 0.005, 4, 1.3};
+        Run run(c, 20, {}, [&](PlantEngine &e) {
+            e.exhaust.egr_area_m2 = 1e-6 * row.valve_mm2;
+            Profile &vanes = e.shared.exhaust->turbine_area_m2;
+            std::vector<double> area = vanes.value();
+            for (double &a : area) a *= row.vanes;
+            vanes = Profile(vanes.x(), area);
+        });
+        const double share = run.trace.egr_share;
+        fmt::print("{:<8}{:4.0f} mm2{:5.0f} %{:8.2f}{:14.2f}", row.vanes, row.valve_mm2, 100 * share, run.mean,
+                   run.trace.reading.pressure_pa / 1e5);
+        for (int told = 0; told <= (row.valve_mm2 > 0 ? 2 : 0); ++told) {
+            AfrSetup setup = setup_for(run, c);
+            setup.egr_share = told > 0 ? share : 0;
+            if (told > 1) run.point = exhaust_point(run.engine, c.rpm * M_PI / 30, run.trace.intake_pa, run.trace.sensor.back() * (1 - share));
+            const auto noisy = errors_of_seeds(run, setup, c, 0, false, seeds);
+            fmt::print("{:8.2f}{:6.2f}{:6.2f}", percentile(noisy, &Errors::rms, 0.5), errors_of(run, c, run.run(setup)).deviations,
+                       rms(noisy, &Errors::stated) / rms(noisy, &Errors::deviations));
+        }
+        fmt::print("\n");
+    }
 }
 
 /// Noise free: cycles until every error, bias included, stays within 20 % of the step.
@@ -360,27 +456,28 @@ void readings() {
     }
 }
 
+void blames(int seeds) {
+    fmt::print("\nwrong cylinder blamed 4 cycles after a step of 10 %, percent of {} seeds: with the mean lambda before; without\n"
+               "{:<28}{:>18}{:>18}{:>18}{:>18}{:>9}\n",
+               seeds, "case", "rich, nominal", "rich, perturbed", "lean, nominal", "lean, perturbed", "lambda");
+    for (const Case &c : step_cases()) blames(c, seeds);
+}
+
 } // namespace
 
 int main(int argc, char **argv) {
     if (argc > 1 && std::string(argv[1]) == "readings") return readings(), 0;
     if (argc > 1 && std::string(argv[1]) == "chain") return chain(20), 0;
+    if (argc > 1 && std::string(argv[1]) == "blame") return blames(400), 0;
+    if (argc > 1 && std::string(argv[1]) == "ghosts") return ghosts(), 0;
+    if (argc > 1 && std::string(argv[1]) == "stated") return doubts(100), 0;
+    if (argc > 1 && std::string(argv[1]) == "egr") return recirculation(100), 0;
     const int seeds = argc > 1 ? std::max(1, std::atoi(argv[1])) : 100;
     fmt::print("joint filter with the default parameters, +20 % on cylinder 1, {} seeds, in points: 0.01 of the mean "
-               "lambda\n{:<28}{:>6}{:>8}{:>6}{:>6}{:>6}{:>6}{:>6}{:>6}{:>7}{:>7}{:>6}{:>6}{:>8}{:>6}{:>7}{:>8}{:>6}\n",
+               "lambda\n{:<28}{:>6}{:>8}{:>6}{:>6}{:>6}{:>6}{:>6}{:>6}{:>7}{:>7}{:>6}{:>6}{:>8}{:>6}{:>7}\n",
                seeds, "case", "lambda", "settle", "bias", "rms", "95 %", "pert.", "1 ms", "both", "probed", "at N", "bound", "ratio",
-               "stated", "pert.", "probed", "wrong %", "pert.");
-    for (const Case &c : {Case{"1000/3 nominal 0.5 %", 1000, 3, 30, 15, 0.005, 4},
-                          Case{"1500/9 nominal 0.5 %", 1500, 9, 30, 15, 0.005, 4},
-                          Case{"1500/9 nominal 0.2 %", 1500, 9, 30, 15, 0.002, 2},
-                          Case{"1500/9 fast 0.5 %", 1500, 9, 15, 5, 0.005, 2},
-                          Case{"2500/9 nominal 0.5 %", 2500, 9, 30, 15, 0.005, 8},
-                          Case{"2500/9 fast 0.5 %", 2500, 9, 15, 5, 0.005, 4}}) {
-        accuracy(c, seeds);
-        Case rich = c; // as rich as the goals' engine was
-        rich.intake_bar = 1.1;
-        if (c.bmep_bar > 5) accuracy(rich, seeds);
-    }
+               "stated", "pert.", "probed");
+    for (const Case &c : step_cases()) accuracy(c, seeds);
     fmt::print("fixed gains by position, drift 0.03\n");
     accuracy({"1500/9 nominal 0.5 %", 1500, 9, 30, 15, 0.005, 4}, seeds, AfrMethod::joint_fixed, 0.03);
     fmt::print("slow mode, from 40 s after the step on, {} seeds\n", std::max(seeds / 5, 1));
@@ -389,6 +486,9 @@ int main(int argc, char **argv) {
                           Case{"3500/12 nominal 0.5 %", 3500, 12, 30, 15, 0.005, 0, 0, 40},
                           Case{"4500/14 nominal 0.5 %", 4500, 14, 30, 15, 0.005, 0, 0, 40}})
         accuracy(c, std::max(seeds / 5, 1));
+    blames(4 * seeds);
+    doubts(seeds);
+    recirculation(seeds);
     ghosts();
     chain(std::max(seeds / 5, 1));
     return 0;

@@ -65,11 +65,12 @@ template <class V> class AfrBlocks {
         const double wait =
             engine.exhaust->dead_time_s / trace.step_s + error.delay_deg / 360 * engine.wheel.positions +
             double(SD_UEGO_LEAD);
+        const double outflow = 1 / (1 - setup.egr_share); // over the turbine's, which alone fills the pipe
         const sd_exhaust_point_t p{share_.data(),
                                    float(charge),
-                                   float(point.rate_hz * (1 + error.turbine)),
+                                   float(point.rate_hz * (1 + error.turbine) * outflow),
                                    float(point.z0_kg),
-                                   at_manifold ? 0.0f : float(point.transport_kg),
+                                   at_manifold ? 0.0f : float(point.transport_kg * outflow),
                                    at_manifold ? 0.0f : float(wait)};
         must(V::exhaust_set(&exhaust_, &p, float(trace.step_s)));
         init_chain();
@@ -194,10 +195,20 @@ template <class V> class AfrBlocks {
         if (!is_joint()) cycle_chain();
         const double variance = double(is_joint() ? sd_afr_joint_deviation_variance(&joint_, 0) : V::chain_variance(&chain_));
         result.sd.push_back(std::sqrt(variance + of_the_model(lambda)));
-        if (!is_joint()) return;
-        float deviation = 0;
-        result.blamed.push_back(
-            int(sd_afr_joint_blame(&joint_, true, float(setup_.usual_sd * setup_.mean_lambda), &deviation)));
+        if (is_joint()) result.blamed.push_back(blamed(result));
+    }
+
+    AfrBlamed blamed(const AfrEstimates &so_far) const {
+        sd_afr_usual_t usual{float(setup_.usual_sd * setup_.mean_lambda), 0, 0};
+        const auto lane = [&] { return int(sd_afr_joint_blame(&joint_, &usual).cylinder); };
+        AfrBlamed b{lane(), lane()};
+        constexpr std::size_t kFrom = 24, kTo = 8; // cycles ago
+        if (so_far.lambda.size() <= kFrom) return b;
+        for (auto at = so_far.lambda.end() - kFrom; at != so_far.lambda.end() - kTo; ++at)
+            for (int i = 0; i < n_; ++i) usual.lambda += float((*at)[std::size_t(i)] / n_ / (kFrom - kTo));
+        usual.lambda_sd = float(setup_.usual_mean_sd * setup_.mean_lambda);
+        b.with_mean = lane();
+        return b;
     }
 
     /// As sd_afr_deviation_sd has it.

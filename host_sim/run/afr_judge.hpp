@@ -30,20 +30,27 @@ struct AfrSetup {
     double drift = 0.006, jump = 0.2; ///< Of the joint filter, of the mean lambda.
     double noise = 0.005;             ///< rms of lambda a position, what the filter is told.
     double usual_sd = 0.02;           ///< How cylinders differ beside the one to blame, of the mean lambda.
+    double usual_mean_sd = 0.01;      ///< How far the mean of all may move in some ten cycles by itself, of the mean lambda.
     double mean_lambda = 1;
     double gain_air = 0.1, gain_cylinder = 4;           ///< A
     int harmonics = 2;                                  ///< D
     double inversion_gain = 0.03, inversion_floor = 0.1; ///< D by the Fourier law
     double oscillator_drift = 0.005;                    ///< D as oscillators, beside `noise`
+    double egr_share = 0; ///< Of the manifold's outflow, what B is told, [0, 1).
     AfrError error;
     sd_afr_learned_t known{}; ///< How well delay and lags are known; goes into what is stated.
     bool fixed_point = false; ///< The chain in q31.
 };
 
+/// The lane that being off alone explains best, from the differences alone and with the mean lambda of the cycles before.
+struct AfrBlamed {
+    int alone, with_mean;
+};
+
 struct AfrEstimates {
     std::vector<std::array<double, 8>> lambda; ///< By lane, at the end of each cycle.
     std::vector<double> sd;                    ///< Stated, of lane 0's deviation from the mean; not by block A alone.
-    std::vector<int> blamed;                   ///< Lane that being rich alone explains best; joint filter only.
+    std::vector<AfrBlamed> blamed;             ///< Joint filter only.
 };
 
 /// Runs one method over the trace; `noise` is added to its samples (same length, or empty for none).

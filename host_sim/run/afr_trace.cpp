@@ -22,7 +22,7 @@ class BenchInstruments {
         }
         const exhaust::ExhaustModel &e = *plant.exhaust();
         seconds_ += dt, pascal_ += e.pressure_pa() * dt, kelvin_ += e.manifold().temperature_k() * dt;
-        lambda_ += (1 - e.manifold().air_fraction()) * dt, kg_ += e.flows().turbine * dt;
+        lambda_ += (1 - e.manifold().air_fraction()) * dt, kg_ += e.flows().turbine * dt, egr_kg_ += e.flows().egr * dt;
         radians_ += plant.truth().speed_radps * dt;
     }
     ExhaustReading read(const Plant &plant) const {
@@ -35,9 +35,11 @@ class BenchInstruments {
                 kelvin_ / seconds_};
     }
 
+    double egr_share() const { return egr_kg_ / (egr_kg_ + kg_); }
+
   private:
     int cylinders_;
-    double last_s_ = 0, seconds_ = -1, pascal_ = 0, kelvin_ = 0, lambda_ = 0, kg_ = 0, radians_ = 0;
+    double last_s_ = 0, seconds_ = -1, pascal_ = 0, kelvin_ = 0, lambda_ = 0, kg_ = 0, egr_kg_ = 0, radians_ = 0;
 };
 
 } // namespace
@@ -77,6 +79,7 @@ AfrTrace afr_trace(Scenario scenario) {
     trace.step_s = (last_s - start_s) / double(trace.sensor.size());
     trace.intake_pa = plant.intake_pressure_pa();
     trace.reading = instruments.read(plant);
+    trace.egr_share = instruments.egr_share();
     return trace;
 }
 

@@ -17,6 +17,7 @@ struct AfrTrace {
     std::vector<double> mass_kg;          ///< In the manifold at each position.
     std::vector<std::vector<double>>
         lambda; ///< True, of each lane (firing order) as last let out, at each position.
+    double egr_share = 0;     ///< Recirculated of all that leaves the manifold, as `reading`.
     ExhaustReading reading{}; ///< A test bench's, over the second half of a run in cycles.
 };
 

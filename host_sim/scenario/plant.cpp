@@ -176,7 +176,8 @@ void Plant::advance_stop() {
 
 void Plant::step_exhaust(double dt_s) {
     exhaust_->step(model_, dt_s, mean_speed_, intake_pressure_pa());
-    if (running_) uego_->step(model_.truth().time_s, dt_s, exhaust_->at_sensor(), exhaust_->downstream_pa(), uego_samples_);
+    const double tip_pa = scenario_.uego->before_turbine ? exhaust_->pressure_pa() : exhaust_->downstream_pa();
+    if (running_) uego_->step(model_.truth().time_s, dt_s, exhaust_->at_sensor(), tip_pa, uego_samples_);
 }
 
 bool Plant::next_uego(double time_s, UegoSample &sample) {

@@ -180,6 +180,7 @@ void read_uego(TomlFile &file, Scenario &s) {
     u.noise_per_rthz = file.number_or("uego.noise_per_rthz", {0, 0.1, "1/sqrt(Hz)"}, 0);
     u.correlation_s = 1e-3 * file.number_or("uego.noise_correlation_ms", {0, 1000, "ms"}, 0);
     u.pressure_per_bar = 0.01 * file.number_or("uego.pressure_percent_per_bar", {0, 10, "%/bar"}, 0);
+    u.before_turbine = file.boolean_or("uego.before_turbine", false);
     u.step = file.number_or("uego.quantum", {0, 0.1, ""}, 0);
     u.ageing = file.number_or("uego.ageing", {0.5, 5, ""}, 1);
     s.uego = u;

@@ -418,50 +418,57 @@ TEST(AfrJoint, AStepIsSeenInTheMeanInnovationAndNoiseIsNot) {
     EXPECT_EQ(jumps_after(0, 0.05), 0) << "switched off";
 }
 
-// Least squares written out: mean of all and one cylinder's deviation are free, each cylinder in turn.
+// Least squares written out: what all have in common (free, or known to so much) and one cylinder's deviation, each cylinder
+// in turn.
 TEST(AfrJoint, BlameIsTheOneCylinderThatExplainsMost) {
     RandomStream draw(11, 0);
     sd_afr_joint_t f;
     const sd_afr_joint_config_t c{4, 0.03f, 0.015f, 2e-4f, 0.01f, 0.1f, 1000};
     must(sd_afr_joint_init(&f, &c));
-    float deviation = 1;
-    EXPECT_EQ(sd_afr_joint_blame(&f, true, 0.02f, &deviation), 0u);
-    EXPECT_EQ(deviation, 0) << "not running";
+    const sd_afr_usual_t free{0.02f, 0, 0}, known{0.02f, 0.5f, 0.01f}, unusable{NAN, 0.5f, 0.01f};
+    EXPECT_EQ(sd_afr_joint_blame(&f, &free).explained, 0) << "not running";
     f.running = 1;
-    int other_than_richest = 0;
+    int other_than_largest = 0, other_sign = 0;
     for (int round = 0; round < 200; ++round) {
         Eigen::Matrix4d root;
-        Eigen::Vector4d lambda;
+        Eigen::Vector4d off;
         for (int i = 0; i < 16; ++i) root(i / 4, i % 4) = 0.03 * draw.normal();
-        for (int i = 0; i < 4; ++i) lambda(i) = 0.5 + 0.05 * draw.normal();
+        for (int i = 0; i < 4; ++i) off(i) = 0.05 * draw.normal();
         const Eigen::Matrix4d p = root * root.transpose();
         for (int i = 0; i < 4; ++i) {
-            f.air_fraction[i] = float(1 - lambda(i));
+            f.air_fraction[i] = float(0.5 - off(i));
             for (int j = 0; j <= i; ++j) f.covariance[(1 + i) * (2 + i) / 2 + 1 + j] = float(p(i, j));
         }
         const Eigen::Matrix4d whiten = Eigen::Matrix4d((p + 4e-4 * Eigen::Matrix4d::Identity()).inverse().llt().matrixU());
-        for (bool rich : {true, false}) {
-            const double together = (whiten * lambda - whiten * Eigen::Vector4d::Ones() *
-                                     (whiten * Eigen::Vector4d::Ones()).dot(whiten * lambda) / (whiten * Eigen::Vector4d::Ones()).squaredNorm()).squaredNorm();
+        double by[2] = {};
+        for (const sd_afr_usual_t *usual : {&free, &known}) {
+            const double pin = usual == &known ? 100 : 0; // a fifth reading: that the common part is 0, within 0.01
+            Eigen::Matrix<double, 5, 2> design;
+            Eigen::Matrix<double, 5, 1> seen;
+            seen << whiten * off, 0;
+            design.col(0) << whiten * Eigen::Vector4d::Ones(), pin;
+            const auto left = [&](const auto &of) { return (seen - of * of.colPivHouseholderQr().solve(seen)).squaredNorm(); };
+            const double together = left(design.leftCols(1).eval());
             int best = 0;
-            double most = 0, by = 0;
+            double most = 0;
             for (int i = 0; i < 4; ++i) {
-                Eigen::Matrix<double, 4, 2> design;
-                design << whiten * Eigen::Vector4d::Ones(), whiten * Eigen::Vector4d::Unit(i);
-                const Eigen::Vector2d fit = design.colPivHouseholderQr().solve(whiten * lambda);
-                const double explained = together - (whiten * lambda - design * fit).squaredNorm();
-                if ((fit(1) > 0) == rich && explained > most) most = explained, best = i, by = fit(1);
+                design.col(1) << whiten * Eigen::Vector4d::Unit(i), 0;
+                const double explained = together - left(design);
+                if (explained > most) most = explained, best = i, by[usual == &known] = design.colPivHouseholderQr().solve(seen)(1);
             }
-            EXPECT_EQ(int(sd_afr_joint_blame(&f, rich, 0.02f, &deviation)), best) << round;
-            EXPECT_NEAR(double(deviation), by, 1e-4);
-            int richest = 0;
-            lambda.maxCoeff(&richest);
-            other_than_richest += rich && best != richest;
+            const sd_afr_blame_t blame = sd_afr_joint_blame(&f, usual);
+            EXPECT_EQ(int(blame.cylinder), best) << round;
+            EXPECT_NEAR(double(blame.deviation), by[usual == &known], 1e-4);
+            EXPECT_NEAR(double(blame.explained), most, 1e-3 * most);
+            int largest = 0;
+            (off.array() - off.mean()).abs().maxCoeff(&largest);
+            other_than_largest += best != largest;
         }
+        other_sign += by[0] * by[1] < 0;
     }
-    EXPECT_GT(other_than_richest, 20) << "or the weights would not matter";
-    EXPECT_EQ(sd_afr_joint_blame(&f, true, NAN, &deviation), 0u);
-    EXPECT_EQ(deviation, 0);
+    EXPECT_GT(other_than_largest, 20) << "or the weights would not matter";
+    EXPECT_GT(other_sign, 20) << "or the mean would not matter";
+    EXPECT_EQ(sd_afr_joint_blame(&f, &unusable).explained, 0);
 }
 
 TEST(AfrJoint, ForgetsWhatIsNotANumber) {

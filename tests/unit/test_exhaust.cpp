@@ -168,4 +168,24 @@ TEST(Uego, PressureQuantumAndAgeing) {
     EXPECT_DOUBLE_EQ(samples.back().lambda, 0.45);
 }
 
+// What it reads follows from the mean pressure at its tip.
+TEST(Uego, ItsTipIsBehindTheTurbineOrBeforeIt) {
+    for (const bool before : {false, true}) {
+        Plant plant(with_sensor({"run.cycles=30", "uego.pressure_percent_per_bar=10",
+                                 std::string("uego.before_turbine=") + (before ? "true" : "false")}), 1);
+        double steps = 0, air = 0, gas = 0, behind_pa = 0, manifold_pa = 0;
+        plant.watch_steps([&] {
+            if (plant.truth().angle_rad < 20 * 4 * kPi) return;
+            const ExhaustModel &e = *plant.exhaust();
+            ++steps, air += 1 - plant.uego_lambda(), gas += e.at_sensor();
+            behind_pa += e.downstream_pa(), manifold_pa += e.pressure_pa();
+        });
+        EncoderEdge edge;
+        while (plant.next_edge(edge)) {
+        }
+        EXPECT_GT(manifold_pa, 1.2 * behind_pa);
+        EXPECT_NEAR(air / gas, 1 + 0.1 * ((before ? manifold_pa : behind_pa) / steps / 1e5 - 1.013), 2e-3);
+    }
+}
+
 } // namespace

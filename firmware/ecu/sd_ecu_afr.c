@@ -179,10 +179,11 @@ void sd_ecu_afr_cycle(sd_ecu_t *self) {
     const float speed = self->signals.cycle_speed_rpm * RADPS_PER_RPM, fuel = self->sample[SD_INPUT_FUEL_INJECTED].value;
     const bool moves = (changed(speed, self->last_speed_radps) > TRANSIENT_SPEED) || (changed(fuel, self->last_fuel_mg) > TRANSIENT_FUEL);
     tell_trims(self);
-    if (ready(self)) { sd_ecu_delay_cycle(self, speed, moves || (fuel <= 0.0f)); }
+    /* What has not burned is no mixture to be trimmed, or to be learned from. */
+    const bool usable = !moves && (fuel > 0.0f) && (self->cycle_firings.misfired == 0u);
+    if (ready(self)) { sd_ecu_delay_cycle(self, speed, !usable); }
     read_afr(self, speed);
-    /* What has not burned is no mixture to be trimmed. */
-    balance(self, (moves || (fuel <= 0.0f) || (self->cycle_firings.misfired != 0u) || (self->afr_delay.probed != 0u)) ? 1u : 0u);
+    balance(self, (!usable || (self->afr_delay.probed != 0u)) ? 1u : 0u);
     command_trims(self);
     self->cycle_firings.count = self->cycle_firings.health = self->cycle_firings.misfired = 0;
     self->last_speed_radps = speed;

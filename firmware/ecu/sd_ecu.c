@@ -123,10 +123,10 @@ sd_result_t sd_ecu_init(sd_ecu_t *self, const sd_calibration_t *calibration) {
 
 void sd_ecu_publish(sd_ecu_t *self, const sd_port_t *port, uint32_t tick, sd_rate_t rate) {
     const float *value = (const float *)&self->signals;
-    for (uint32_t channel = 0; channel < SD_SIGNAL_COUNT; ++channel) {
-        const sd_signal_info_t *info = &sd_signal_infos[channel];
-        if (info->rate != (uint8_t)rate) { continue; }
-        const sd_status_t *status = &self->status[info->owner];
+    const sd_rate_info_t *said = &sd_rate_infos[rate];
+    for (uint32_t i = 0; i < said->count; ++i) {
+        const uint32_t channel = said->channels[i];
+        const sd_status_t *status = &self->status[sd_signal_infos[channel].owner];
         sd_event_t event = { .tick = tick, .kind = SD_EVENT_SIGNAL, .channel = (uint16_t)channel,
                              .flags = status->health | ((uint32_t)status->why << 8) };
         memcpy(&event.value, &value[channel], sizeof event.value);
@@ -279,7 +279,7 @@ static void publish_lost_angle(sd_ecu_t *self, const sd_port_t *port, uint32_t t
 static void on_sample(sd_ecu_t *self, const sd_event_t *event) {
     float value = 0.0f;
     memcpy(&value, &event->value, sizeof value);
-    const sd_signal_info_t *info = (event->channel < SD_INPUT_COUNT) ? &sd_input_infos[event->channel] : NULL;
+    const sd_input_info_t *info = (event->channel < SD_INPUT_COUNT) ? &sd_input_infos[event->channel] : NULL;
     if ((info == NULL) || !((value >= info->low) && (value <= info->high))) { /* written so that NaN is out of range */
         self->bad_samples++;
         return;
@@ -288,8 +288,27 @@ static void on_sample(sd_ecu_t *self, const sd_event_t *event) {
     self->sample[event->channel] = (sd_sample_t){ .value = value, .tick = event->tick, .seen = 1 };
 }
 
+/* Which inputs have no reading that counts. Once stale a reading stays so: the timer wraps, and would make it young again. */
+static void watch_inputs(sd_ecu_t *self, uint32_t tick) {
+    uint32_t stale[2] = { 0u }, missing[2] = { 0u };
+    for (uint32_t i = 0; i < SD_INPUT_COUNT; ++i) {
+        sd_sample_t *sample = &self->sample[i];
+        const float limit_s = sd_input_infos[i].age_s, age_ticks = (float)(int32_t)(tick - sample->tick);
+        if ((limit_s > 0.0f) && (age_ticks > limit_s * self->calibration.tick_hz)) { sample->stale = sample->seen; }
+        stale[i / 16u] |= (uint32_t)sample->stale << (i % 16u);
+        missing[i / 16u] |= (1u - (uint32_t)sample->seen) << (i % 16u);
+    }
+    for (uint32_t i = 0; i < 2u; ++i) {
+        self->signals.inputs_stale[i] = (float)stale[i];
+        self->signals.inputs_missing[i] = (float)missing[i];
+    }
+    self->status[SD_OWNER_INPUTS] = (sd_status_t){ .health = SD_VALID };
+}
+
 static void on_time(sd_ecu_t *self, const sd_port_t *port, uint32_t tick) {
     if (sd_crank_poll(&self->crank, tick)) { publish_lost_angle(self, port, tick, SD_WHY_STALL); }
+    watch_inputs(self, tick);
+    sd_ecu_publish(self, port, tick, SD_RATE_TASK);
     const sd_event_t done = { .tick = tick, .kind = SD_EVENT_DONE, .value = self->unsent_signals, .flags = self->unknown_events };
     (void)port->send(port->context, &done, 1u);
 }
@@ -312,6 +331,7 @@ uint32_t sd_ecu_run(sd_ecu_t *self, const sd_port_t *port) {
         case SD_EVENT_TIME:       on_time(self, port, event.tick); break;
         case SD_EVENT_SAMPLE:     on_sample(self, &event); break;
         case SD_EVENT_GAP:        on_gap(self, port, event.tick); break;
+        case SD_EVENT_WHEEL_EDGE: break; /* nothing takes it yet */
         case SD_EVENT_PARAMETER:  sd_ecu_parameter(self, port, &event); break;
         default:                  self->unknown_events++; break;
         }

@@ -5,8 +5,9 @@
 ///                               -> filter on tooth times -> misfire monitor -> with each firing read, signals of rate
 ///                                  "firing"
 ///   cam edge   -> phase
-///   time       -> stall detection, and the answer that all up to now is done
+///   time       -> stall detection, which inputs are stale, signals of rate "task", and the answer that all up to now is done
 ///   sample     -> kept as the latest reading of its sensor; those of the lambda sensor are averaged between teeth
+///   wheel edge -> known, and nothing takes it yet
 ///   gap        -> events were lost: angle and phase are unknown until they are found again
 ///   parameter  -> the working page; since events are handled one by one, a change falls between two teeth
 ///
@@ -27,6 +28,7 @@ typedef struct sd_sample {
     float    value; ///< In the unit and within the range of sd_input_infos.
     uint32_t tick;  ///< When it was taken.
     uint8_t  seen;  ///< 0: never read since init; value is 0 then.
+    uint8_t  stale; ///< 1: it was older than sd_input_infos allow when a clock event came.
 } sd_sample_t;
 
 typedef union sd_torque {

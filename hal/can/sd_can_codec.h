@@ -13,7 +13,7 @@ typedef struct sd_frame {
 } sd_frame_t;
 
 #define SD_CAN_FRAMES 512u ///< A power of two.
-#define SD_CAN_TEETH  14u  ///< Ticks in a teeth frame.
+#define SD_CAN_TEETH  13u  ///< Ticks in a teeth frame.
 
 /// Zero it, then set role and session. Caller-owned.
 typedef struct sd_can_codec {
@@ -21,9 +21,9 @@ typedef struct sd_can_codec {
     uint16_t  session;     ///< Drawn anew at each start.
     uint16_t  sequence;    ///< Of the next teeth frame to send.
     uint32_t  tick[SD_CAN_TEETH];
-    uint16_t  cam;         ///< Bit i: tick i is a cam edge.
+    uint8_t   edge[SD_CAN_TEETH]; ///< Of which wheel each tick is an edge, as in sixdeg.dbc.
     uint8_t   ticks;
-    sd_row_t  row;         ///< Being collected.
+    sd_row_t  row[SD_RATE_COUNT]; ///< Being collected.
     sd_order_t order;      ///< Of the plant's teeth frames.
     uint16_t  peer_session;
     uint8_t   peer_seen;

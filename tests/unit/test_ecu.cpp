@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The application core behind the in-process port, and the calibration page it starts from.
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <gtest/gtest.h>
@@ -225,12 +226,75 @@ TEST(Ecu, StallMakesEverythingInvalidAndARestartWorks) {
     ASSERT_FALSE(answers.empty());
     EXPECT_EQ(SD_EVENT_DONE, answers.back().kind);
     for (const sd_event_t &event : answers) {
-        if (event.kind != SD_EVENT_SIGNAL) continue;
+        if (event.kind != SD_EVENT_SIGNAL || sd_signal_infos[event.channel].owner == SD_OWNER_INPUTS) continue;
         EXPECT_EQ(SD_INVALID, event.flags & 0xff) << event.channel;
         if (event.channel == SD_SIGNAL_CRANK_SPEED) { EXPECT_EQ(0.0f, value_of(event)); }
     }
     turn(last + 30000000u);
     EXPECT_EQ(SD_VALID, ecu.ecu->status[SD_OWNER_CRANK].health);
+}
+
+/// What the clock event at `tick` brings of inputs: 0 of those that are stale, 1 of those never read.
+std::array<std::uint32_t, 2> unread(Ecu &ecu, std::uint32_t tick) {
+    std::array<std::uint32_t, 2> masks{};
+    std::size_t said = 0;
+    for (const sd_event_t &event : ecu.send(SD_EVENT_TIME, tick)) {
+        if (event.kind != SD_EVENT_SIGNAL) continue;
+        EXPECT_EQ(SD_RATE_TASK, sd_signal_infos[event.channel].rate);
+        EXPECT_EQ(0u, event.flags) << "valid";
+        const bool stale = event.channel < SD_SIGNAL_INPUTS_MISSING;
+        const std::uint32_t element = event.channel - (stale ? SD_SIGNAL_INPUTS_STALE : SD_SIGNAL_INPUTS_MISSING);
+        masks[stale ? 0 : 1] |= std::uint32_t(value_of(event)) << 16 * element;
+        ++said;
+    }
+    EXPECT_EQ(sd_rate_infos[SD_RATE_TASK].count, said);
+    return masks;
+}
+
+TEST(Ecu, EveryClockEventTellsWhichInputsAreStaleOrWereNeverRead) {
+    using Masks = std::array<std::uint32_t, 2>;
+    const std::uint32_t all = (1u << SD_INPUT_COUNT) - 1;
+    for (std::uint16_t input = 0; input < SD_INPUT_COUNT; ++input) {
+        SCOPED_TRACE(sd_input_infos[input].name);
+        const std::uint32_t bit = 1u << input, read = 0xffffff00u; // the timer wraps soon after
+        const auto limit = std::uint32_t(sd_input_infos[input].age_s * 1e7f);
+        ASSERT_GT(limit, 0u);
+        Ecu ecu(page());
+        EXPECT_EQ(Masks({0, all}), unread(ecu, read));
+        ecu.send(SD_EVENT_SAMPLE, read, input, sd_input_infos[input].usual);
+        EXPECT_EQ(Masks({0, all & ~bit}), unread(ecu, read)) << "usual values are within their ranges";
+        EXPECT_EQ(Masks({0, all & ~bit}), unread(ecu, read + limit));
+        EXPECT_EQ(Masks({bit, all & ~bit}), unread(ecu, read + limit + 100000)) << "10 ms later";
+        EXPECT_EQ(Masks({bit, all & ~bit}), unread(ecu, read + 100)) << "the timer has come round";
+        ecu.send(SD_EVENT_SAMPLE, read + 200, input, sd_input_infos[input].usual);
+        EXPECT_EQ(Masks({0, all & ~bit}), unread(ecu, read + 300)) << "and is back";
+    }
+}
+
+TEST(Ecu, AnEdgeOfAnotherWheelIsKnownAndMovesNothing) {
+    Ecu ecu(page());
+    ecu.send(SD_EVENT_CRANK_EDGE, 100);
+    const sd_ecu_t before = *ecu.ecu;
+    for (std::uint16_t wheel = 0; wheel <= SD_WHEEL_GEARBOX_OUTPUT; ++wheel) EXPECT_TRUE(ecu.send(SD_EVENT_WHEEL_EDGE, 110, wheel).empty());
+    EXPECT_EQ(0, std::memcmp(&before, ecu.ecu.get(), sizeof before));
+    ecu.send(7, 120);
+    EXPECT_EQ(1u, ecu.ecu->unknown_events);
+}
+
+TEST(Table, ListsTheChannelsOfEachRateAndWhatOwnersNeed) {
+    std::uint32_t listed = 0;
+    for (std::uint32_t rate = 0; rate < SD_RATE_COUNT; ++rate) {
+        const sd_rate_info_t &info = sd_rate_infos[rate];
+        for (std::uint32_t i = 0; i < info.count; ++i, ++listed) {
+            EXPECT_EQ(rate, sd_signal_infos[info.channels[i]].rate) << info.channels[i];
+            if (i > 0) { EXPECT_LT(info.channels[i - 1], info.channels[i]); }
+        }
+    }
+    EXPECT_EQ(SD_SIGNAL_COUNT, listed);
+    EXPECT_EQ(0.01f, sd_rate_infos[SD_RATE_TASK].period_s);
+    EXPECT_EQ(1u << SD_INPUT_AIR_INTAKE_PRESSURE, sd_owner_infos[SD_OWNER_CYLINDER].degraded_without);
+    EXPECT_EQ(1u << SD_INPUT_AIR_INTAKE_PRESSURE | 1u << SD_INPUT_FUEL_INJECTED | 1u << SD_INPUT_EXHAUST_LAMBDA,
+              sd_owner_infos[SD_OWNER_AFR].invalid_without);
 }
 
 sd_event_t parameter(const char *name, sd_parameter_command_t command, float value = 0) {
@@ -302,7 +366,7 @@ TEST(Ecu, ParametersSetAtRunTimeGiveThePageOfThoseSetAtTheStart) {
     const sd_calibration_t start = page();
     int taken = 0;
     std::vector<std::string> refused;
-    for (int owner = 0; owner < SD_OWNER_COUNT; ++owner) {
+    for (std::uint32_t owner = 0; owner < SD_OWNER_COUNT; ++owner) {
         SCOPED_TRACE(owner);
         Ecu ecu(start);
         TomlFile tune("tune", "");

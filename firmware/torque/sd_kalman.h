@@ -33,13 +33,14 @@
 /// read only and may be shared. Call order: init; step for every placed tooth; restart after lost sync or a stall.
 #ifndef SD_KALMAN_H
 #define SD_KALMAN_H
+#include "sd_limits.h"
 #include "sd_num.h"
 #include "sd_status.h"
 
 #define SD_KALMAN_COEFFICIENTS_MAX 25
 #define SD_KALMAN_POSITIONS_MAX    120
 #define SD_KALMAN_SPEEDS_MAX       12
-#define SD_KALMAN_FIRINGS_MAX      8
+#define SD_KALMAN_FIRINGS_MAX      SD_CYLINDERS_MAX
 #define SD_KALMAN_SETS_MAX         2    ///< Of gains.
 #define SD_KALMAN_GAINS_MAX        (SD_KALMAN_SETS_MAX * SD_KALMAN_SPEEDS_MAX)
 #define SD_KALMAN_MODES_MAX        2

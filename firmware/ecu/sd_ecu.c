@@ -81,7 +81,6 @@ sd_result_t sd_ecu_init(sd_ecu_t *self, const sd_calibration_t *calibration) {
     const sd_fourier_config_t torque_config = sd_calibration_torque(calibration);
     sd_crank_t crank;
     sd_torque_t torque;
-    sd_kalman_t filter;
     sd_misfire_t misfire;
     sd_afr_t afr;
     sd_afr_delay_t afr_delay;
@@ -95,7 +94,9 @@ sd_result_t sd_ecu_init(sd_ecu_t *self, const sd_calibration_t *calibration) {
     if (sd_misfire_init(&misfire, &misfire_config) != SD_OK) { return SD_ERR_CONFIG; }
     const bool has_filter = calibration->kalman.positions != 0u;
     if (has_filter && (calibration->kalman.positions != calibration->positions)) { return SD_ERR_CONFIG; }
-    if (has_filter && (sd_kalman_init(&filter, &calibration->kalman) != SD_OK)) { return SD_ERR_CONFIG; }
+    const sd_firings_config_t firings_config = sd_ecu_firings_config(calibration);
+    sd_firings_t firings;
+    if (sd_firings_init(&firings, &firings_config, &calibration->kalman) != SD_OK) { return SD_ERR_CONFIG; }
     if ((sd_ecu_afr_init(&afr, calibration) != SD_OK) || (sd_ecu_delay_init(&afr_delay, calibration) != SD_OK) ||
         (sd_ecu_balance_init(&balance, calibration) != SD_OK)) { return SD_ERR_CONFIG; }
     memset(self, 0, sizeof *self); /* from here on nothing fails; the struct is too large to be built aside */
@@ -110,12 +111,7 @@ sd_result_t sd_ecu_init(sd_ecu_t *self, const sd_calibration_t *calibration) {
     self->afr = afr;
     self->afr_delay = afr_delay;
     self->balance = balance;
-    if (has_filter) {
-        self->filter = filter;
-        self->rough = filter;
-        self->rough.set = 1;
-        sd_pattern_init(&self->pattern, &self->calibration.kalman);
-    }
+    self->firings = firings;
     return SD_OK;
 }
 
@@ -136,7 +132,7 @@ void sd_ecu_publish(sd_ecu_t *self, const sd_port_t *port, uint32_t tick, sd_rat
 
 _Static_assert(sizeof(sd_signals_t) == SD_SIGNAL_COUNT * sizeof(float), "signals are floats, without gaps");
 
-void sd_ecu_worst_of(sd_status_t *status, uint8_t health, uint8_t why) {
+void sd_ecu_worst_of(sd_status_t *status, uint8_t health, uint16_t why) {
     if (health > status->health) { status->health = health; }
     status->why |= why;
 }
@@ -192,7 +188,7 @@ static void add_to_cycle(sd_ecu_t *self, const sd_tooth_t *tooth) {
     self->cycle_positions += tooth->advance;
     /* What is read at its end has settled by then, or says so itself. */
     const sd_status_t *torque = &self->status[SD_OWNER_TORQUE];
-    if ((torque->health == (uint8_t)SD_INVALID) || ((torque->why & (uint8_t)~SD_WHY_CONVERGING) != 0u)) { self->cycle_clean = 0; }
+    if ((torque->health == (uint8_t)SD_INVALID) || ((torque->why & (uint16_t)~SD_WHY_CONVERGING) != 0u)) { self->cycle_clean = 0; }
 }
 
 /* ---- events ---------------------------------------------------------------------------------------------------- */
@@ -233,7 +229,7 @@ static void on_tooth(sd_ecu_t *self, const sd_port_t *port, const sd_tooth_t *to
     sd_ecu_afr_tooth(self, tooth);
 }
 
-static void lose_angle(sd_ecu_t *self, uint8_t why) {
+static void lose_angle(sd_ecu_t *self, uint16_t why) {
     self->following = 0;
     sd_ecu_afr_restart(self);
     self->signals.torque_mass_nm = 0.0f;
@@ -266,7 +262,7 @@ static void on_crank_edge(sd_ecu_t *self, const sd_port_t *port, uint32_t tick) 
     sd_ecu_publish(self, port, tick, SD_RATE_EDGE);
 }
 
-static void publish_lost_angle(sd_ecu_t *self, const sd_port_t *port, uint32_t tick, uint8_t why) {
+static void publish_lost_angle(sd_ecu_t *self, const sd_port_t *port, uint32_t tick, uint16_t why) {
     lose_angle(self, why);
     self->status[SD_OWNER_CRANK] = (sd_status_t){ .health = SD_INVALID, .why = why };
     self->signals.crank_edge_class = (float)SD_EDGE_UNSYNCED;

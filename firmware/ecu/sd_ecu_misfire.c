@@ -15,18 +15,16 @@ void sd_ecu_misfire_tooth(sd_ecu_t *self, const sd_tooth_t *tooth) {
 
 /* What forbids to judge the firing just read, beyond what the monitor sees itself. */
 static uint8_t inhibits(const sd_ecu_t *self, uint32_t tick, float fuel_mg) {
-    const uint8_t spoilt = (uint8_t)(SD_WHY_FAULT | SD_WHY_REJECTED);
+    const uint16_t spoilt = (uint16_t)(SD_WHY_FAULT | SD_WHY_REJECTED);
     const sd_sample_t *shift = sd_ecu_recent(self, SD_INPUT_DRIVELINE_SHIFT, tick);
     const sd_sample_t *level = &self->sample[SD_INPUT_FUEL_LEVEL];
     uint32_t why = 0;
-    if ((self->status[SD_OWNER_FIRING].why & (uint8_t)SD_WHY_CONVERGING) != 0u) { why |= SD_INHIBIT_ESTIMATE; }
+    if ((self->status[SD_OWNER_FIRING].why & (uint16_t)SD_WHY_CONVERGING) != 0u) { why |= SD_INHIBIT_ESTIMATE; }
     if ((fuel_mg < 0.0f) || ((self->status[SD_OWNER_FIRING].why & spoilt) != 0u)) { why |= SD_INHIBIT_OUTSIDE; }
     if ((shift != NULL) && (shift->value > 0.5f)) { why |= SD_INHIBIT_SHIFT; }
     if ((level->seen != 0u) && (level->value < self->calibration.parameters.misfire_fuel_level_min_percent)) { why |= SD_INHIBIT_LEVEL; }
     return (uint8_t)why;
 }
-
-static float root(float x) { return (x > 0.0f) ? x * sd_rsqrt_f32(x) : 0.0f; }
 
 static void show(sd_ecu_t *self, const sd_misfire_verdict_t *v) {
     sd_signals_t *s = &self->signals;
@@ -55,7 +53,8 @@ static void report(sd_ecu_t *self) {
     self->status[SD_OWNER_MISFIRE] = r.status;
 }
 
-void sd_ecu_misfire_firing(sd_ecu_t *self, const sd_firing_t *firing, uint32_t tick) {
+void sd_ecu_misfire_firing(sd_ecu_t *self, const sd_firings_out_t *out, uint32_t tick) {
+    const sd_firing_t *firing = &out->firing;
     const sd_status_t *estimate = &self->status[SD_OWNER_FIRING];
     const float fuel_mg = self->fuel_mg[firing->index];
     const sd_misfire_firing_t seen = {
@@ -65,8 +64,8 @@ void sd_ecu_misfire_firing(sd_ecu_t *self, const sd_firing_t *firing, uint32_t t
         .torque_nm = firing->torque_nm,
         .torque_sd_nm = firing->sd_nm,
         .fuel_mg = fuel_mg,
-        .speed_radps = root(2.0f * sd_ecu_filter(self)->energy_j / self->calibration.kalman.inertia_mean_kgm2),
-        .energy_j = sd_ecu_filter(self)->energy_j,
+        .speed_radps = out->speed_radps,
+        .energy_j = out->energy_j,
     };
     const sd_misfire_verdict_t verdict = sd_misfire_judge(&self->misfire, &seen);
     if (verdict.verdict == (uint8_t)SD_MISFIRE) { self->cycle_firings.misfired = 1; }

@@ -27,10 +27,11 @@
 /// Call order: init; start whenever the engine or the estimator started; firing for each; read.
 #ifndef SD_MISFIRE_H
 #define SD_MISFIRE_H
+#include "sd_limits.h"
 #include "sd_num.h"
 #include "sd_status.h"
 
-#define SD_MISFIRE_CYLINDERS_MAX 8
+#define SD_MISFIRE_CYLINDERS_MAX SD_CYLINDERS_MAX
 
 /// SI units but for fuel; read by init only, need not outlive it.
 typedef struct sd_misfire_config {
@@ -120,8 +121,8 @@ typedef struct sd_misfire {
     float    off_square, off_product;              ///< Running means, of neighbours both healthy; their ratio is rho.
     float    last_speed_radps, test_ratio, innovation;
     uint16_t hold, since_start;                    ///< Firings left; firings since start, saturating.
-    uint16_t rejected, emission_exceeded, catalyst_exceeded;
-    uint8_t  health, why, lamp, suspects;
+    uint16_t rejected, emission_exceeded, catalyst_exceeded, why;
+    uint8_t  health, lamp, suspects;
     uint8_t  first_1000_done;
     uint32_t firings, misfires, partial_burns;
     sd_misfire_window_t running_200, running_1000, last_200, last_1000;

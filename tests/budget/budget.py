@@ -65,17 +65,23 @@ class Run:
             raise SystemExit(f"{name}: the target ended with {target.returncode}: {target.stdout}{target.stderr}")
         mine, its = words(host.stdout), words(target.stderr + target.stdout)
         self.same = mine.pop("hash") == its.pop("hash")
-        self.said = mine | its
+        self.said = mine | its | {"ram": self.ram(its)}
         self.counts = {(row["name"], PLAN["classes"][int(row["class"])]): Counts(*(int(row[key]) for key in Counts._fields))
                        for row in csv.DictReader(counts.open())}
 
     def symbols(self):
-        """Writes what the plugin reads; returns the sizes of the image's variables."""
+        """Writes what the plugin reads; returns the sizes of the image's variables, and of code and constants."""
         (self.folder / "groups").write_text("".join(f"{group} {function}\n" for group, of in PLAN["groups"].items() for function in of))
         text = subprocess.run(["arm-none-eabi-nm", "-S", self.image], capture_output=True, text=True, check=True).stdout
         (self.folder / "symbols").write_text(text)
         rows = [line.split() for line in text.splitlines()]
-        return {row[3]: int(row[1], 16) for row in rows if len(row) == 4 and row[2] in "bBdDrR"}
+        rows = [row for row in rows if len(row) == 4]
+        code = sum(int(row[1], 16) for row in rows if row[2] in "tTwWrR")
+        return {row[3]: int(row[1], 16) for row in rows if row[2] in "bBdD"} | {"code": code}
+
+    def ram(self, said):
+        """State, what of the page stands in RAM, and the deeper stack."""
+        return self.sizes["ecu"] + self.sizes.get("page", 0) + max(said["stack_init"], said["stack_run"])
 
     def figure(self, plan):
         """None: nothing of the kind has run."""

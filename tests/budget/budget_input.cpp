@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 // budget_input RUN.run PAGE EVENTS: the calibration page and the events of a golden run as budget_ecu takes them; prints
-// "page_bytes N" and "hash HEX", which is of what the ecu says to them on this machine.
+// "page_bytes HEX" and "hash HEX", which is of what the ecu says to them on this machine. Parameters stay as the page has
+// them, so that a mean is of one configuration.
+#include <algorithm>
 #include <cstdio>
 #include <fmt/format.h>
 #include <memory>
@@ -40,7 +42,9 @@ int main(int count, char **arguments) {
     using namespace sixdeg;
     try {
         if (count != 4) throw InputError("budget_input", "", "usage: budget_input RUN.run PAGE EVENTS");
-        const GoldenRun run = read_golden_run(arguments[1], SD_ENGINES);
+        GoldenRun run = read_golden_run(arguments[1], SD_ENGINES);
+        const auto is_command = [](const sd_event_t &event) { return event.kind == SD_EVENT_PARAMETER; };
+        run.events.erase(std::remove_if(run.events.begin(), run.events.end(), is_command), run.events.end());
         const auto page = page_bytes(run.calibration);
         const Header header{std::uint32_t(run.events.size()), std::uint32_t(page.size()), {}};
         write_file(arguments[2], bytes_of(page.data(), page.size()));

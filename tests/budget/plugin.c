@@ -78,14 +78,16 @@ static void enter(int function, uint32_t back) {
     if (depth == DEPTH_MAX) { fprintf(stderr, "budget plugin: calls nest too deep\n"); exit(1); }
     stack[depth].function = function;
     stack[depth++].back = back;
+    if (function == NONE) { return; }
     open_item(functions[function].item);
     open_item(functions[function].group);
 }
 
 static void leave(void) {
-    const function_t *function = &functions[stack[--depth].function];
-    close_item(function->item);
-    close_item(function->group);
+    const int function = stack[--depth].function;
+    if (function == NONE) { return; }
+    close_item(functions[function].item);
+    close_item(functions[function].group);
 }
 
 static void end_event(int event_class) {
@@ -100,15 +102,17 @@ static void end_event(int event_class) {
     }
 }
 
-/* A jump to the begin of another function is a call that returns to where the present one does. */
+/* A jump to the begin of another function is a call that returns to where the present one does. A call may also go to what
+ * has no symbol of its own, as in the compiler's library. */
 static void on_instruction(unsigned cpu, void *user) {
     (void)cpu;
     const instruction_t *now = user;
     while (depth > 0 && stack[depth - 1].back == now->pc) { leave(); }
-    if (now->entry != NONE && before != NULL) {
-        if (before->is_call) { enter(now->entry, before->after); }
-        else if (before->within != now->entry && depth > 0) { enter(now->entry, stack[depth - 1].back); }
-        if (functions[now->entry].event_class != NONE) { end_event(functions[now->entry].event_class); }
+    if (before != NULL) {
+        const bool begins = now->entry != NONE;
+        if (before->is_call && now->pc != before->after) { enter(now->entry, before->after); }
+        else if (begins && before->within != now->entry && depth > 0) { enter(now->entry, stack[depth - 1].back); }
+        if (begins && functions[now->entry].event_class != NONE) { end_event(functions[now->entry].event_class); }
     }
     executed++;
     before = now;

@@ -56,11 +56,11 @@ typedef struct sd_tooth {
     uint32_t period_ticks;   ///< Since the last placed edge; 0 when there is none.
     uint32_t span_spacings;  ///< Tooth spacings in that period, Q12; a mark counts as learned, not as drawn.
     uint16_t cycle_position; ///< position + positions * revolution, 0 to 2 * positions - 1.
+    uint16_t why;            ///< sd_why_t bits.
     uint8_t  position;       ///< Tooth position, 0 = first tooth after the mark.
     uint8_t  advance;        ///< Positions since the last placed edge, missing ones included; 1 to 255.
     uint8_t  edge_class;     ///< sd_edge_class_t.
     uint8_t  health;         ///< sd_health_t of position, period and span. The phase has its own flag.
-    uint8_t  why;            ///< sd_why_t bits.
     uint8_t  phase_known;    ///< 1: cycle_position counts from the right revolution.
 } sd_tooth_t;
 

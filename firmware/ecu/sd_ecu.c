@@ -136,7 +136,7 @@ void sd_ecu_publish(sd_ecu_t *self, const sd_port_t *port, uint32_t tick, sd_rat
 
 _Static_assert(sizeof(sd_signals_t) == SD_SIGNAL_COUNT * sizeof(float), "signals are floats, without gaps");
 
-void sd_ecu_worst_of(sd_status_t *status, uint8_t health, uint8_t why) {
+void sd_ecu_worst_of(sd_status_t *status, uint8_t health, uint16_t why) {
     if (health > status->health) { status->health = health; }
     status->why |= why;
 }
@@ -192,7 +192,7 @@ static void add_to_cycle(sd_ecu_t *self, const sd_tooth_t *tooth) {
     self->cycle_positions += tooth->advance;
     /* What is read at its end has settled by then, or says so itself. */
     const sd_status_t *torque = &self->status[SD_OWNER_TORQUE];
-    if ((torque->health == (uint8_t)SD_INVALID) || ((torque->why & (uint8_t)~SD_WHY_CONVERGING) != 0u)) { self->cycle_clean = 0; }
+    if ((torque->health == (uint8_t)SD_INVALID) || ((torque->why & (uint16_t)~SD_WHY_CONVERGING) != 0u)) { self->cycle_clean = 0; }
 }
 
 /* ---- events ---------------------------------------------------------------------------------------------------- */
@@ -233,7 +233,7 @@ static void on_tooth(sd_ecu_t *self, const sd_port_t *port, const sd_tooth_t *to
     sd_ecu_afr_tooth(self, tooth);
 }
 
-static void lose_angle(sd_ecu_t *self, uint8_t why) {
+static void lose_angle(sd_ecu_t *self, uint16_t why) {
     self->following = 0;
     sd_ecu_afr_restart(self);
     self->signals.torque_mass_nm = 0.0f;
@@ -266,7 +266,7 @@ static void on_crank_edge(sd_ecu_t *self, const sd_port_t *port, uint32_t tick) 
     sd_ecu_publish(self, port, tick, SD_RATE_EDGE);
 }
 
-static void publish_lost_angle(sd_ecu_t *self, const sd_port_t *port, uint32_t tick, uint8_t why) {
+static void publish_lost_angle(sd_ecu_t *self, const sd_port_t *port, uint32_t tick, uint16_t why) {
     lose_angle(self, why);
     self->status[SD_OWNER_CRANK] = (sd_status_t){ .health = SD_INVALID, .why = why };
     self->signals.crank_edge_class = (float)SD_EDGE_UNSYNCED;

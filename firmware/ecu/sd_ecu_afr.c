@@ -80,7 +80,7 @@ static float changed(float now, float before) {
     return (before > 0.0f) ? step / before : 1.0f;
 }
 
-static void say(sd_status_t *status, uint8_t health, uint8_t why) {
+static void say(sd_status_t *status, uint8_t health, uint16_t why) {
     if (health > status->health) { status->health = health; }
     status->why |= why;
 }

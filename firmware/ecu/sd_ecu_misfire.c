@@ -15,11 +15,11 @@ void sd_ecu_misfire_tooth(sd_ecu_t *self, const sd_tooth_t *tooth) {
 
 /* What forbids to judge the firing just read, beyond what the monitor sees itself. */
 static uint8_t inhibits(const sd_ecu_t *self, uint32_t tick, float fuel_mg) {
-    const uint8_t spoilt = (uint8_t)(SD_WHY_FAULT | SD_WHY_REJECTED);
+    const uint16_t spoilt = (uint16_t)(SD_WHY_FAULT | SD_WHY_REJECTED);
     const sd_sample_t *shift = sd_ecu_recent(self, SD_INPUT_DRIVELINE_SHIFT, tick);
     const sd_sample_t *level = &self->sample[SD_INPUT_FUEL_LEVEL];
     uint32_t why = 0;
-    if ((self->status[SD_OWNER_FIRING].why & (uint8_t)SD_WHY_CONVERGING) != 0u) { why |= SD_INHIBIT_ESTIMATE; }
+    if ((self->status[SD_OWNER_FIRING].why & (uint16_t)SD_WHY_CONVERGING) != 0u) { why |= SD_INHIBIT_ESTIMATE; }
     if ((fuel_mg < 0.0f) || ((self->status[SD_OWNER_FIRING].why & spoilt) != 0u)) { why |= SD_INHIBIT_OUTSIDE; }
     if ((shift != NULL) && (shift->value > 0.5f)) { why |= SD_INHIBIT_SHIFT; }
     if ((level->seen != 0u) && (level->value < self->calibration.parameters.misfire_fuel_level_min_percent)) { why |= SD_INHIBIT_LEVEL; }

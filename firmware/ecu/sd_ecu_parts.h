@@ -7,7 +7,7 @@
 /// Sends all signals of a rate, each with its owner's health.
 void sd_ecu_publish(sd_ecu_t *self, const sd_port_t *port, uint32_t tick, sd_rate_t rate);
 /// Health becomes no better than this; reasons add up.
-void sd_ecu_worst_of(sd_status_t *status, uint8_t health, uint8_t why);
+void sd_ecu_worst_of(sd_status_t *status, uint8_t health, uint16_t why);
 
 /// The angle was lost or moved: the filter begins anew.
 void sd_ecu_firing_restart(sd_ecu_t *self);

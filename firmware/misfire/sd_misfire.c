@@ -208,7 +208,7 @@ static void report_health(sd_misfire_t *self, const sd_misfire_firing_t *f, cons
     self->why = 0;
     if (v->inhibit != 0u) {
         self->health = SD_INVALID;
-        self->why = ((v->inhibit & (uint8_t)SD_INHIBIT_START) != 0u) ? (uint8_t)SD_WHY_CONVERGING : (uint8_t)SD_WHY_REJECTED;
+        self->why = ((v->inhibit & (uint8_t)SD_INHIBIT_START) != 0u) ? (uint16_t)SD_WHY_CONVERGING : (uint16_t)SD_WHY_REJECTED;
     } else if (self->test_ratio > 1.0f) {
         self->health = SD_DEGRADED;
         self->why = SD_WHY_REJECTED;

@@ -120,8 +120,8 @@ typedef struct sd_misfire {
     float    off_square, off_product;              ///< Running means, of neighbours both healthy; their ratio is rho.
     float    last_speed_radps, test_ratio, innovation;
     uint16_t hold, since_start;                    ///< Firings left; firings since start, saturating.
-    uint16_t rejected, emission_exceeded, catalyst_exceeded;
-    uint8_t  health, why, lamp, suspects;
+    uint16_t rejected, emission_exceeded, catalyst_exceeded, why;
+    uint8_t  health, lamp, suspects;
     uint8_t  first_1000_done;
     uint32_t firings, misfires, partial_burns;
     sd_misfire_window_t running_200, running_1000, last_200, last_1000;

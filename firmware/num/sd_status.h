@@ -11,16 +11,17 @@ typedef enum sd_health {
     SD_INVALID  = 2, ///< Do not use it; the value is the last good one or zero, never NaN.
 } sd_health_t;
 
-/// Why health is not SD_VALID; bits, several may be set.
+/// Why health is not SD_VALID; bits, several may be set. Kept in 16 bits.
 typedef enum sd_why {
-    SD_WHY_NO_SYNC     = 1 << 0, ///< The crank angle is unknown.
-    SD_WHY_NO_PHASE    = 1 << 1, ///< Which of the two revolutions of a cycle is unknown: cylinders may be swapped.
-    SD_WHY_FAULT       = 1 << 2, ///< A missing, doubled or spurious edge stands in or right before this value.
-    SD_WHY_STALL       = 1 << 3, ///< The engine stands still, or turns slower than the decoder follows.
-    SD_WHY_CONVERGING  = 1 << 4, ///< The observer started or restarted less than its settling time ago.
-    SD_WHY_REJECTED    = 1 << 5, ///< The measurement was too far from its prediction and was left out.
-    SD_WHY_NO_INPUT     = 1 << 7, ///< A sensor that this value takes has not been read; a usual value stands for it.
+    SD_WHY_NO_SYNC      = 1 << 0, ///< The crank angle is unknown.
+    SD_WHY_NO_PHASE     = 1 << 1, ///< Which of the two revolutions of a cycle is unknown: cylinders may be swapped.
+    SD_WHY_FAULT        = 1 << 2, ///< A missing, doubled or spurious edge stands in or right before this value.
+    SD_WHY_STALL        = 1 << 3, ///< The engine stands still, or turns slower than the decoder follows.
+    SD_WHY_CONVERGING   = 1 << 4, ///< The observer started or restarted less than its settling time ago.
+    SD_WHY_REJECTED     = 1 << 5, ///< The measurement was too far from its prediction and was left out.
     SD_WHY_UNCALIBRATED = 1 << 6, ///< The calibration page does not hold what this value takes.
+    SD_WHY_NO_INPUT     = 1 << 7, ///< A sensor that this value takes has not been read; a usual value stands for it.
+    SD_WHY_STALE_INPUT  = 1 << 8, ///< A sensor that this value takes was last read longer ago than its reading counts.
 } sd_why_t;
 
 /// Outcome of an init or a command. 0 is success; a negative value leaves the state as it was.
@@ -32,9 +33,9 @@ typedef enum sd_result {
 
 /// The status every block reports.
 typedef struct sd_status {
-    uint8_t  health;     ///< sd_health_t.
-    uint8_t  why;        ///< sd_why_t bits, 0 when valid.
+    uint16_t why;        ///< sd_why_t bits, 0 when valid.
     uint16_t rejected;   ///< Measurements left out since init, saturating.
+    uint8_t  health;     ///< sd_health_t.
     float    innovation; ///< Last measurement minus its prediction, in the block's own unit.
     float    test_ratio; ///< |innovation| over its acceptance limit; above 1 the measurement was left out.
 } sd_status_t;

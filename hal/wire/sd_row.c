@@ -37,7 +37,7 @@ int sd_row_take(sd_row_t *row, const sd_event_t *event) {
     float value;
     memcpy(&value, &event->value, sizeof value);
     sd_row_put(row, event->channel, value);
-    sd_row_status(row, info->owner, (uint8_t)(event->flags & 0xffu), (uint8_t)(event->flags >> 8));
+    sd_row_status(row, info->owner, (uint8_t)(event->flags & 0xffu), (uint16_t)(event->flags >> 8));
     return is_last_of_rate(event->channel) && is_whole(row);
 }
 

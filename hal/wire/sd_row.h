@@ -13,7 +13,8 @@
 typedef struct sd_row {
     uint32_t tick;
     uint8_t  rate;                      ///< sd_rate_t.
-    uint8_t  health[SD_OWNER_COUNT], why[SD_OWNER_COUNT];
+    uint8_t  health[SD_OWNER_COUNT];    ///< sd_health_t.
+    uint16_t why[SD_OWNER_COUNT];       ///< sd_why_t bits.
     uint8_t  present[SD_SIGNAL_COUNT];  ///< 1: this channel is in the row.
     float    value[SD_SIGNAL_COUNT];    ///< By channel.
 } sd_row_t;
@@ -24,7 +25,7 @@ static inline void sd_row_begin(sd_row_t *row, uint32_t tick, uint8_t rate) {
     row->rate = rate;
 }
 
-static inline void sd_row_status(sd_row_t *row, uint32_t owner, uint8_t health, uint8_t why) {
+static inline void sd_row_status(sd_row_t *row, uint32_t owner, uint8_t health, uint16_t why) {
     row->health[owner] = health;
     row->why[owner] = why;
 }

@@ -11,7 +11,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "calibration/calibration.hpp"
+#include "design/calibration.hpp"
 #include "cli/commands.hpp"
 #include "common/files.hpp"
 #include "common/toml_file.hpp"

@@ -9,7 +9,7 @@
 #include <functional>
 #include <random>
 
-#include "calibration/kalman_tables.hpp"
+#include "design/torque/kalman_tables.hpp"
 #include "support/torque_signal.hpp"
 
 namespace sixdeg::test {

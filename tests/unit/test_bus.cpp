@@ -9,8 +9,8 @@
 #include <memory>
 #include <random>
 
-#include "calibration/calibration.hpp"
-#include "replay/ecu_feed.hpp"
+#include "design/calibration.hpp"
+#include "io/events/ecu_feed.hpp"
 extern "C" {
 #include "sd_can_codec.h"
 #include "sd_ecu.h"
@@ -50,10 +50,13 @@ std::uint32_t bits(float value) {
     return raw;
 }
 
+/// Degraded, with reasons that take all 16 bits.
+constexpr std::uint32_t kStatus = SD_DEGRADED | 0x8104u << 8;
+
 std::vector<sd_event_t> row_of(std::uint32_t tick, sd_rate_t rate) {
     std::vector<sd_event_t> events;
     for (std::uint16_t c = 0; c < SD_SIGNAL_COUNT; ++c) {
-        if (sd_signal_infos[c].rate == rate) events.push_back({tick, SD_EVENT_SIGNAL, c, bits(1.5f * float(c) - 3), 1u | 4u << 8});
+        if (sd_signal_infos[c].rate == rate) events.push_back({tick, SD_EVENT_SIGNAL, c, bits(1.5f * float(c) - 3), kStatus});
     }
     return events;
 }

@@ -7,7 +7,7 @@
 #include <memory>
 #include <tuple>
 
-#include "calibration/calibration.hpp"
+#include "design/calibration.hpp"
 #include "common/error.hpp"
 #include "support/torque_signal.hpp"
 extern "C" {

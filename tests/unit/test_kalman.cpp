@@ -2,8 +2,8 @@
 #include <filesystem>
 #include <map>
 
-#include "calibration/calibration.hpp"
-#include "calibration/known_torque.hpp"
+#include "design/calibration.hpp"
+#include "design/torque/known_torque.hpp"
 #include "support/kalman_bench.hpp"
 
 namespace sixdeg {

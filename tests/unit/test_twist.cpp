@@ -2,7 +2,7 @@
 // A crank that twists: its modes against closed forms, and the filter on tooth times on a wheel that swings.
 #include <complex>
 
-#include "calibration/crank_modes.hpp"
+#include "design/crank/crank_modes.hpp"
 #include "support/kalman_bench.hpp"
 extern "C" {
 #include "sd_pattern.h"

@@ -61,7 +61,7 @@ def row(name, id, rate, part):
     fields = [Field("tick", "u32", "tick", text="Capture tick of the event that caused it.")]
     for owner in owners:
         fields += [Field(f"{owner}_health", "u8", "", (0, 2), f"How far the values of {owner} may be trusted.", HEALTH),
-                   Field(f"{owner}_why", "u8", "", (0, 255), "Why not, bits: sd_why_t.")]
+                   Field(f"{owner}_why", "u16", "", (0, 2**16 - 1), "Why not, bits: sd_why_t.")]
     for _, entry, c_name in part:
         text = entry["text"]
         fields.append(Field(c_name, "f32", entry["unit"], tuple(entry["range"]), text))
@@ -75,7 +75,7 @@ def row_messages(table, room=64):
         parts, part = [], []
         for channel in (c for c in channels(table) if c[1]["rate"] == rate):
             owners = {entry["owner"] for _, entry, _ in part + [channel]}
-            if part and 4 + 2 * len(owners) + 4 * (len(part) + 1) > room:
+            if part and 4 + 3 * len(owners) + 4 * (len(part) + 1) > room:
                 parts.append(part)
                 part = []
             part.append(channel)
@@ -212,15 +212,15 @@ def row_code(table, bus, include, type_of, room):
         kind = type_of(m.name)
         out += [f"static inline void {bus}_{m.name}_from_row({kind} *m, const sd_row_t *row) {{",
                 "    m->tick = (TICK)row->tick;".replace("TICK", "uint32_t" if include else "int32_t")]
-        cast = "" if include else "(int8_t)"
+        health, why = ("", "") if include else ("(int8_t)", "(int16_t)")
         for owner in m.owners:
-            out += [f"    m->{owner}_health = {cast}row->health[SD_OWNER_{owner.upper()}];",
-                    f"    m->{owner}_why = {cast}row->why[SD_OWNER_{owner.upper()}];"]
+            out += [f"    m->{owner}_health = {health}row->health[SD_OWNER_{owner.upper()}];",
+                    f"    m->{owner}_why = {why}row->why[SD_OWNER_{owner.upper()}];"]
         out += [f"    m->{name} = row->value[{channel}];" for channel, _, name in m.channels] + ["}", ""]
         out += [f"static inline void {bus}_{m.name}_to_row(sd_row_t *row, const {kind} *m) {{",
                 f"    sd_row_begin(row, (uint32_t)m->tick, SD_RATE_{m.rate.upper()});"]
         for owner in m.owners:
-            out.append(f"    sd_row_status(row, SD_OWNER_{owner.upper()}, (uint8_t)m->{owner}_health, (uint8_t)m->{owner}_why);")
+            out.append(f"    sd_row_status(row, SD_OWNER_{owner.upper()}, (uint8_t)m->{owner}_health, (uint16_t)m->{owner}_why);")
         out += [f"    sd_row_put(row, {channel}, m->{name});" for channel, _, name in m.channels] + ["}", ""]
     if include:  # CAN: by frame identifier
         rows = row_messages(table, room)

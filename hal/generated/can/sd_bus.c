@@ -1553,69 +1553,72 @@ int sd_bus_edge_pack(
     uint32_t torque_innovation;
     uint32_t torque_mass;
 
-    if (size < 48u) {
+    if (size < 64u) {
         return (-EINVAL);
     }
 
-    memset(&dst_p[0], 0, 48);
+    memset(&dst_p[0], 0, 64);
 
     dst_p[0] |= pack_left_shift_u32(src_p->tick, 0u, 0xffu);
     dst_p[1] |= pack_right_shift_u32(src_p->tick, 8u, 0xffu);
     dst_p[2] |= pack_right_shift_u32(src_p->tick, 16u, 0xffu);
     dst_p[3] |= pack_right_shift_u32(src_p->tick, 24u, 0xffu);
     dst_p[4] |= pack_left_shift_u8(src_p->crank_health, 0u, 0xffu);
-    dst_p[5] |= pack_left_shift_u8(src_p->crank_why, 0u, 0xffu);
-    dst_p[6] |= pack_left_shift_u8(src_p->torque_health, 0u, 0xffu);
-    dst_p[7] |= pack_left_shift_u8(src_p->torque_why, 0u, 0xffu);
-    dst_p[8] |= pack_left_shift_u8(src_p->firing_health, 0u, 0xffu);
-    dst_p[9] |= pack_left_shift_u8(src_p->firing_why, 0u, 0xffu);
+    dst_p[5] |= pack_left_shift_u16(src_p->crank_why, 0u, 0xffu);
+    dst_p[6] |= pack_right_shift_u16(src_p->crank_why, 8u, 0xffu);
+    dst_p[7] |= pack_left_shift_u8(src_p->torque_health, 0u, 0xffu);
+    dst_p[8] |= pack_left_shift_u16(src_p->torque_why, 0u, 0xffu);
+    dst_p[9] |= pack_right_shift_u16(src_p->torque_why, 8u, 0xffu);
+    dst_p[10] |= pack_left_shift_u8(src_p->firing_health, 0u, 0xffu);
+    dst_p[11] |= pack_left_shift_u16(src_p->firing_why, 0u, 0xffu);
+    dst_p[12] |= pack_right_shift_u16(src_p->firing_why, 8u, 0xffu);
     memcpy(&crank_edge_class, &src_p->crank_edge_class, sizeof(crank_edge_class));
-    dst_p[10] |= pack_left_shift_u32(crank_edge_class, 0u, 0xffu);
-    dst_p[11] |= pack_right_shift_u32(crank_edge_class, 8u, 0xffu);
-    dst_p[12] |= pack_right_shift_u32(crank_edge_class, 16u, 0xffu);
-    dst_p[13] |= pack_right_shift_u32(crank_edge_class, 24u, 0xffu);
+    dst_p[13] |= pack_left_shift_u32(crank_edge_class, 0u, 0xffu);
+    dst_p[14] |= pack_right_shift_u32(crank_edge_class, 8u, 0xffu);
+    dst_p[15] |= pack_right_shift_u32(crank_edge_class, 16u, 0xffu);
+    dst_p[16] |= pack_right_shift_u32(crank_edge_class, 24u, 0xffu);
     memcpy(&crank_tooth, &src_p->crank_tooth, sizeof(crank_tooth));
-    dst_p[14] |= pack_left_shift_u32(crank_tooth, 0u, 0xffu);
-    dst_p[15] |= pack_right_shift_u32(crank_tooth, 8u, 0xffu);
-    dst_p[16] |= pack_right_shift_u32(crank_tooth, 16u, 0xffu);
-    dst_p[17] |= pack_right_shift_u32(crank_tooth, 24u, 0xffu);
+    dst_p[17] |= pack_left_shift_u32(crank_tooth, 0u, 0xffu);
+    dst_p[18] |= pack_right_shift_u32(crank_tooth, 8u, 0xffu);
+    dst_p[19] |= pack_right_shift_u32(crank_tooth, 16u, 0xffu);
+    dst_p[20] |= pack_right_shift_u32(crank_tooth, 24u, 0xffu);
     memcpy(&crank_angle, &src_p->crank_angle, sizeof(crank_angle));
-    dst_p[18] |= pack_left_shift_u32(crank_angle, 0u, 0xffu);
-    dst_p[19] |= pack_right_shift_u32(crank_angle, 8u, 0xffu);
-    dst_p[20] |= pack_right_shift_u32(crank_angle, 16u, 0xffu);
-    dst_p[21] |= pack_right_shift_u32(crank_angle, 24u, 0xffu);
+    dst_p[21] |= pack_left_shift_u32(crank_angle, 0u, 0xffu);
+    dst_p[22] |= pack_right_shift_u32(crank_angle, 8u, 0xffu);
+    dst_p[23] |= pack_right_shift_u32(crank_angle, 16u, 0xffu);
+    dst_p[24] |= pack_right_shift_u32(crank_angle, 24u, 0xffu);
     memcpy(&crank_phase_known, &src_p->crank_phase_known, sizeof(crank_phase_known));
-    dst_p[22] |= pack_left_shift_u32(crank_phase_known, 0u, 0xffu);
-    dst_p[23] |= pack_right_shift_u32(crank_phase_known, 8u, 0xffu);
-    dst_p[24] |= pack_right_shift_u32(crank_phase_known, 16u, 0xffu);
-    dst_p[25] |= pack_right_shift_u32(crank_phase_known, 24u, 0xffu);
+    dst_p[25] |= pack_left_shift_u32(crank_phase_known, 0u, 0xffu);
+    dst_p[26] |= pack_right_shift_u32(crank_phase_known, 8u, 0xffu);
+    dst_p[27] |= pack_right_shift_u32(crank_phase_known, 16u, 0xffu);
+    dst_p[28] |= pack_right_shift_u32(crank_phase_known, 24u, 0xffu);
     memcpy(&crank_speed, &src_p->crank_speed, sizeof(crank_speed));
-    dst_p[26] |= pack_left_shift_u32(crank_speed, 0u, 0xffu);
-    dst_p[27] |= pack_right_shift_u32(crank_speed, 8u, 0xffu);
-    dst_p[28] |= pack_right_shift_u32(crank_speed, 16u, 0xffu);
-    dst_p[29] |= pack_right_shift_u32(crank_speed, 24u, 0xffu);
+    dst_p[29] |= pack_left_shift_u32(crank_speed, 0u, 0xffu);
+    dst_p[30] |= pack_right_shift_u32(crank_speed, 8u, 0xffu);
+    dst_p[31] |= pack_right_shift_u32(crank_speed, 16u, 0xffu);
+    dst_p[32] |= pack_right_shift_u32(crank_speed, 24u, 0xffu);
     memcpy(&crank_acceleration, &src_p->crank_acceleration, sizeof(crank_acceleration));
-    dst_p[30] |= pack_left_shift_u32(crank_acceleration, 0u, 0xffu);
-    dst_p[31] |= pack_right_shift_u32(crank_acceleration, 8u, 0xffu);
-    dst_p[32] |= pack_right_shift_u32(crank_acceleration, 16u, 0xffu);
-    dst_p[33] |= pack_right_shift_u32(crank_acceleration, 24u, 0xffu);
+    dst_p[33] |= pack_left_shift_u32(crank_acceleration, 0u, 0xffu);
+    dst_p[34] |= pack_right_shift_u32(crank_acceleration, 8u, 0xffu);
+    dst_p[35] |= pack_right_shift_u32(crank_acceleration, 16u, 0xffu);
+    dst_p[36] |= pack_right_shift_u32(crank_acceleration, 24u, 0xffu);
     memcpy(&torque_mass, &src_p->torque_mass, sizeof(torque_mass));
-    dst_p[34] |= pack_left_shift_u32(torque_mass, 0u, 0xffu);
-    dst_p[35] |= pack_right_shift_u32(torque_mass, 8u, 0xffu);
-    dst_p[36] |= pack_right_shift_u32(torque_mass, 16u, 0xffu);
-    dst_p[37] |= pack_right_shift_u32(torque_mass, 24u, 0xffu);
+    dst_p[37] |= pack_left_shift_u32(torque_mass, 0u, 0xffu);
+    dst_p[38] |= pack_right_shift_u32(torque_mass, 8u, 0xffu);
+    dst_p[39] |= pack_right_shift_u32(torque_mass, 16u, 0xffu);
+    dst_p[40] |= pack_right_shift_u32(torque_mass, 24u, 0xffu);
     memcpy(&torque_innovation, &src_p->torque_innovation, sizeof(torque_innovation));
-    dst_p[38] |= pack_left_shift_u32(torque_innovation, 0u, 0xffu);
-    dst_p[39] |= pack_right_shift_u32(torque_innovation, 8u, 0xffu);
-    dst_p[40] |= pack_right_shift_u32(torque_innovation, 16u, 0xffu);
-    dst_p[41] |= pack_right_shift_u32(torque_innovation, 24u, 0xffu);
+    dst_p[41] |= pack_left_shift_u32(torque_innovation, 0u, 0xffu);
+    dst_p[42] |= pack_right_shift_u32(torque_innovation, 8u, 0xffu);
+    dst_p[43] |= pack_right_shift_u32(torque_innovation, 16u, 0xffu);
+    dst_p[44] |= pack_right_shift_u32(torque_innovation, 24u, 0xffu);
     memcpy(&firing_waveform, &src_p->firing_waveform, sizeof(firing_waveform));
-    dst_p[42] |= pack_left_shift_u32(firing_waveform, 0u, 0xffu);
-    dst_p[43] |= pack_right_shift_u32(firing_waveform, 8u, 0xffu);
-    dst_p[44] |= pack_right_shift_u32(firing_waveform, 16u, 0xffu);
-    dst_p[45] |= pack_right_shift_u32(firing_waveform, 24u, 0xffu);
+    dst_p[45] |= pack_left_shift_u32(firing_waveform, 0u, 0xffu);
+    dst_p[46] |= pack_right_shift_u32(firing_waveform, 8u, 0xffu);
+    dst_p[47] |= pack_right_shift_u32(firing_waveform, 16u, 0xffu);
+    dst_p[48] |= pack_right_shift_u32(firing_waveform, 24u, 0xffu);
 
-    return (48);
+    return (64);
 }
 
 int sd_bus_edge_unpack(
@@ -1633,7 +1636,7 @@ int sd_bus_edge_unpack(
     uint32_t torque_innovation;
     uint32_t torque_mass;
 
-    if (size < 48u) {
+    if (size < 64u) {
         return (-EINVAL);
     }
 
@@ -1642,55 +1645,58 @@ int sd_bus_edge_unpack(
     dst_p->tick |= unpack_left_shift_u32(src_p[2], 16u, 0xffu);
     dst_p->tick |= unpack_left_shift_u32(src_p[3], 24u, 0xffu);
     dst_p->crank_health = unpack_right_shift_u8(src_p[4], 0u, 0xffu);
-    dst_p->crank_why = unpack_right_shift_u8(src_p[5], 0u, 0xffu);
-    dst_p->torque_health = unpack_right_shift_u8(src_p[6], 0u, 0xffu);
-    dst_p->torque_why = unpack_right_shift_u8(src_p[7], 0u, 0xffu);
-    dst_p->firing_health = unpack_right_shift_u8(src_p[8], 0u, 0xffu);
-    dst_p->firing_why = unpack_right_shift_u8(src_p[9], 0u, 0xffu);
-    crank_edge_class = unpack_right_shift_u32(src_p[10], 0u, 0xffu);
-    crank_edge_class |= unpack_left_shift_u32(src_p[11], 8u, 0xffu);
-    crank_edge_class |= unpack_left_shift_u32(src_p[12], 16u, 0xffu);
-    crank_edge_class |= unpack_left_shift_u32(src_p[13], 24u, 0xffu);
+    dst_p->crank_why = unpack_right_shift_u16(src_p[5], 0u, 0xffu);
+    dst_p->crank_why |= unpack_left_shift_u16(src_p[6], 8u, 0xffu);
+    dst_p->torque_health = unpack_right_shift_u8(src_p[7], 0u, 0xffu);
+    dst_p->torque_why = unpack_right_shift_u16(src_p[8], 0u, 0xffu);
+    dst_p->torque_why |= unpack_left_shift_u16(src_p[9], 8u, 0xffu);
+    dst_p->firing_health = unpack_right_shift_u8(src_p[10], 0u, 0xffu);
+    dst_p->firing_why = unpack_right_shift_u16(src_p[11], 0u, 0xffu);
+    dst_p->firing_why |= unpack_left_shift_u16(src_p[12], 8u, 0xffu);
+    crank_edge_class = unpack_right_shift_u32(src_p[13], 0u, 0xffu);
+    crank_edge_class |= unpack_left_shift_u32(src_p[14], 8u, 0xffu);
+    crank_edge_class |= unpack_left_shift_u32(src_p[15], 16u, 0xffu);
+    crank_edge_class |= unpack_left_shift_u32(src_p[16], 24u, 0xffu);
     memcpy(&dst_p->crank_edge_class, &crank_edge_class, sizeof(dst_p->crank_edge_class));
-    crank_tooth = unpack_right_shift_u32(src_p[14], 0u, 0xffu);
-    crank_tooth |= unpack_left_shift_u32(src_p[15], 8u, 0xffu);
-    crank_tooth |= unpack_left_shift_u32(src_p[16], 16u, 0xffu);
-    crank_tooth |= unpack_left_shift_u32(src_p[17], 24u, 0xffu);
+    crank_tooth = unpack_right_shift_u32(src_p[17], 0u, 0xffu);
+    crank_tooth |= unpack_left_shift_u32(src_p[18], 8u, 0xffu);
+    crank_tooth |= unpack_left_shift_u32(src_p[19], 16u, 0xffu);
+    crank_tooth |= unpack_left_shift_u32(src_p[20], 24u, 0xffu);
     memcpy(&dst_p->crank_tooth, &crank_tooth, sizeof(dst_p->crank_tooth));
-    crank_angle = unpack_right_shift_u32(src_p[18], 0u, 0xffu);
-    crank_angle |= unpack_left_shift_u32(src_p[19], 8u, 0xffu);
-    crank_angle |= unpack_left_shift_u32(src_p[20], 16u, 0xffu);
-    crank_angle |= unpack_left_shift_u32(src_p[21], 24u, 0xffu);
+    crank_angle = unpack_right_shift_u32(src_p[21], 0u, 0xffu);
+    crank_angle |= unpack_left_shift_u32(src_p[22], 8u, 0xffu);
+    crank_angle |= unpack_left_shift_u32(src_p[23], 16u, 0xffu);
+    crank_angle |= unpack_left_shift_u32(src_p[24], 24u, 0xffu);
     memcpy(&dst_p->crank_angle, &crank_angle, sizeof(dst_p->crank_angle));
-    crank_phase_known = unpack_right_shift_u32(src_p[22], 0u, 0xffu);
-    crank_phase_known |= unpack_left_shift_u32(src_p[23], 8u, 0xffu);
-    crank_phase_known |= unpack_left_shift_u32(src_p[24], 16u, 0xffu);
-    crank_phase_known |= unpack_left_shift_u32(src_p[25], 24u, 0xffu);
+    crank_phase_known = unpack_right_shift_u32(src_p[25], 0u, 0xffu);
+    crank_phase_known |= unpack_left_shift_u32(src_p[26], 8u, 0xffu);
+    crank_phase_known |= unpack_left_shift_u32(src_p[27], 16u, 0xffu);
+    crank_phase_known |= unpack_left_shift_u32(src_p[28], 24u, 0xffu);
     memcpy(&dst_p->crank_phase_known, &crank_phase_known, sizeof(dst_p->crank_phase_known));
-    crank_speed = unpack_right_shift_u32(src_p[26], 0u, 0xffu);
-    crank_speed |= unpack_left_shift_u32(src_p[27], 8u, 0xffu);
-    crank_speed |= unpack_left_shift_u32(src_p[28], 16u, 0xffu);
-    crank_speed |= unpack_left_shift_u32(src_p[29], 24u, 0xffu);
+    crank_speed = unpack_right_shift_u32(src_p[29], 0u, 0xffu);
+    crank_speed |= unpack_left_shift_u32(src_p[30], 8u, 0xffu);
+    crank_speed |= unpack_left_shift_u32(src_p[31], 16u, 0xffu);
+    crank_speed |= unpack_left_shift_u32(src_p[32], 24u, 0xffu);
     memcpy(&dst_p->crank_speed, &crank_speed, sizeof(dst_p->crank_speed));
-    crank_acceleration = unpack_right_shift_u32(src_p[30], 0u, 0xffu);
-    crank_acceleration |= unpack_left_shift_u32(src_p[31], 8u, 0xffu);
-    crank_acceleration |= unpack_left_shift_u32(src_p[32], 16u, 0xffu);
-    crank_acceleration |= unpack_left_shift_u32(src_p[33], 24u, 0xffu);
+    crank_acceleration = unpack_right_shift_u32(src_p[33], 0u, 0xffu);
+    crank_acceleration |= unpack_left_shift_u32(src_p[34], 8u, 0xffu);
+    crank_acceleration |= unpack_left_shift_u32(src_p[35], 16u, 0xffu);
+    crank_acceleration |= unpack_left_shift_u32(src_p[36], 24u, 0xffu);
     memcpy(&dst_p->crank_acceleration, &crank_acceleration, sizeof(dst_p->crank_acceleration));
-    torque_mass = unpack_right_shift_u32(src_p[34], 0u, 0xffu);
-    torque_mass |= unpack_left_shift_u32(src_p[35], 8u, 0xffu);
-    torque_mass |= unpack_left_shift_u32(src_p[36], 16u, 0xffu);
-    torque_mass |= unpack_left_shift_u32(src_p[37], 24u, 0xffu);
+    torque_mass = unpack_right_shift_u32(src_p[37], 0u, 0xffu);
+    torque_mass |= unpack_left_shift_u32(src_p[38], 8u, 0xffu);
+    torque_mass |= unpack_left_shift_u32(src_p[39], 16u, 0xffu);
+    torque_mass |= unpack_left_shift_u32(src_p[40], 24u, 0xffu);
     memcpy(&dst_p->torque_mass, &torque_mass, sizeof(dst_p->torque_mass));
-    torque_innovation = unpack_right_shift_u32(src_p[38], 0u, 0xffu);
-    torque_innovation |= unpack_left_shift_u32(src_p[39], 8u, 0xffu);
-    torque_innovation |= unpack_left_shift_u32(src_p[40], 16u, 0xffu);
-    torque_innovation |= unpack_left_shift_u32(src_p[41], 24u, 0xffu);
+    torque_innovation = unpack_right_shift_u32(src_p[41], 0u, 0xffu);
+    torque_innovation |= unpack_left_shift_u32(src_p[42], 8u, 0xffu);
+    torque_innovation |= unpack_left_shift_u32(src_p[43], 16u, 0xffu);
+    torque_innovation |= unpack_left_shift_u32(src_p[44], 24u, 0xffu);
     memcpy(&dst_p->torque_innovation, &torque_innovation, sizeof(dst_p->torque_innovation));
-    firing_waveform = unpack_right_shift_u32(src_p[42], 0u, 0xffu);
-    firing_waveform |= unpack_left_shift_u32(src_p[43], 8u, 0xffu);
-    firing_waveform |= unpack_left_shift_u32(src_p[44], 16u, 0xffu);
-    firing_waveform |= unpack_left_shift_u32(src_p[45], 24u, 0xffu);
+    firing_waveform = unpack_right_shift_u32(src_p[45], 0u, 0xffu);
+    firing_waveform |= unpack_left_shift_u32(src_p[46], 8u, 0xffu);
+    firing_waveform |= unpack_left_shift_u32(src_p[47], 16u, 0xffu);
+    firing_waveform |= unpack_left_shift_u32(src_p[48], 24u, 0xffu);
     memcpy(&dst_p->firing_waveform, &firing_waveform, sizeof(dst_p->firing_waveform));
 
     return (0);
@@ -1747,17 +1753,17 @@ bool sd_bus_edge_crank_health_is_in_phys_range(double value)
     return ((value >= 0.0) && (value <= 2.0));
 }
 
-uint8_t sd_bus_edge_crank_why_encode(double value)
+uint16_t sd_bus_edge_crank_why_encode(double value)
 {
-    return (uint8_t)(cantools_unsigned_from_double(round(value)));
+    return (uint16_t)(cantools_unsigned_from_double(round(value)));
 }
 
-double sd_bus_edge_crank_why_decode(uint8_t value)
+double sd_bus_edge_crank_why_decode(uint16_t value)
 {
     return ((double)value);
 }
 
-bool sd_bus_edge_crank_why_is_in_range(uint8_t value)
+bool sd_bus_edge_crank_why_is_in_range(uint16_t value)
 {
     (void)value;
 
@@ -1766,7 +1772,7 @@ bool sd_bus_edge_crank_why_is_in_range(uint8_t value)
 
 bool sd_bus_edge_crank_why_is_in_phys_range(double value)
 {
-    return ((value >= 0.0) && (value <= 255.0));
+    return ((value >= 0.0) && (value <= 65535.0));
 }
 
 uint8_t sd_bus_edge_torque_health_encode(double value)
@@ -1789,17 +1795,17 @@ bool sd_bus_edge_torque_health_is_in_phys_range(double value)
     return ((value >= 0.0) && (value <= 2.0));
 }
 
-uint8_t sd_bus_edge_torque_why_encode(double value)
+uint16_t sd_bus_edge_torque_why_encode(double value)
 {
-    return (uint8_t)(cantools_unsigned_from_double(round(value)));
+    return (uint16_t)(cantools_unsigned_from_double(round(value)));
 }
 
-double sd_bus_edge_torque_why_decode(uint8_t value)
+double sd_bus_edge_torque_why_decode(uint16_t value)
 {
     return ((double)value);
 }
 
-bool sd_bus_edge_torque_why_is_in_range(uint8_t value)
+bool sd_bus_edge_torque_why_is_in_range(uint16_t value)
 {
     (void)value;
 
@@ -1808,7 +1814,7 @@ bool sd_bus_edge_torque_why_is_in_range(uint8_t value)
 
 bool sd_bus_edge_torque_why_is_in_phys_range(double value)
 {
-    return ((value >= 0.0) && (value <= 255.0));
+    return ((value >= 0.0) && (value <= 65535.0));
 }
 
 uint8_t sd_bus_edge_firing_health_encode(double value)
@@ -1831,17 +1837,17 @@ bool sd_bus_edge_firing_health_is_in_phys_range(double value)
     return ((value >= 0.0) && (value <= 2.0));
 }
 
-uint8_t sd_bus_edge_firing_why_encode(double value)
+uint16_t sd_bus_edge_firing_why_encode(double value)
 {
-    return (uint8_t)(cantools_unsigned_from_double(round(value)));
+    return (uint16_t)(cantools_unsigned_from_double(round(value)));
 }
 
-double sd_bus_edge_firing_why_decode(uint8_t value)
+double sd_bus_edge_firing_why_decode(uint16_t value)
 {
     return ((double)value);
 }
 
-bool sd_bus_edge_firing_why_is_in_range(uint8_t value)
+bool sd_bus_edge_firing_why_is_in_range(uint16_t value)
 {
     (void)value;
 
@@ -1850,7 +1856,7 @@ bool sd_bus_edge_firing_why_is_in_range(uint8_t value)
 
 bool sd_bus_edge_firing_why_is_in_phys_range(double value)
 {
-    return ((value >= 0.0) && (value <= 255.0));
+    return ((value >= 0.0) && (value <= 65535.0));
 }
 
 float sd_bus_edge_crank_edge_class_encode(double value)
@@ -2042,7 +2048,6 @@ int sd_bus_cycle_1_pack(
     uint32_t cycle_cylinder_sd_2;
     uint32_t cycle_cylinder_sd_3;
     uint32_t cycle_cylinder_sd_4;
-    uint32_t cycle_cylinder_sd_5;
     uint32_t cycle_cylinder_torque_1;
     uint32_t cycle_cylinder_torque_2;
     uint32_t cycle_cylinder_torque_3;
@@ -2064,79 +2069,76 @@ int sd_bus_cycle_1_pack(
     dst_p[2] |= pack_right_shift_u32(src_p->tick, 16u, 0xffu);
     dst_p[3] |= pack_right_shift_u32(src_p->tick, 24u, 0xffu);
     dst_p[4] |= pack_left_shift_u8(src_p->crank_health, 0u, 0xffu);
-    dst_p[5] |= pack_left_shift_u8(src_p->crank_why, 0u, 0xffu);
-    dst_p[6] |= pack_left_shift_u8(src_p->cylinder_health, 0u, 0xffu);
-    dst_p[7] |= pack_left_shift_u8(src_p->cylinder_why, 0u, 0xffu);
+    dst_p[5] |= pack_left_shift_u16(src_p->crank_why, 0u, 0xffu);
+    dst_p[6] |= pack_right_shift_u16(src_p->crank_why, 8u, 0xffu);
+    dst_p[7] |= pack_left_shift_u8(src_p->cylinder_health, 0u, 0xffu);
+    dst_p[8] |= pack_left_shift_u16(src_p->cylinder_why, 0u, 0xffu);
+    dst_p[9] |= pack_right_shift_u16(src_p->cylinder_why, 8u, 0xffu);
     memcpy(&cycle_speed, &src_p->cycle_speed, sizeof(cycle_speed));
-    dst_p[8] |= pack_left_shift_u32(cycle_speed, 0u, 0xffu);
-    dst_p[9] |= pack_right_shift_u32(cycle_speed, 8u, 0xffu);
-    dst_p[10] |= pack_right_shift_u32(cycle_speed, 16u, 0xffu);
-    dst_p[11] |= pack_right_shift_u32(cycle_speed, 24u, 0xffu);
+    dst_p[10] |= pack_left_shift_u32(cycle_speed, 0u, 0xffu);
+    dst_p[11] |= pack_right_shift_u32(cycle_speed, 8u, 0xffu);
+    dst_p[12] |= pack_right_shift_u32(cycle_speed, 16u, 0xffu);
+    dst_p[13] |= pack_right_shift_u32(cycle_speed, 24u, 0xffu);
     memcpy(&cycle_cylinder_torque_1, &src_p->cycle_cylinder_torque_1, sizeof(cycle_cylinder_torque_1));
-    dst_p[12] |= pack_left_shift_u32(cycle_cylinder_torque_1, 0u, 0xffu);
-    dst_p[13] |= pack_right_shift_u32(cycle_cylinder_torque_1, 8u, 0xffu);
-    dst_p[14] |= pack_right_shift_u32(cycle_cylinder_torque_1, 16u, 0xffu);
-    dst_p[15] |= pack_right_shift_u32(cycle_cylinder_torque_1, 24u, 0xffu);
+    dst_p[14] |= pack_left_shift_u32(cycle_cylinder_torque_1, 0u, 0xffu);
+    dst_p[15] |= pack_right_shift_u32(cycle_cylinder_torque_1, 8u, 0xffu);
+    dst_p[16] |= pack_right_shift_u32(cycle_cylinder_torque_1, 16u, 0xffu);
+    dst_p[17] |= pack_right_shift_u32(cycle_cylinder_torque_1, 24u, 0xffu);
     memcpy(&cycle_cylinder_torque_2, &src_p->cycle_cylinder_torque_2, sizeof(cycle_cylinder_torque_2));
-    dst_p[16] |= pack_left_shift_u32(cycle_cylinder_torque_2, 0u, 0xffu);
-    dst_p[17] |= pack_right_shift_u32(cycle_cylinder_torque_2, 8u, 0xffu);
-    dst_p[18] |= pack_right_shift_u32(cycle_cylinder_torque_2, 16u, 0xffu);
-    dst_p[19] |= pack_right_shift_u32(cycle_cylinder_torque_2, 24u, 0xffu);
+    dst_p[18] |= pack_left_shift_u32(cycle_cylinder_torque_2, 0u, 0xffu);
+    dst_p[19] |= pack_right_shift_u32(cycle_cylinder_torque_2, 8u, 0xffu);
+    dst_p[20] |= pack_right_shift_u32(cycle_cylinder_torque_2, 16u, 0xffu);
+    dst_p[21] |= pack_right_shift_u32(cycle_cylinder_torque_2, 24u, 0xffu);
     memcpy(&cycle_cylinder_torque_3, &src_p->cycle_cylinder_torque_3, sizeof(cycle_cylinder_torque_3));
-    dst_p[20] |= pack_left_shift_u32(cycle_cylinder_torque_3, 0u, 0xffu);
-    dst_p[21] |= pack_right_shift_u32(cycle_cylinder_torque_3, 8u, 0xffu);
-    dst_p[22] |= pack_right_shift_u32(cycle_cylinder_torque_3, 16u, 0xffu);
-    dst_p[23] |= pack_right_shift_u32(cycle_cylinder_torque_3, 24u, 0xffu);
+    dst_p[22] |= pack_left_shift_u32(cycle_cylinder_torque_3, 0u, 0xffu);
+    dst_p[23] |= pack_right_shift_u32(cycle_cylinder_torque_3, 8u, 0xffu);
+    dst_p[24] |= pack_right_shift_u32(cycle_cylinder_torque_3, 16u, 0xffu);
+    dst_p[25] |= pack_right_shift_u32(cycle_cylinder_torque_3, 24u, 0xffu);
     memcpy(&cycle_cylinder_torque_4, &src_p->cycle_cylinder_torque_4, sizeof(cycle_cylinder_torque_4));
-    dst_p[24] |= pack_left_shift_u32(cycle_cylinder_torque_4, 0u, 0xffu);
-    dst_p[25] |= pack_right_shift_u32(cycle_cylinder_torque_4, 8u, 0xffu);
-    dst_p[26] |= pack_right_shift_u32(cycle_cylinder_torque_4, 16u, 0xffu);
-    dst_p[27] |= pack_right_shift_u32(cycle_cylinder_torque_4, 24u, 0xffu);
+    dst_p[26] |= pack_left_shift_u32(cycle_cylinder_torque_4, 0u, 0xffu);
+    dst_p[27] |= pack_right_shift_u32(cycle_cylinder_torque_4, 8u, 0xffu);
+    dst_p[28] |= pack_right_shift_u32(cycle_cylinder_torque_4, 16u, 0xffu);
+    dst_p[29] |= pack_right_shift_u32(cycle_cylinder_torque_4, 24u, 0xffu);
     memcpy(&cycle_cylinder_torque_5, &src_p->cycle_cylinder_torque_5, sizeof(cycle_cylinder_torque_5));
-    dst_p[28] |= pack_left_shift_u32(cycle_cylinder_torque_5, 0u, 0xffu);
-    dst_p[29] |= pack_right_shift_u32(cycle_cylinder_torque_5, 8u, 0xffu);
-    dst_p[30] |= pack_right_shift_u32(cycle_cylinder_torque_5, 16u, 0xffu);
-    dst_p[31] |= pack_right_shift_u32(cycle_cylinder_torque_5, 24u, 0xffu);
+    dst_p[30] |= pack_left_shift_u32(cycle_cylinder_torque_5, 0u, 0xffu);
+    dst_p[31] |= pack_right_shift_u32(cycle_cylinder_torque_5, 8u, 0xffu);
+    dst_p[32] |= pack_right_shift_u32(cycle_cylinder_torque_5, 16u, 0xffu);
+    dst_p[33] |= pack_right_shift_u32(cycle_cylinder_torque_5, 24u, 0xffu);
     memcpy(&cycle_cylinder_torque_6, &src_p->cycle_cylinder_torque_6, sizeof(cycle_cylinder_torque_6));
-    dst_p[32] |= pack_left_shift_u32(cycle_cylinder_torque_6, 0u, 0xffu);
-    dst_p[33] |= pack_right_shift_u32(cycle_cylinder_torque_6, 8u, 0xffu);
-    dst_p[34] |= pack_right_shift_u32(cycle_cylinder_torque_6, 16u, 0xffu);
-    dst_p[35] |= pack_right_shift_u32(cycle_cylinder_torque_6, 24u, 0xffu);
+    dst_p[34] |= pack_left_shift_u32(cycle_cylinder_torque_6, 0u, 0xffu);
+    dst_p[35] |= pack_right_shift_u32(cycle_cylinder_torque_6, 8u, 0xffu);
+    dst_p[36] |= pack_right_shift_u32(cycle_cylinder_torque_6, 16u, 0xffu);
+    dst_p[37] |= pack_right_shift_u32(cycle_cylinder_torque_6, 24u, 0xffu);
     memcpy(&cycle_cylinder_torque_7, &src_p->cycle_cylinder_torque_7, sizeof(cycle_cylinder_torque_7));
-    dst_p[36] |= pack_left_shift_u32(cycle_cylinder_torque_7, 0u, 0xffu);
-    dst_p[37] |= pack_right_shift_u32(cycle_cylinder_torque_7, 8u, 0xffu);
-    dst_p[38] |= pack_right_shift_u32(cycle_cylinder_torque_7, 16u, 0xffu);
-    dst_p[39] |= pack_right_shift_u32(cycle_cylinder_torque_7, 24u, 0xffu);
+    dst_p[38] |= pack_left_shift_u32(cycle_cylinder_torque_7, 0u, 0xffu);
+    dst_p[39] |= pack_right_shift_u32(cycle_cylinder_torque_7, 8u, 0xffu);
+    dst_p[40] |= pack_right_shift_u32(cycle_cylinder_torque_7, 16u, 0xffu);
+    dst_p[41] |= pack_right_shift_u32(cycle_cylinder_torque_7, 24u, 0xffu);
     memcpy(&cycle_cylinder_torque_8, &src_p->cycle_cylinder_torque_8, sizeof(cycle_cylinder_torque_8));
-    dst_p[40] |= pack_left_shift_u32(cycle_cylinder_torque_8, 0u, 0xffu);
-    dst_p[41] |= pack_right_shift_u32(cycle_cylinder_torque_8, 8u, 0xffu);
-    dst_p[42] |= pack_right_shift_u32(cycle_cylinder_torque_8, 16u, 0xffu);
-    dst_p[43] |= pack_right_shift_u32(cycle_cylinder_torque_8, 24u, 0xffu);
+    dst_p[42] |= pack_left_shift_u32(cycle_cylinder_torque_8, 0u, 0xffu);
+    dst_p[43] |= pack_right_shift_u32(cycle_cylinder_torque_8, 8u, 0xffu);
+    dst_p[44] |= pack_right_shift_u32(cycle_cylinder_torque_8, 16u, 0xffu);
+    dst_p[45] |= pack_right_shift_u32(cycle_cylinder_torque_8, 24u, 0xffu);
     memcpy(&cycle_cylinder_sd_1, &src_p->cycle_cylinder_sd_1, sizeof(cycle_cylinder_sd_1));
-    dst_p[44] |= pack_left_shift_u32(cycle_cylinder_sd_1, 0u, 0xffu);
-    dst_p[45] |= pack_right_shift_u32(cycle_cylinder_sd_1, 8u, 0xffu);
-    dst_p[46] |= pack_right_shift_u32(cycle_cylinder_sd_1, 16u, 0xffu);
-    dst_p[47] |= pack_right_shift_u32(cycle_cylinder_sd_1, 24u, 0xffu);
+    dst_p[46] |= pack_left_shift_u32(cycle_cylinder_sd_1, 0u, 0xffu);
+    dst_p[47] |= pack_right_shift_u32(cycle_cylinder_sd_1, 8u, 0xffu);
+    dst_p[48] |= pack_right_shift_u32(cycle_cylinder_sd_1, 16u, 0xffu);
+    dst_p[49] |= pack_right_shift_u32(cycle_cylinder_sd_1, 24u, 0xffu);
     memcpy(&cycle_cylinder_sd_2, &src_p->cycle_cylinder_sd_2, sizeof(cycle_cylinder_sd_2));
-    dst_p[48] |= pack_left_shift_u32(cycle_cylinder_sd_2, 0u, 0xffu);
-    dst_p[49] |= pack_right_shift_u32(cycle_cylinder_sd_2, 8u, 0xffu);
-    dst_p[50] |= pack_right_shift_u32(cycle_cylinder_sd_2, 16u, 0xffu);
-    dst_p[51] |= pack_right_shift_u32(cycle_cylinder_sd_2, 24u, 0xffu);
+    dst_p[50] |= pack_left_shift_u32(cycle_cylinder_sd_2, 0u, 0xffu);
+    dst_p[51] |= pack_right_shift_u32(cycle_cylinder_sd_2, 8u, 0xffu);
+    dst_p[52] |= pack_right_shift_u32(cycle_cylinder_sd_2, 16u, 0xffu);
+    dst_p[53] |= pack_right_shift_u32(cycle_cylinder_sd_2, 24u, 0xffu);
     memcpy(&cycle_cylinder_sd_3, &src_p->cycle_cylinder_sd_3, sizeof(cycle_cylinder_sd_3));
-    dst_p[52] |= pack_left_shift_u32(cycle_cylinder_sd_3, 0u, 0xffu);
-    dst_p[53] |= pack_right_shift_u32(cycle_cylinder_sd_3, 8u, 0xffu);
-    dst_p[54] |= pack_right_shift_u32(cycle_cylinder_sd_3, 16u, 0xffu);
-    dst_p[55] |= pack_right_shift_u32(cycle_cylinder_sd_3, 24u, 0xffu);
+    dst_p[54] |= pack_left_shift_u32(cycle_cylinder_sd_3, 0u, 0xffu);
+    dst_p[55] |= pack_right_shift_u32(cycle_cylinder_sd_3, 8u, 0xffu);
+    dst_p[56] |= pack_right_shift_u32(cycle_cylinder_sd_3, 16u, 0xffu);
+    dst_p[57] |= pack_right_shift_u32(cycle_cylinder_sd_3, 24u, 0xffu);
     memcpy(&cycle_cylinder_sd_4, &src_p->cycle_cylinder_sd_4, sizeof(cycle_cylinder_sd_4));
-    dst_p[56] |= pack_left_shift_u32(cycle_cylinder_sd_4, 0u, 0xffu);
-    dst_p[57] |= pack_right_shift_u32(cycle_cylinder_sd_4, 8u, 0xffu);
-    dst_p[58] |= pack_right_shift_u32(cycle_cylinder_sd_4, 16u, 0xffu);
-    dst_p[59] |= pack_right_shift_u32(cycle_cylinder_sd_4, 24u, 0xffu);
-    memcpy(&cycle_cylinder_sd_5, &src_p->cycle_cylinder_sd_5, sizeof(cycle_cylinder_sd_5));
-    dst_p[60] |= pack_left_shift_u32(cycle_cylinder_sd_5, 0u, 0xffu);
-    dst_p[61] |= pack_right_shift_u32(cycle_cylinder_sd_5, 8u, 0xffu);
-    dst_p[62] |= pack_right_shift_u32(cycle_cylinder_sd_5, 16u, 0xffu);
-    dst_p[63] |= pack_right_shift_u32(cycle_cylinder_sd_5, 24u, 0xffu);
+    dst_p[58] |= pack_left_shift_u32(cycle_cylinder_sd_4, 0u, 0xffu);
+    dst_p[59] |= pack_right_shift_u32(cycle_cylinder_sd_4, 8u, 0xffu);
+    dst_p[60] |= pack_right_shift_u32(cycle_cylinder_sd_4, 16u, 0xffu);
+    dst_p[61] |= pack_right_shift_u32(cycle_cylinder_sd_4, 24u, 0xffu);
 
     return (64);
 }
@@ -2150,7 +2152,6 @@ int sd_bus_cycle_1_unpack(
     uint32_t cycle_cylinder_sd_2;
     uint32_t cycle_cylinder_sd_3;
     uint32_t cycle_cylinder_sd_4;
-    uint32_t cycle_cylinder_sd_5;
     uint32_t cycle_cylinder_torque_1;
     uint32_t cycle_cylinder_torque_2;
     uint32_t cycle_cylinder_torque_3;
@@ -2170,79 +2171,76 @@ int sd_bus_cycle_1_unpack(
     dst_p->tick |= unpack_left_shift_u32(src_p[2], 16u, 0xffu);
     dst_p->tick |= unpack_left_shift_u32(src_p[3], 24u, 0xffu);
     dst_p->crank_health = unpack_right_shift_u8(src_p[4], 0u, 0xffu);
-    dst_p->crank_why = unpack_right_shift_u8(src_p[5], 0u, 0xffu);
-    dst_p->cylinder_health = unpack_right_shift_u8(src_p[6], 0u, 0xffu);
-    dst_p->cylinder_why = unpack_right_shift_u8(src_p[7], 0u, 0xffu);
-    cycle_speed = unpack_right_shift_u32(src_p[8], 0u, 0xffu);
-    cycle_speed |= unpack_left_shift_u32(src_p[9], 8u, 0xffu);
-    cycle_speed |= unpack_left_shift_u32(src_p[10], 16u, 0xffu);
-    cycle_speed |= unpack_left_shift_u32(src_p[11], 24u, 0xffu);
+    dst_p->crank_why = unpack_right_shift_u16(src_p[5], 0u, 0xffu);
+    dst_p->crank_why |= unpack_left_shift_u16(src_p[6], 8u, 0xffu);
+    dst_p->cylinder_health = unpack_right_shift_u8(src_p[7], 0u, 0xffu);
+    dst_p->cylinder_why = unpack_right_shift_u16(src_p[8], 0u, 0xffu);
+    dst_p->cylinder_why |= unpack_left_shift_u16(src_p[9], 8u, 0xffu);
+    cycle_speed = unpack_right_shift_u32(src_p[10], 0u, 0xffu);
+    cycle_speed |= unpack_left_shift_u32(src_p[11], 8u, 0xffu);
+    cycle_speed |= unpack_left_shift_u32(src_p[12], 16u, 0xffu);
+    cycle_speed |= unpack_left_shift_u32(src_p[13], 24u, 0xffu);
     memcpy(&dst_p->cycle_speed, &cycle_speed, sizeof(dst_p->cycle_speed));
-    cycle_cylinder_torque_1 = unpack_right_shift_u32(src_p[12], 0u, 0xffu);
-    cycle_cylinder_torque_1 |= unpack_left_shift_u32(src_p[13], 8u, 0xffu);
-    cycle_cylinder_torque_1 |= unpack_left_shift_u32(src_p[14], 16u, 0xffu);
-    cycle_cylinder_torque_1 |= unpack_left_shift_u32(src_p[15], 24u, 0xffu);
+    cycle_cylinder_torque_1 = unpack_right_shift_u32(src_p[14], 0u, 0xffu);
+    cycle_cylinder_torque_1 |= unpack_left_shift_u32(src_p[15], 8u, 0xffu);
+    cycle_cylinder_torque_1 |= unpack_left_shift_u32(src_p[16], 16u, 0xffu);
+    cycle_cylinder_torque_1 |= unpack_left_shift_u32(src_p[17], 24u, 0xffu);
     memcpy(&dst_p->cycle_cylinder_torque_1, &cycle_cylinder_torque_1, sizeof(dst_p->cycle_cylinder_torque_1));
-    cycle_cylinder_torque_2 = unpack_right_shift_u32(src_p[16], 0u, 0xffu);
-    cycle_cylinder_torque_2 |= unpack_left_shift_u32(src_p[17], 8u, 0xffu);
-    cycle_cylinder_torque_2 |= unpack_left_shift_u32(src_p[18], 16u, 0xffu);
-    cycle_cylinder_torque_2 |= unpack_left_shift_u32(src_p[19], 24u, 0xffu);
+    cycle_cylinder_torque_2 = unpack_right_shift_u32(src_p[18], 0u, 0xffu);
+    cycle_cylinder_torque_2 |= unpack_left_shift_u32(src_p[19], 8u, 0xffu);
+    cycle_cylinder_torque_2 |= unpack_left_shift_u32(src_p[20], 16u, 0xffu);
+    cycle_cylinder_torque_2 |= unpack_left_shift_u32(src_p[21], 24u, 0xffu);
     memcpy(&dst_p->cycle_cylinder_torque_2, &cycle_cylinder_torque_2, sizeof(dst_p->cycle_cylinder_torque_2));
-    cycle_cylinder_torque_3 = unpack_right_shift_u32(src_p[20], 0u, 0xffu);
-    cycle_cylinder_torque_3 |= unpack_left_shift_u32(src_p[21], 8u, 0xffu);
-    cycle_cylinder_torque_3 |= unpack_left_shift_u32(src_p[22], 16u, 0xffu);
-    cycle_cylinder_torque_3 |= unpack_left_shift_u32(src_p[23], 24u, 0xffu);
+    cycle_cylinder_torque_3 = unpack_right_shift_u32(src_p[22], 0u, 0xffu);
+    cycle_cylinder_torque_3 |= unpack_left_shift_u32(src_p[23], 8u, 0xffu);
+    cycle_cylinder_torque_3 |= unpack_left_shift_u32(src_p[24], 16u, 0xffu);
+    cycle_cylinder_torque_3 |= unpack_left_shift_u32(src_p[25], 24u, 0xffu);
     memcpy(&dst_p->cycle_cylinder_torque_3, &cycle_cylinder_torque_3, sizeof(dst_p->cycle_cylinder_torque_3));
-    cycle_cylinder_torque_4 = unpack_right_shift_u32(src_p[24], 0u, 0xffu);
-    cycle_cylinder_torque_4 |= unpack_left_shift_u32(src_p[25], 8u, 0xffu);
-    cycle_cylinder_torque_4 |= unpack_left_shift_u32(src_p[26], 16u, 0xffu);
-    cycle_cylinder_torque_4 |= unpack_left_shift_u32(src_p[27], 24u, 0xffu);
+    cycle_cylinder_torque_4 = unpack_right_shift_u32(src_p[26], 0u, 0xffu);
+    cycle_cylinder_torque_4 |= unpack_left_shift_u32(src_p[27], 8u, 0xffu);
+    cycle_cylinder_torque_4 |= unpack_left_shift_u32(src_p[28], 16u, 0xffu);
+    cycle_cylinder_torque_4 |= unpack_left_shift_u32(src_p[29], 24u, 0xffu);
     memcpy(&dst_p->cycle_cylinder_torque_4, &cycle_cylinder_torque_4, sizeof(dst_p->cycle_cylinder_torque_4));
-    cycle_cylinder_torque_5 = unpack_right_shift_u32(src_p[28], 0u, 0xffu);
-    cycle_cylinder_torque_5 |= unpack_left_shift_u32(src_p[29], 8u, 0xffu);
-    cycle_cylinder_torque_5 |= unpack_left_shift_u32(src_p[30], 16u, 0xffu);
-    cycle_cylinder_torque_5 |= unpack_left_shift_u32(src_p[31], 24u, 0xffu);
+    cycle_cylinder_torque_5 = unpack_right_shift_u32(src_p[30], 0u, 0xffu);
+    cycle_cylinder_torque_5 |= unpack_left_shift_u32(src_p[31], 8u, 0xffu);
+    cycle_cylinder_torque_5 |= unpack_left_shift_u32(src_p[32], 16u, 0xffu);
+    cycle_cylinder_torque_5 |= unpack_left_shift_u32(src_p[33], 24u, 0xffu);
     memcpy(&dst_p->cycle_cylinder_torque_5, &cycle_cylinder_torque_5, sizeof(dst_p->cycle_cylinder_torque_5));
-    cycle_cylinder_torque_6 = unpack_right_shift_u32(src_p[32], 0u, 0xffu);
-    cycle_cylinder_torque_6 |= unpack_left_shift_u32(src_p[33], 8u, 0xffu);
-    cycle_cylinder_torque_6 |= unpack_left_shift_u32(src_p[34], 16u, 0xffu);
-    cycle_cylinder_torque_6 |= unpack_left_shift_u32(src_p[35], 24u, 0xffu);
+    cycle_cylinder_torque_6 = unpack_right_shift_u32(src_p[34], 0u, 0xffu);
+    cycle_cylinder_torque_6 |= unpack_left_shift_u32(src_p[35], 8u, 0xffu);
+    cycle_cylinder_torque_6 |= unpack_left_shift_u32(src_p[36], 16u, 0xffu);
+    cycle_cylinder_torque_6 |= unpack_left_shift_u32(src_p[37], 24u, 0xffu);
     memcpy(&dst_p->cycle_cylinder_torque_6, &cycle_cylinder_torque_6, sizeof(dst_p->cycle_cylinder_torque_6));
-    cycle_cylinder_torque_7 = unpack_right_shift_u32(src_p[36], 0u, 0xffu);
-    cycle_cylinder_torque_7 |= unpack_left_shift_u32(src_p[37], 8u, 0xffu);
-    cycle_cylinder_torque_7 |= unpack_left_shift_u32(src_p[38], 16u, 0xffu);
-    cycle_cylinder_torque_7 |= unpack_left_shift_u32(src_p[39], 24u, 0xffu);
+    cycle_cylinder_torque_7 = unpack_right_shift_u32(src_p[38], 0u, 0xffu);
+    cycle_cylinder_torque_7 |= unpack_left_shift_u32(src_p[39], 8u, 0xffu);
+    cycle_cylinder_torque_7 |= unpack_left_shift_u32(src_p[40], 16u, 0xffu);
+    cycle_cylinder_torque_7 |= unpack_left_shift_u32(src_p[41], 24u, 0xffu);
     memcpy(&dst_p->cycle_cylinder_torque_7, &cycle_cylinder_torque_7, sizeof(dst_p->cycle_cylinder_torque_7));
-    cycle_cylinder_torque_8 = unpack_right_shift_u32(src_p[40], 0u, 0xffu);
-    cycle_cylinder_torque_8 |= unpack_left_shift_u32(src_p[41], 8u, 0xffu);
-    cycle_cylinder_torque_8 |= unpack_left_shift_u32(src_p[42], 16u, 0xffu);
-    cycle_cylinder_torque_8 |= unpack_left_shift_u32(src_p[43], 24u, 0xffu);
+    cycle_cylinder_torque_8 = unpack_right_shift_u32(src_p[42], 0u, 0xffu);
+    cycle_cylinder_torque_8 |= unpack_left_shift_u32(src_p[43], 8u, 0xffu);
+    cycle_cylinder_torque_8 |= unpack_left_shift_u32(src_p[44], 16u, 0xffu);
+    cycle_cylinder_torque_8 |= unpack_left_shift_u32(src_p[45], 24u, 0xffu);
     memcpy(&dst_p->cycle_cylinder_torque_8, &cycle_cylinder_torque_8, sizeof(dst_p->cycle_cylinder_torque_8));
-    cycle_cylinder_sd_1 = unpack_right_shift_u32(src_p[44], 0u, 0xffu);
-    cycle_cylinder_sd_1 |= unpack_left_shift_u32(src_p[45], 8u, 0xffu);
-    cycle_cylinder_sd_1 |= unpack_left_shift_u32(src_p[46], 16u, 0xffu);
-    cycle_cylinder_sd_1 |= unpack_left_shift_u32(src_p[47], 24u, 0xffu);
+    cycle_cylinder_sd_1 = unpack_right_shift_u32(src_p[46], 0u, 0xffu);
+    cycle_cylinder_sd_1 |= unpack_left_shift_u32(src_p[47], 8u, 0xffu);
+    cycle_cylinder_sd_1 |= unpack_left_shift_u32(src_p[48], 16u, 0xffu);
+    cycle_cylinder_sd_1 |= unpack_left_shift_u32(src_p[49], 24u, 0xffu);
     memcpy(&dst_p->cycle_cylinder_sd_1, &cycle_cylinder_sd_1, sizeof(dst_p->cycle_cylinder_sd_1));
-    cycle_cylinder_sd_2 = unpack_right_shift_u32(src_p[48], 0u, 0xffu);
-    cycle_cylinder_sd_2 |= unpack_left_shift_u32(src_p[49], 8u, 0xffu);
-    cycle_cylinder_sd_2 |= unpack_left_shift_u32(src_p[50], 16u, 0xffu);
-    cycle_cylinder_sd_2 |= unpack_left_shift_u32(src_p[51], 24u, 0xffu);
+    cycle_cylinder_sd_2 = unpack_right_shift_u32(src_p[50], 0u, 0xffu);
+    cycle_cylinder_sd_2 |= unpack_left_shift_u32(src_p[51], 8u, 0xffu);
+    cycle_cylinder_sd_2 |= unpack_left_shift_u32(src_p[52], 16u, 0xffu);
+    cycle_cylinder_sd_2 |= unpack_left_shift_u32(src_p[53], 24u, 0xffu);
     memcpy(&dst_p->cycle_cylinder_sd_2, &cycle_cylinder_sd_2, sizeof(dst_p->cycle_cylinder_sd_2));
-    cycle_cylinder_sd_3 = unpack_right_shift_u32(src_p[52], 0u, 0xffu);
-    cycle_cylinder_sd_3 |= unpack_left_shift_u32(src_p[53], 8u, 0xffu);
-    cycle_cylinder_sd_3 |= unpack_left_shift_u32(src_p[54], 16u, 0xffu);
-    cycle_cylinder_sd_3 |= unpack_left_shift_u32(src_p[55], 24u, 0xffu);
+    cycle_cylinder_sd_3 = unpack_right_shift_u32(src_p[54], 0u, 0xffu);
+    cycle_cylinder_sd_3 |= unpack_left_shift_u32(src_p[55], 8u, 0xffu);
+    cycle_cylinder_sd_3 |= unpack_left_shift_u32(src_p[56], 16u, 0xffu);
+    cycle_cylinder_sd_3 |= unpack_left_shift_u32(src_p[57], 24u, 0xffu);
     memcpy(&dst_p->cycle_cylinder_sd_3, &cycle_cylinder_sd_3, sizeof(dst_p->cycle_cylinder_sd_3));
-    cycle_cylinder_sd_4 = unpack_right_shift_u32(src_p[56], 0u, 0xffu);
-    cycle_cylinder_sd_4 |= unpack_left_shift_u32(src_p[57], 8u, 0xffu);
-    cycle_cylinder_sd_4 |= unpack_left_shift_u32(src_p[58], 16u, 0xffu);
-    cycle_cylinder_sd_4 |= unpack_left_shift_u32(src_p[59], 24u, 0xffu);
+    cycle_cylinder_sd_4 = unpack_right_shift_u32(src_p[58], 0u, 0xffu);
+    cycle_cylinder_sd_4 |= unpack_left_shift_u32(src_p[59], 8u, 0xffu);
+    cycle_cylinder_sd_4 |= unpack_left_shift_u32(src_p[60], 16u, 0xffu);
+    cycle_cylinder_sd_4 |= unpack_left_shift_u32(src_p[61], 24u, 0xffu);
     memcpy(&dst_p->cycle_cylinder_sd_4, &cycle_cylinder_sd_4, sizeof(dst_p->cycle_cylinder_sd_4));
-    cycle_cylinder_sd_5 = unpack_right_shift_u32(src_p[60], 0u, 0xffu);
-    cycle_cylinder_sd_5 |= unpack_left_shift_u32(src_p[61], 8u, 0xffu);
-    cycle_cylinder_sd_5 |= unpack_left_shift_u32(src_p[62], 16u, 0xffu);
-    cycle_cylinder_sd_5 |= unpack_left_shift_u32(src_p[63], 24u, 0xffu);
-    memcpy(&dst_p->cycle_cylinder_sd_5, &cycle_cylinder_sd_5, sizeof(dst_p->cycle_cylinder_sd_5));
 
     return (0);
 }
@@ -2298,17 +2296,17 @@ bool sd_bus_cycle_1_crank_health_is_in_phys_range(double value)
     return ((value >= 0.0) && (value <= 2.0));
 }
 
-uint8_t sd_bus_cycle_1_crank_why_encode(double value)
+uint16_t sd_bus_cycle_1_crank_why_encode(double value)
 {
-    return (uint8_t)(cantools_unsigned_from_double(round(value)));
+    return (uint16_t)(cantools_unsigned_from_double(round(value)));
 }
 
-double sd_bus_cycle_1_crank_why_decode(uint8_t value)
+double sd_bus_cycle_1_crank_why_decode(uint16_t value)
 {
     return ((double)value);
 }
 
-bool sd_bus_cycle_1_crank_why_is_in_range(uint8_t value)
+bool sd_bus_cycle_1_crank_why_is_in_range(uint16_t value)
 {
     (void)value;
 
@@ -2317,7 +2315,7 @@ bool sd_bus_cycle_1_crank_why_is_in_range(uint8_t value)
 
 bool sd_bus_cycle_1_crank_why_is_in_phys_range(double value)
 {
-    return ((value >= 0.0) && (value <= 255.0));
+    return ((value >= 0.0) && (value <= 65535.0));
 }
 
 uint8_t sd_bus_cycle_1_cylinder_health_encode(double value)
@@ -2340,17 +2338,17 @@ bool sd_bus_cycle_1_cylinder_health_is_in_phys_range(double value)
     return ((value >= 0.0) && (value <= 2.0));
 }
 
-uint8_t sd_bus_cycle_1_cylinder_why_encode(double value)
+uint16_t sd_bus_cycle_1_cylinder_why_encode(double value)
 {
-    return (uint8_t)(cantools_unsigned_from_double(round(value)));
+    return (uint16_t)(cantools_unsigned_from_double(round(value)));
 }
 
-double sd_bus_cycle_1_cylinder_why_decode(uint8_t value)
+double sd_bus_cycle_1_cylinder_why_decode(uint16_t value)
 {
     return ((double)value);
 }
 
-bool sd_bus_cycle_1_cylinder_why_is_in_range(uint8_t value)
+bool sd_bus_cycle_1_cylinder_why_is_in_range(uint16_t value)
 {
     (void)value;
 
@@ -2359,7 +2357,7 @@ bool sd_bus_cycle_1_cylinder_why_is_in_range(uint8_t value)
 
 bool sd_bus_cycle_1_cylinder_why_is_in_phys_range(double value)
 {
-    return ((value >= 0.0) && (value <= 255.0));
+    return ((value >= 0.0) && (value <= 65535.0));
 }
 
 float sd_bus_cycle_1_cycle_speed_encode(double value)
@@ -2622,26 +2620,6 @@ bool sd_bus_cycle_1_cycle_cylinder_sd_4_is_in_phys_range(double value)
     return ((value >= 0.0) && (value <= 20000.0));
 }
 
-float sd_bus_cycle_1_cycle_cylinder_sd_5_encode(double value)
-{
-    return (float)(value);
-}
-
-double sd_bus_cycle_1_cycle_cylinder_sd_5_decode(float value)
-{
-    return ((double)value);
-}
-
-bool sd_bus_cycle_1_cycle_cylinder_sd_5_is_in_range(float value)
-{
-    return ((value >= 0.0f) && (value <= 20000.0f));
-}
-
-bool sd_bus_cycle_1_cycle_cylinder_sd_5_is_in_phys_range(double value)
-{
-    return ((value >= 0.0) && (value <= 20000.0));
-}
-
 int sd_bus_cycle_2_pack(
     uint8_t *dst_p,
     const struct sd_bus_cycle_2_t *src_p,
@@ -2653,8 +2631,7 @@ int sd_bus_cycle_2_pack(
     uint32_t afr_cylinder_burned_4;
     uint32_t afr_cylinder_burned_5;
     uint32_t afr_cylinder_burned_6;
-    uint32_t afr_cylinder_burned_7;
-    uint32_t afr_cylinder_burned_8;
+    uint32_t cycle_cylinder_sd_5;
     uint32_t cycle_cylinder_sd_6;
     uint32_t cycle_cylinder_sd_7;
     uint32_t cycle_cylinder_sd_8;
@@ -2672,76 +2649,74 @@ int sd_bus_cycle_2_pack(
     dst_p[2] |= pack_right_shift_u32(src_p->tick, 16u, 0xffu);
     dst_p[3] |= pack_right_shift_u32(src_p->tick, 24u, 0xffu);
     dst_p[4] |= pack_left_shift_u8(src_p->cylinder_health, 0u, 0xffu);
-    dst_p[5] |= pack_left_shift_u8(src_p->cylinder_why, 0u, 0xffu);
-    dst_p[6] |= pack_left_shift_u8(src_p->crank_health, 0u, 0xffu);
-    dst_p[7] |= pack_left_shift_u8(src_p->crank_why, 0u, 0xffu);
-    dst_p[8] |= pack_left_shift_u8(src_p->afr_health, 0u, 0xffu);
-    dst_p[9] |= pack_left_shift_u8(src_p->afr_why, 0u, 0xffu);
+    dst_p[5] |= pack_left_shift_u16(src_p->cylinder_why, 0u, 0xffu);
+    dst_p[6] |= pack_right_shift_u16(src_p->cylinder_why, 8u, 0xffu);
+    dst_p[7] |= pack_left_shift_u8(src_p->crank_health, 0u, 0xffu);
+    dst_p[8] |= pack_left_shift_u16(src_p->crank_why, 0u, 0xffu);
+    dst_p[9] |= pack_right_shift_u16(src_p->crank_why, 8u, 0xffu);
+    dst_p[10] |= pack_left_shift_u8(src_p->afr_health, 0u, 0xffu);
+    dst_p[11] |= pack_left_shift_u16(src_p->afr_why, 0u, 0xffu);
+    dst_p[12] |= pack_right_shift_u16(src_p->afr_why, 8u, 0xffu);
+    memcpy(&cycle_cylinder_sd_5, &src_p->cycle_cylinder_sd_5, sizeof(cycle_cylinder_sd_5));
+    dst_p[13] |= pack_left_shift_u32(cycle_cylinder_sd_5, 0u, 0xffu);
+    dst_p[14] |= pack_right_shift_u32(cycle_cylinder_sd_5, 8u, 0xffu);
+    dst_p[15] |= pack_right_shift_u32(cycle_cylinder_sd_5, 16u, 0xffu);
+    dst_p[16] |= pack_right_shift_u32(cycle_cylinder_sd_5, 24u, 0xffu);
     memcpy(&cycle_cylinder_sd_6, &src_p->cycle_cylinder_sd_6, sizeof(cycle_cylinder_sd_6));
-    dst_p[10] |= pack_left_shift_u32(cycle_cylinder_sd_6, 0u, 0xffu);
-    dst_p[11] |= pack_right_shift_u32(cycle_cylinder_sd_6, 8u, 0xffu);
-    dst_p[12] |= pack_right_shift_u32(cycle_cylinder_sd_6, 16u, 0xffu);
-    dst_p[13] |= pack_right_shift_u32(cycle_cylinder_sd_6, 24u, 0xffu);
+    dst_p[17] |= pack_left_shift_u32(cycle_cylinder_sd_6, 0u, 0xffu);
+    dst_p[18] |= pack_right_shift_u32(cycle_cylinder_sd_6, 8u, 0xffu);
+    dst_p[19] |= pack_right_shift_u32(cycle_cylinder_sd_6, 16u, 0xffu);
+    dst_p[20] |= pack_right_shift_u32(cycle_cylinder_sd_6, 24u, 0xffu);
     memcpy(&cycle_cylinder_sd_7, &src_p->cycle_cylinder_sd_7, sizeof(cycle_cylinder_sd_7));
-    dst_p[14] |= pack_left_shift_u32(cycle_cylinder_sd_7, 0u, 0xffu);
-    dst_p[15] |= pack_right_shift_u32(cycle_cylinder_sd_7, 8u, 0xffu);
-    dst_p[16] |= pack_right_shift_u32(cycle_cylinder_sd_7, 16u, 0xffu);
-    dst_p[17] |= pack_right_shift_u32(cycle_cylinder_sd_7, 24u, 0xffu);
+    dst_p[21] |= pack_left_shift_u32(cycle_cylinder_sd_7, 0u, 0xffu);
+    dst_p[22] |= pack_right_shift_u32(cycle_cylinder_sd_7, 8u, 0xffu);
+    dst_p[23] |= pack_right_shift_u32(cycle_cylinder_sd_7, 16u, 0xffu);
+    dst_p[24] |= pack_right_shift_u32(cycle_cylinder_sd_7, 24u, 0xffu);
     memcpy(&cycle_cylinder_sd_8, &src_p->cycle_cylinder_sd_8, sizeof(cycle_cylinder_sd_8));
-    dst_p[18] |= pack_left_shift_u32(cycle_cylinder_sd_8, 0u, 0xffu);
-    dst_p[19] |= pack_right_shift_u32(cycle_cylinder_sd_8, 8u, 0xffu);
-    dst_p[20] |= pack_right_shift_u32(cycle_cylinder_sd_8, 16u, 0xffu);
-    dst_p[21] |= pack_right_shift_u32(cycle_cylinder_sd_8, 24u, 0xffu);
+    dst_p[25] |= pack_left_shift_u32(cycle_cylinder_sd_8, 0u, 0xffu);
+    dst_p[26] |= pack_right_shift_u32(cycle_cylinder_sd_8, 8u, 0xffu);
+    dst_p[27] |= pack_right_shift_u32(cycle_cylinder_sd_8, 16u, 0xffu);
+    dst_p[28] |= pack_right_shift_u32(cycle_cylinder_sd_8, 24u, 0xffu);
     memcpy(&wheel_pattern_sd, &src_p->wheel_pattern_sd, sizeof(wheel_pattern_sd));
-    dst_p[22] |= pack_left_shift_u32(wheel_pattern_sd, 0u, 0xffu);
-    dst_p[23] |= pack_right_shift_u32(wheel_pattern_sd, 8u, 0xffu);
-    dst_p[24] |= pack_right_shift_u32(wheel_pattern_sd, 16u, 0xffu);
-    dst_p[25] |= pack_right_shift_u32(wheel_pattern_sd, 24u, 0xffu);
+    dst_p[29] |= pack_left_shift_u32(wheel_pattern_sd, 0u, 0xffu);
+    dst_p[30] |= pack_right_shift_u32(wheel_pattern_sd, 8u, 0xffu);
+    dst_p[31] |= pack_right_shift_u32(wheel_pattern_sd, 16u, 0xffu);
+    dst_p[32] |= pack_right_shift_u32(wheel_pattern_sd, 24u, 0xffu);
     memcpy(&wheel_learned_cycles, &src_p->wheel_learned_cycles, sizeof(wheel_learned_cycles));
-    dst_p[26] |= pack_left_shift_u32(wheel_learned_cycles, 0u, 0xffu);
-    dst_p[27] |= pack_right_shift_u32(wheel_learned_cycles, 8u, 0xffu);
-    dst_p[28] |= pack_right_shift_u32(wheel_learned_cycles, 16u, 0xffu);
-    dst_p[29] |= pack_right_shift_u32(wheel_learned_cycles, 24u, 0xffu);
+    dst_p[33] |= pack_left_shift_u32(wheel_learned_cycles, 0u, 0xffu);
+    dst_p[34] |= pack_right_shift_u32(wheel_learned_cycles, 8u, 0xffu);
+    dst_p[35] |= pack_right_shift_u32(wheel_learned_cycles, 16u, 0xffu);
+    dst_p[36] |= pack_right_shift_u32(wheel_learned_cycles, 24u, 0xffu);
     memcpy(&afr_cylinder_burned_1, &src_p->afr_cylinder_burned_1, sizeof(afr_cylinder_burned_1));
-    dst_p[30] |= pack_left_shift_u32(afr_cylinder_burned_1, 0u, 0xffu);
-    dst_p[31] |= pack_right_shift_u32(afr_cylinder_burned_1, 8u, 0xffu);
-    dst_p[32] |= pack_right_shift_u32(afr_cylinder_burned_1, 16u, 0xffu);
-    dst_p[33] |= pack_right_shift_u32(afr_cylinder_burned_1, 24u, 0xffu);
+    dst_p[37] |= pack_left_shift_u32(afr_cylinder_burned_1, 0u, 0xffu);
+    dst_p[38] |= pack_right_shift_u32(afr_cylinder_burned_1, 8u, 0xffu);
+    dst_p[39] |= pack_right_shift_u32(afr_cylinder_burned_1, 16u, 0xffu);
+    dst_p[40] |= pack_right_shift_u32(afr_cylinder_burned_1, 24u, 0xffu);
     memcpy(&afr_cylinder_burned_2, &src_p->afr_cylinder_burned_2, sizeof(afr_cylinder_burned_2));
-    dst_p[34] |= pack_left_shift_u32(afr_cylinder_burned_2, 0u, 0xffu);
-    dst_p[35] |= pack_right_shift_u32(afr_cylinder_burned_2, 8u, 0xffu);
-    dst_p[36] |= pack_right_shift_u32(afr_cylinder_burned_2, 16u, 0xffu);
-    dst_p[37] |= pack_right_shift_u32(afr_cylinder_burned_2, 24u, 0xffu);
+    dst_p[41] |= pack_left_shift_u32(afr_cylinder_burned_2, 0u, 0xffu);
+    dst_p[42] |= pack_right_shift_u32(afr_cylinder_burned_2, 8u, 0xffu);
+    dst_p[43] |= pack_right_shift_u32(afr_cylinder_burned_2, 16u, 0xffu);
+    dst_p[44] |= pack_right_shift_u32(afr_cylinder_burned_2, 24u, 0xffu);
     memcpy(&afr_cylinder_burned_3, &src_p->afr_cylinder_burned_3, sizeof(afr_cylinder_burned_3));
-    dst_p[38] |= pack_left_shift_u32(afr_cylinder_burned_3, 0u, 0xffu);
-    dst_p[39] |= pack_right_shift_u32(afr_cylinder_burned_3, 8u, 0xffu);
-    dst_p[40] |= pack_right_shift_u32(afr_cylinder_burned_3, 16u, 0xffu);
-    dst_p[41] |= pack_right_shift_u32(afr_cylinder_burned_3, 24u, 0xffu);
+    dst_p[45] |= pack_left_shift_u32(afr_cylinder_burned_3, 0u, 0xffu);
+    dst_p[46] |= pack_right_shift_u32(afr_cylinder_burned_3, 8u, 0xffu);
+    dst_p[47] |= pack_right_shift_u32(afr_cylinder_burned_3, 16u, 0xffu);
+    dst_p[48] |= pack_right_shift_u32(afr_cylinder_burned_3, 24u, 0xffu);
     memcpy(&afr_cylinder_burned_4, &src_p->afr_cylinder_burned_4, sizeof(afr_cylinder_burned_4));
-    dst_p[42] |= pack_left_shift_u32(afr_cylinder_burned_4, 0u, 0xffu);
-    dst_p[43] |= pack_right_shift_u32(afr_cylinder_burned_4, 8u, 0xffu);
-    dst_p[44] |= pack_right_shift_u32(afr_cylinder_burned_4, 16u, 0xffu);
-    dst_p[45] |= pack_right_shift_u32(afr_cylinder_burned_4, 24u, 0xffu);
+    dst_p[49] |= pack_left_shift_u32(afr_cylinder_burned_4, 0u, 0xffu);
+    dst_p[50] |= pack_right_shift_u32(afr_cylinder_burned_4, 8u, 0xffu);
+    dst_p[51] |= pack_right_shift_u32(afr_cylinder_burned_4, 16u, 0xffu);
+    dst_p[52] |= pack_right_shift_u32(afr_cylinder_burned_4, 24u, 0xffu);
     memcpy(&afr_cylinder_burned_5, &src_p->afr_cylinder_burned_5, sizeof(afr_cylinder_burned_5));
-    dst_p[46] |= pack_left_shift_u32(afr_cylinder_burned_5, 0u, 0xffu);
-    dst_p[47] |= pack_right_shift_u32(afr_cylinder_burned_5, 8u, 0xffu);
-    dst_p[48] |= pack_right_shift_u32(afr_cylinder_burned_5, 16u, 0xffu);
-    dst_p[49] |= pack_right_shift_u32(afr_cylinder_burned_5, 24u, 0xffu);
+    dst_p[53] |= pack_left_shift_u32(afr_cylinder_burned_5, 0u, 0xffu);
+    dst_p[54] |= pack_right_shift_u32(afr_cylinder_burned_5, 8u, 0xffu);
+    dst_p[55] |= pack_right_shift_u32(afr_cylinder_burned_5, 16u, 0xffu);
+    dst_p[56] |= pack_right_shift_u32(afr_cylinder_burned_5, 24u, 0xffu);
     memcpy(&afr_cylinder_burned_6, &src_p->afr_cylinder_burned_6, sizeof(afr_cylinder_burned_6));
-    dst_p[50] |= pack_left_shift_u32(afr_cylinder_burned_6, 0u, 0xffu);
-    dst_p[51] |= pack_right_shift_u32(afr_cylinder_burned_6, 8u, 0xffu);
-    dst_p[52] |= pack_right_shift_u32(afr_cylinder_burned_6, 16u, 0xffu);
-    dst_p[53] |= pack_right_shift_u32(afr_cylinder_burned_6, 24u, 0xffu);
-    memcpy(&afr_cylinder_burned_7, &src_p->afr_cylinder_burned_7, sizeof(afr_cylinder_burned_7));
-    dst_p[54] |= pack_left_shift_u32(afr_cylinder_burned_7, 0u, 0xffu);
-    dst_p[55] |= pack_right_shift_u32(afr_cylinder_burned_7, 8u, 0xffu);
-    dst_p[56] |= pack_right_shift_u32(afr_cylinder_burned_7, 16u, 0xffu);
-    dst_p[57] |= pack_right_shift_u32(afr_cylinder_burned_7, 24u, 0xffu);
-    memcpy(&afr_cylinder_burned_8, &src_p->afr_cylinder_burned_8, sizeof(afr_cylinder_burned_8));
-    dst_p[58] |= pack_left_shift_u32(afr_cylinder_burned_8, 0u, 0xffu);
-    dst_p[59] |= pack_right_shift_u32(afr_cylinder_burned_8, 8u, 0xffu);
-    dst_p[60] |= pack_right_shift_u32(afr_cylinder_burned_8, 16u, 0xffu);
-    dst_p[61] |= pack_right_shift_u32(afr_cylinder_burned_8, 24u, 0xffu);
+    dst_p[57] |= pack_left_shift_u32(afr_cylinder_burned_6, 0u, 0xffu);
+    dst_p[58] |= pack_right_shift_u32(afr_cylinder_burned_6, 8u, 0xffu);
+    dst_p[59] |= pack_right_shift_u32(afr_cylinder_burned_6, 16u, 0xffu);
+    dst_p[60] |= pack_right_shift_u32(afr_cylinder_burned_6, 24u, 0xffu);
 
     return (64);
 }
@@ -2757,8 +2732,7 @@ int sd_bus_cycle_2_unpack(
     uint32_t afr_cylinder_burned_4;
     uint32_t afr_cylinder_burned_5;
     uint32_t afr_cylinder_burned_6;
-    uint32_t afr_cylinder_burned_7;
-    uint32_t afr_cylinder_burned_8;
+    uint32_t cycle_cylinder_sd_5;
     uint32_t cycle_cylinder_sd_6;
     uint32_t cycle_cylinder_sd_7;
     uint32_t cycle_cylinder_sd_8;
@@ -2774,76 +2748,74 @@ int sd_bus_cycle_2_unpack(
     dst_p->tick |= unpack_left_shift_u32(src_p[2], 16u, 0xffu);
     dst_p->tick |= unpack_left_shift_u32(src_p[3], 24u, 0xffu);
     dst_p->cylinder_health = unpack_right_shift_u8(src_p[4], 0u, 0xffu);
-    dst_p->cylinder_why = unpack_right_shift_u8(src_p[5], 0u, 0xffu);
-    dst_p->crank_health = unpack_right_shift_u8(src_p[6], 0u, 0xffu);
-    dst_p->crank_why = unpack_right_shift_u8(src_p[7], 0u, 0xffu);
-    dst_p->afr_health = unpack_right_shift_u8(src_p[8], 0u, 0xffu);
-    dst_p->afr_why = unpack_right_shift_u8(src_p[9], 0u, 0xffu);
-    cycle_cylinder_sd_6 = unpack_right_shift_u32(src_p[10], 0u, 0xffu);
-    cycle_cylinder_sd_6 |= unpack_left_shift_u32(src_p[11], 8u, 0xffu);
-    cycle_cylinder_sd_6 |= unpack_left_shift_u32(src_p[12], 16u, 0xffu);
-    cycle_cylinder_sd_6 |= unpack_left_shift_u32(src_p[13], 24u, 0xffu);
+    dst_p->cylinder_why = unpack_right_shift_u16(src_p[5], 0u, 0xffu);
+    dst_p->cylinder_why |= unpack_left_shift_u16(src_p[6], 8u, 0xffu);
+    dst_p->crank_health = unpack_right_shift_u8(src_p[7], 0u, 0xffu);
+    dst_p->crank_why = unpack_right_shift_u16(src_p[8], 0u, 0xffu);
+    dst_p->crank_why |= unpack_left_shift_u16(src_p[9], 8u, 0xffu);
+    dst_p->afr_health = unpack_right_shift_u8(src_p[10], 0u, 0xffu);
+    dst_p->afr_why = unpack_right_shift_u16(src_p[11], 0u, 0xffu);
+    dst_p->afr_why |= unpack_left_shift_u16(src_p[12], 8u, 0xffu);
+    cycle_cylinder_sd_5 = unpack_right_shift_u32(src_p[13], 0u, 0xffu);
+    cycle_cylinder_sd_5 |= unpack_left_shift_u32(src_p[14], 8u, 0xffu);
+    cycle_cylinder_sd_5 |= unpack_left_shift_u32(src_p[15], 16u, 0xffu);
+    cycle_cylinder_sd_5 |= unpack_left_shift_u32(src_p[16], 24u, 0xffu);
+    memcpy(&dst_p->cycle_cylinder_sd_5, &cycle_cylinder_sd_5, sizeof(dst_p->cycle_cylinder_sd_5));
+    cycle_cylinder_sd_6 = unpack_right_shift_u32(src_p[17], 0u, 0xffu);
+    cycle_cylinder_sd_6 |= unpack_left_shift_u32(src_p[18], 8u, 0xffu);
+    cycle_cylinder_sd_6 |= unpack_left_shift_u32(src_p[19], 16u, 0xffu);
+    cycle_cylinder_sd_6 |= unpack_left_shift_u32(src_p[20], 24u, 0xffu);
     memcpy(&dst_p->cycle_cylinder_sd_6, &cycle_cylinder_sd_6, sizeof(dst_p->cycle_cylinder_sd_6));
-    cycle_cylinder_sd_7 = unpack_right_shift_u32(src_p[14], 0u, 0xffu);
-    cycle_cylinder_sd_7 |= unpack_left_shift_u32(src_p[15], 8u, 0xffu);
-    cycle_cylinder_sd_7 |= unpack_left_shift_u32(src_p[16], 16u, 0xffu);
-    cycle_cylinder_sd_7 |= unpack_left_shift_u32(src_p[17], 24u, 0xffu);
+    cycle_cylinder_sd_7 = unpack_right_shift_u32(src_p[21], 0u, 0xffu);
+    cycle_cylinder_sd_7 |= unpack_left_shift_u32(src_p[22], 8u, 0xffu);
+    cycle_cylinder_sd_7 |= unpack_left_shift_u32(src_p[23], 16u, 0xffu);
+    cycle_cylinder_sd_7 |= unpack_left_shift_u32(src_p[24], 24u, 0xffu);
     memcpy(&dst_p->cycle_cylinder_sd_7, &cycle_cylinder_sd_7, sizeof(dst_p->cycle_cylinder_sd_7));
-    cycle_cylinder_sd_8 = unpack_right_shift_u32(src_p[18], 0u, 0xffu);
-    cycle_cylinder_sd_8 |= unpack_left_shift_u32(src_p[19], 8u, 0xffu);
-    cycle_cylinder_sd_8 |= unpack_left_shift_u32(src_p[20], 16u, 0xffu);
-    cycle_cylinder_sd_8 |= unpack_left_shift_u32(src_p[21], 24u, 0xffu);
+    cycle_cylinder_sd_8 = unpack_right_shift_u32(src_p[25], 0u, 0xffu);
+    cycle_cylinder_sd_8 |= unpack_left_shift_u32(src_p[26], 8u, 0xffu);
+    cycle_cylinder_sd_8 |= unpack_left_shift_u32(src_p[27], 16u, 0xffu);
+    cycle_cylinder_sd_8 |= unpack_left_shift_u32(src_p[28], 24u, 0xffu);
     memcpy(&dst_p->cycle_cylinder_sd_8, &cycle_cylinder_sd_8, sizeof(dst_p->cycle_cylinder_sd_8));
-    wheel_pattern_sd = unpack_right_shift_u32(src_p[22], 0u, 0xffu);
-    wheel_pattern_sd |= unpack_left_shift_u32(src_p[23], 8u, 0xffu);
-    wheel_pattern_sd |= unpack_left_shift_u32(src_p[24], 16u, 0xffu);
-    wheel_pattern_sd |= unpack_left_shift_u32(src_p[25], 24u, 0xffu);
+    wheel_pattern_sd = unpack_right_shift_u32(src_p[29], 0u, 0xffu);
+    wheel_pattern_sd |= unpack_left_shift_u32(src_p[30], 8u, 0xffu);
+    wheel_pattern_sd |= unpack_left_shift_u32(src_p[31], 16u, 0xffu);
+    wheel_pattern_sd |= unpack_left_shift_u32(src_p[32], 24u, 0xffu);
     memcpy(&dst_p->wheel_pattern_sd, &wheel_pattern_sd, sizeof(dst_p->wheel_pattern_sd));
-    wheel_learned_cycles = unpack_right_shift_u32(src_p[26], 0u, 0xffu);
-    wheel_learned_cycles |= unpack_left_shift_u32(src_p[27], 8u, 0xffu);
-    wheel_learned_cycles |= unpack_left_shift_u32(src_p[28], 16u, 0xffu);
-    wheel_learned_cycles |= unpack_left_shift_u32(src_p[29], 24u, 0xffu);
+    wheel_learned_cycles = unpack_right_shift_u32(src_p[33], 0u, 0xffu);
+    wheel_learned_cycles |= unpack_left_shift_u32(src_p[34], 8u, 0xffu);
+    wheel_learned_cycles |= unpack_left_shift_u32(src_p[35], 16u, 0xffu);
+    wheel_learned_cycles |= unpack_left_shift_u32(src_p[36], 24u, 0xffu);
     memcpy(&dst_p->wheel_learned_cycles, &wheel_learned_cycles, sizeof(dst_p->wheel_learned_cycles));
-    afr_cylinder_burned_1 = unpack_right_shift_u32(src_p[30], 0u, 0xffu);
-    afr_cylinder_burned_1 |= unpack_left_shift_u32(src_p[31], 8u, 0xffu);
-    afr_cylinder_burned_1 |= unpack_left_shift_u32(src_p[32], 16u, 0xffu);
-    afr_cylinder_burned_1 |= unpack_left_shift_u32(src_p[33], 24u, 0xffu);
+    afr_cylinder_burned_1 = unpack_right_shift_u32(src_p[37], 0u, 0xffu);
+    afr_cylinder_burned_1 |= unpack_left_shift_u32(src_p[38], 8u, 0xffu);
+    afr_cylinder_burned_1 |= unpack_left_shift_u32(src_p[39], 16u, 0xffu);
+    afr_cylinder_burned_1 |= unpack_left_shift_u32(src_p[40], 24u, 0xffu);
     memcpy(&dst_p->afr_cylinder_burned_1, &afr_cylinder_burned_1, sizeof(dst_p->afr_cylinder_burned_1));
-    afr_cylinder_burned_2 = unpack_right_shift_u32(src_p[34], 0u, 0xffu);
-    afr_cylinder_burned_2 |= unpack_left_shift_u32(src_p[35], 8u, 0xffu);
-    afr_cylinder_burned_2 |= unpack_left_shift_u32(src_p[36], 16u, 0xffu);
-    afr_cylinder_burned_2 |= unpack_left_shift_u32(src_p[37], 24u, 0xffu);
+    afr_cylinder_burned_2 = unpack_right_shift_u32(src_p[41], 0u, 0xffu);
+    afr_cylinder_burned_2 |= unpack_left_shift_u32(src_p[42], 8u, 0xffu);
+    afr_cylinder_burned_2 |= unpack_left_shift_u32(src_p[43], 16u, 0xffu);
+    afr_cylinder_burned_2 |= unpack_left_shift_u32(src_p[44], 24u, 0xffu);
     memcpy(&dst_p->afr_cylinder_burned_2, &afr_cylinder_burned_2, sizeof(dst_p->afr_cylinder_burned_2));
-    afr_cylinder_burned_3 = unpack_right_shift_u32(src_p[38], 0u, 0xffu);
-    afr_cylinder_burned_3 |= unpack_left_shift_u32(src_p[39], 8u, 0xffu);
-    afr_cylinder_burned_3 |= unpack_left_shift_u32(src_p[40], 16u, 0xffu);
-    afr_cylinder_burned_3 |= unpack_left_shift_u32(src_p[41], 24u, 0xffu);
+    afr_cylinder_burned_3 = unpack_right_shift_u32(src_p[45], 0u, 0xffu);
+    afr_cylinder_burned_3 |= unpack_left_shift_u32(src_p[46], 8u, 0xffu);
+    afr_cylinder_burned_3 |= unpack_left_shift_u32(src_p[47], 16u, 0xffu);
+    afr_cylinder_burned_3 |= unpack_left_shift_u32(src_p[48], 24u, 0xffu);
     memcpy(&dst_p->afr_cylinder_burned_3, &afr_cylinder_burned_3, sizeof(dst_p->afr_cylinder_burned_3));
-    afr_cylinder_burned_4 = unpack_right_shift_u32(src_p[42], 0u, 0xffu);
-    afr_cylinder_burned_4 |= unpack_left_shift_u32(src_p[43], 8u, 0xffu);
-    afr_cylinder_burned_4 |= unpack_left_shift_u32(src_p[44], 16u, 0xffu);
-    afr_cylinder_burned_4 |= unpack_left_shift_u32(src_p[45], 24u, 0xffu);
+    afr_cylinder_burned_4 = unpack_right_shift_u32(src_p[49], 0u, 0xffu);
+    afr_cylinder_burned_4 |= unpack_left_shift_u32(src_p[50], 8u, 0xffu);
+    afr_cylinder_burned_4 |= unpack_left_shift_u32(src_p[51], 16u, 0xffu);
+    afr_cylinder_burned_4 |= unpack_left_shift_u32(src_p[52], 24u, 0xffu);
     memcpy(&dst_p->afr_cylinder_burned_4, &afr_cylinder_burned_4, sizeof(dst_p->afr_cylinder_burned_4));
-    afr_cylinder_burned_5 = unpack_right_shift_u32(src_p[46], 0u, 0xffu);
-    afr_cylinder_burned_5 |= unpack_left_shift_u32(src_p[47], 8u, 0xffu);
-    afr_cylinder_burned_5 |= unpack_left_shift_u32(src_p[48], 16u, 0xffu);
-    afr_cylinder_burned_5 |= unpack_left_shift_u32(src_p[49], 24u, 0xffu);
+    afr_cylinder_burned_5 = unpack_right_shift_u32(src_p[53], 0u, 0xffu);
+    afr_cylinder_burned_5 |= unpack_left_shift_u32(src_p[54], 8u, 0xffu);
+    afr_cylinder_burned_5 |= unpack_left_shift_u32(src_p[55], 16u, 0xffu);
+    afr_cylinder_burned_5 |= unpack_left_shift_u32(src_p[56], 24u, 0xffu);
     memcpy(&dst_p->afr_cylinder_burned_5, &afr_cylinder_burned_5, sizeof(dst_p->afr_cylinder_burned_5));
-    afr_cylinder_burned_6 = unpack_right_shift_u32(src_p[50], 0u, 0xffu);
-    afr_cylinder_burned_6 |= unpack_left_shift_u32(src_p[51], 8u, 0xffu);
-    afr_cylinder_burned_6 |= unpack_left_shift_u32(src_p[52], 16u, 0xffu);
-    afr_cylinder_burned_6 |= unpack_left_shift_u32(src_p[53], 24u, 0xffu);
+    afr_cylinder_burned_6 = unpack_right_shift_u32(src_p[57], 0u, 0xffu);
+    afr_cylinder_burned_6 |= unpack_left_shift_u32(src_p[58], 8u, 0xffu);
+    afr_cylinder_burned_6 |= unpack_left_shift_u32(src_p[59], 16u, 0xffu);
+    afr_cylinder_burned_6 |= unpack_left_shift_u32(src_p[60], 24u, 0xffu);
     memcpy(&dst_p->afr_cylinder_burned_6, &afr_cylinder_burned_6, sizeof(dst_p->afr_cylinder_burned_6));
-    afr_cylinder_burned_7 = unpack_right_shift_u32(src_p[54], 0u, 0xffu);
-    afr_cylinder_burned_7 |= unpack_left_shift_u32(src_p[55], 8u, 0xffu);
-    afr_cylinder_burned_7 |= unpack_left_shift_u32(src_p[56], 16u, 0xffu);
-    afr_cylinder_burned_7 |= unpack_left_shift_u32(src_p[57], 24u, 0xffu);
-    memcpy(&dst_p->afr_cylinder_burned_7, &afr_cylinder_burned_7, sizeof(dst_p->afr_cylinder_burned_7));
-    afr_cylinder_burned_8 = unpack_right_shift_u32(src_p[58], 0u, 0xffu);
-    afr_cylinder_burned_8 |= unpack_left_shift_u32(src_p[59], 8u, 0xffu);
-    afr_cylinder_burned_8 |= unpack_left_shift_u32(src_p[60], 16u, 0xffu);
-    afr_cylinder_burned_8 |= unpack_left_shift_u32(src_p[61], 24u, 0xffu);
-    memcpy(&dst_p->afr_cylinder_burned_8, &afr_cylinder_burned_8, sizeof(dst_p->afr_cylinder_burned_8));
 
     return (0);
 }
@@ -2899,17 +2871,17 @@ bool sd_bus_cycle_2_cylinder_health_is_in_phys_range(double value)
     return ((value >= 0.0) && (value <= 2.0));
 }
 
-uint8_t sd_bus_cycle_2_cylinder_why_encode(double value)
+uint16_t sd_bus_cycle_2_cylinder_why_encode(double value)
 {
-    return (uint8_t)(cantools_unsigned_from_double(round(value)));
+    return (uint16_t)(cantools_unsigned_from_double(round(value)));
 }
 
-double sd_bus_cycle_2_cylinder_why_decode(uint8_t value)
+double sd_bus_cycle_2_cylinder_why_decode(uint16_t value)
 {
     return ((double)value);
 }
 
-bool sd_bus_cycle_2_cylinder_why_is_in_range(uint8_t value)
+bool sd_bus_cycle_2_cylinder_why_is_in_range(uint16_t value)
 {
     (void)value;
 
@@ -2918,7 +2890,7 @@ bool sd_bus_cycle_2_cylinder_why_is_in_range(uint8_t value)
 
 bool sd_bus_cycle_2_cylinder_why_is_in_phys_range(double value)
 {
-    return ((value >= 0.0) && (value <= 255.0));
+    return ((value >= 0.0) && (value <= 65535.0));
 }
 
 uint8_t sd_bus_cycle_2_crank_health_encode(double value)
@@ -2941,17 +2913,17 @@ bool sd_bus_cycle_2_crank_health_is_in_phys_range(double value)
     return ((value >= 0.0) && (value <= 2.0));
 }
 
-uint8_t sd_bus_cycle_2_crank_why_encode(double value)
+uint16_t sd_bus_cycle_2_crank_why_encode(double value)
 {
-    return (uint8_t)(cantools_unsigned_from_double(round(value)));
+    return (uint16_t)(cantools_unsigned_from_double(round(value)));
 }
 
-double sd_bus_cycle_2_crank_why_decode(uint8_t value)
+double sd_bus_cycle_2_crank_why_decode(uint16_t value)
 {
     return ((double)value);
 }
 
-bool sd_bus_cycle_2_crank_why_is_in_range(uint8_t value)
+bool sd_bus_cycle_2_crank_why_is_in_range(uint16_t value)
 {
     (void)value;
 
@@ -2960,7 +2932,7 @@ bool sd_bus_cycle_2_crank_why_is_in_range(uint8_t value)
 
 bool sd_bus_cycle_2_crank_why_is_in_phys_range(double value)
 {
-    return ((value >= 0.0) && (value <= 255.0));
+    return ((value >= 0.0) && (value <= 65535.0));
 }
 
 uint8_t sd_bus_cycle_2_afr_health_encode(double value)
@@ -2983,17 +2955,17 @@ bool sd_bus_cycle_2_afr_health_is_in_phys_range(double value)
     return ((value >= 0.0) && (value <= 2.0));
 }
 
-uint8_t sd_bus_cycle_2_afr_why_encode(double value)
+uint16_t sd_bus_cycle_2_afr_why_encode(double value)
 {
-    return (uint8_t)(cantools_unsigned_from_double(round(value)));
+    return (uint16_t)(cantools_unsigned_from_double(round(value)));
 }
 
-double sd_bus_cycle_2_afr_why_decode(uint8_t value)
+double sd_bus_cycle_2_afr_why_decode(uint16_t value)
 {
     return ((double)value);
 }
 
-bool sd_bus_cycle_2_afr_why_is_in_range(uint8_t value)
+bool sd_bus_cycle_2_afr_why_is_in_range(uint16_t value)
 {
     (void)value;
 
@@ -3002,7 +2974,27 @@ bool sd_bus_cycle_2_afr_why_is_in_range(uint8_t value)
 
 bool sd_bus_cycle_2_afr_why_is_in_phys_range(double value)
 {
-    return ((value >= 0.0) && (value <= 255.0));
+    return ((value >= 0.0) && (value <= 65535.0));
+}
+
+float sd_bus_cycle_2_cycle_cylinder_sd_5_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_cycle_2_cycle_cylinder_sd_5_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_cycle_2_cycle_cylinder_sd_5_is_in_range(float value)
+{
+    return ((value >= 0.0f) && (value <= 20000.0f));
+}
+
+bool sd_bus_cycle_2_cycle_cylinder_sd_5_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 20000.0));
 }
 
 float sd_bus_cycle_2_cycle_cylinder_sd_6_encode(double value)
@@ -3225,51 +3217,13 @@ bool sd_bus_cycle_2_afr_cylinder_burned_6_is_in_phys_range(double value)
     return ((value >= -1.0) && (value <= 2.0));
 }
 
-float sd_bus_cycle_2_afr_cylinder_burned_7_encode(double value)
-{
-    return (float)(value);
-}
-
-double sd_bus_cycle_2_afr_cylinder_burned_7_decode(float value)
-{
-    return ((double)value);
-}
-
-bool sd_bus_cycle_2_afr_cylinder_burned_7_is_in_range(float value)
-{
-    return ((value >= -1.0f) && (value <= 2.0f));
-}
-
-bool sd_bus_cycle_2_afr_cylinder_burned_7_is_in_phys_range(double value)
-{
-    return ((value >= -1.0) && (value <= 2.0));
-}
-
-float sd_bus_cycle_2_afr_cylinder_burned_8_encode(double value)
-{
-    return (float)(value);
-}
-
-double sd_bus_cycle_2_afr_cylinder_burned_8_decode(float value)
-{
-    return ((double)value);
-}
-
-bool sd_bus_cycle_2_afr_cylinder_burned_8_is_in_range(float value)
-{
-    return ((value >= -1.0f) && (value <= 2.0f));
-}
-
-bool sd_bus_cycle_2_afr_cylinder_burned_8_is_in_phys_range(double value)
-{
-    return ((value >= -1.0) && (value <= 2.0));
-}
-
 int sd_bus_cycle_3_pack(
     uint8_t *dst_p,
     const struct sd_bus_cycle_3_t *src_p,
     size_t size)
 {
+    uint32_t afr_cylinder_burned_7;
+    uint32_t afr_cylinder_burned_8;
     uint32_t afr_cylinder_sd_1;
     uint32_t afr_cylinder_sd_2;
     uint32_t afr_cylinder_sd_3;
@@ -3281,9 +3235,7 @@ int sd_bus_cycle_3_pack(
     uint32_t afr_lag;
     uint32_t afr_late;
     uint32_t afr_late_sd;
-    uint32_t afr_probing;
     uint32_t afr_slow;
-    uint32_t balance_trim_1;
 
     if (size < 64u) {
         return (-EINVAL);
@@ -3296,79 +3248,78 @@ int sd_bus_cycle_3_pack(
     dst_p[2] |= pack_right_shift_u32(src_p->tick, 16u, 0xffu);
     dst_p[3] |= pack_right_shift_u32(src_p->tick, 24u, 0xffu);
     dst_p[4] |= pack_left_shift_u8(src_p->afr_health, 0u, 0xffu);
-    dst_p[5] |= pack_left_shift_u8(src_p->afr_why, 0u, 0xffu);
-    dst_p[6] |= pack_left_shift_u8(src_p->balance_health, 0u, 0xffu);
-    dst_p[7] |= pack_left_shift_u8(src_p->balance_why, 0u, 0xffu);
+    dst_p[5] |= pack_left_shift_u16(src_p->afr_why, 0u, 0xffu);
+    dst_p[6] |= pack_right_shift_u16(src_p->afr_why, 8u, 0xffu);
+    memcpy(&afr_cylinder_burned_7, &src_p->afr_cylinder_burned_7, sizeof(afr_cylinder_burned_7));
+    dst_p[7] |= pack_left_shift_u32(afr_cylinder_burned_7, 0u, 0xffu);
+    dst_p[8] |= pack_right_shift_u32(afr_cylinder_burned_7, 8u, 0xffu);
+    dst_p[9] |= pack_right_shift_u32(afr_cylinder_burned_7, 16u, 0xffu);
+    dst_p[10] |= pack_right_shift_u32(afr_cylinder_burned_7, 24u, 0xffu);
+    memcpy(&afr_cylinder_burned_8, &src_p->afr_cylinder_burned_8, sizeof(afr_cylinder_burned_8));
+    dst_p[11] |= pack_left_shift_u32(afr_cylinder_burned_8, 0u, 0xffu);
+    dst_p[12] |= pack_right_shift_u32(afr_cylinder_burned_8, 8u, 0xffu);
+    dst_p[13] |= pack_right_shift_u32(afr_cylinder_burned_8, 16u, 0xffu);
+    dst_p[14] |= pack_right_shift_u32(afr_cylinder_burned_8, 24u, 0xffu);
     memcpy(&afr_cylinder_sd_1, &src_p->afr_cylinder_sd_1, sizeof(afr_cylinder_sd_1));
-    dst_p[8] |= pack_left_shift_u32(afr_cylinder_sd_1, 0u, 0xffu);
-    dst_p[9] |= pack_right_shift_u32(afr_cylinder_sd_1, 8u, 0xffu);
-    dst_p[10] |= pack_right_shift_u32(afr_cylinder_sd_1, 16u, 0xffu);
-    dst_p[11] |= pack_right_shift_u32(afr_cylinder_sd_1, 24u, 0xffu);
+    dst_p[15] |= pack_left_shift_u32(afr_cylinder_sd_1, 0u, 0xffu);
+    dst_p[16] |= pack_right_shift_u32(afr_cylinder_sd_1, 8u, 0xffu);
+    dst_p[17] |= pack_right_shift_u32(afr_cylinder_sd_1, 16u, 0xffu);
+    dst_p[18] |= pack_right_shift_u32(afr_cylinder_sd_1, 24u, 0xffu);
     memcpy(&afr_cylinder_sd_2, &src_p->afr_cylinder_sd_2, sizeof(afr_cylinder_sd_2));
-    dst_p[12] |= pack_left_shift_u32(afr_cylinder_sd_2, 0u, 0xffu);
-    dst_p[13] |= pack_right_shift_u32(afr_cylinder_sd_2, 8u, 0xffu);
-    dst_p[14] |= pack_right_shift_u32(afr_cylinder_sd_2, 16u, 0xffu);
-    dst_p[15] |= pack_right_shift_u32(afr_cylinder_sd_2, 24u, 0xffu);
+    dst_p[19] |= pack_left_shift_u32(afr_cylinder_sd_2, 0u, 0xffu);
+    dst_p[20] |= pack_right_shift_u32(afr_cylinder_sd_2, 8u, 0xffu);
+    dst_p[21] |= pack_right_shift_u32(afr_cylinder_sd_2, 16u, 0xffu);
+    dst_p[22] |= pack_right_shift_u32(afr_cylinder_sd_2, 24u, 0xffu);
     memcpy(&afr_cylinder_sd_3, &src_p->afr_cylinder_sd_3, sizeof(afr_cylinder_sd_3));
-    dst_p[16] |= pack_left_shift_u32(afr_cylinder_sd_3, 0u, 0xffu);
-    dst_p[17] |= pack_right_shift_u32(afr_cylinder_sd_3, 8u, 0xffu);
-    dst_p[18] |= pack_right_shift_u32(afr_cylinder_sd_3, 16u, 0xffu);
-    dst_p[19] |= pack_right_shift_u32(afr_cylinder_sd_3, 24u, 0xffu);
+    dst_p[23] |= pack_left_shift_u32(afr_cylinder_sd_3, 0u, 0xffu);
+    dst_p[24] |= pack_right_shift_u32(afr_cylinder_sd_3, 8u, 0xffu);
+    dst_p[25] |= pack_right_shift_u32(afr_cylinder_sd_3, 16u, 0xffu);
+    dst_p[26] |= pack_right_shift_u32(afr_cylinder_sd_3, 24u, 0xffu);
     memcpy(&afr_cylinder_sd_4, &src_p->afr_cylinder_sd_4, sizeof(afr_cylinder_sd_4));
-    dst_p[20] |= pack_left_shift_u32(afr_cylinder_sd_4, 0u, 0xffu);
-    dst_p[21] |= pack_right_shift_u32(afr_cylinder_sd_4, 8u, 0xffu);
-    dst_p[22] |= pack_right_shift_u32(afr_cylinder_sd_4, 16u, 0xffu);
-    dst_p[23] |= pack_right_shift_u32(afr_cylinder_sd_4, 24u, 0xffu);
+    dst_p[27] |= pack_left_shift_u32(afr_cylinder_sd_4, 0u, 0xffu);
+    dst_p[28] |= pack_right_shift_u32(afr_cylinder_sd_4, 8u, 0xffu);
+    dst_p[29] |= pack_right_shift_u32(afr_cylinder_sd_4, 16u, 0xffu);
+    dst_p[30] |= pack_right_shift_u32(afr_cylinder_sd_4, 24u, 0xffu);
     memcpy(&afr_cylinder_sd_5, &src_p->afr_cylinder_sd_5, sizeof(afr_cylinder_sd_5));
-    dst_p[24] |= pack_left_shift_u32(afr_cylinder_sd_5, 0u, 0xffu);
-    dst_p[25] |= pack_right_shift_u32(afr_cylinder_sd_5, 8u, 0xffu);
-    dst_p[26] |= pack_right_shift_u32(afr_cylinder_sd_5, 16u, 0xffu);
-    dst_p[27] |= pack_right_shift_u32(afr_cylinder_sd_5, 24u, 0xffu);
+    dst_p[31] |= pack_left_shift_u32(afr_cylinder_sd_5, 0u, 0xffu);
+    dst_p[32] |= pack_right_shift_u32(afr_cylinder_sd_5, 8u, 0xffu);
+    dst_p[33] |= pack_right_shift_u32(afr_cylinder_sd_5, 16u, 0xffu);
+    dst_p[34] |= pack_right_shift_u32(afr_cylinder_sd_5, 24u, 0xffu);
     memcpy(&afr_cylinder_sd_6, &src_p->afr_cylinder_sd_6, sizeof(afr_cylinder_sd_6));
-    dst_p[28] |= pack_left_shift_u32(afr_cylinder_sd_6, 0u, 0xffu);
-    dst_p[29] |= pack_right_shift_u32(afr_cylinder_sd_6, 8u, 0xffu);
-    dst_p[30] |= pack_right_shift_u32(afr_cylinder_sd_6, 16u, 0xffu);
-    dst_p[31] |= pack_right_shift_u32(afr_cylinder_sd_6, 24u, 0xffu);
+    dst_p[35] |= pack_left_shift_u32(afr_cylinder_sd_6, 0u, 0xffu);
+    dst_p[36] |= pack_right_shift_u32(afr_cylinder_sd_6, 8u, 0xffu);
+    dst_p[37] |= pack_right_shift_u32(afr_cylinder_sd_6, 16u, 0xffu);
+    dst_p[38] |= pack_right_shift_u32(afr_cylinder_sd_6, 24u, 0xffu);
     memcpy(&afr_cylinder_sd_7, &src_p->afr_cylinder_sd_7, sizeof(afr_cylinder_sd_7));
-    dst_p[32] |= pack_left_shift_u32(afr_cylinder_sd_7, 0u, 0xffu);
-    dst_p[33] |= pack_right_shift_u32(afr_cylinder_sd_7, 8u, 0xffu);
-    dst_p[34] |= pack_right_shift_u32(afr_cylinder_sd_7, 16u, 0xffu);
-    dst_p[35] |= pack_right_shift_u32(afr_cylinder_sd_7, 24u, 0xffu);
+    dst_p[39] |= pack_left_shift_u32(afr_cylinder_sd_7, 0u, 0xffu);
+    dst_p[40] |= pack_right_shift_u32(afr_cylinder_sd_7, 8u, 0xffu);
+    dst_p[41] |= pack_right_shift_u32(afr_cylinder_sd_7, 16u, 0xffu);
+    dst_p[42] |= pack_right_shift_u32(afr_cylinder_sd_7, 24u, 0xffu);
     memcpy(&afr_cylinder_sd_8, &src_p->afr_cylinder_sd_8, sizeof(afr_cylinder_sd_8));
-    dst_p[36] |= pack_left_shift_u32(afr_cylinder_sd_8, 0u, 0xffu);
-    dst_p[37] |= pack_right_shift_u32(afr_cylinder_sd_8, 8u, 0xffu);
-    dst_p[38] |= pack_right_shift_u32(afr_cylinder_sd_8, 16u, 0xffu);
-    dst_p[39] |= pack_right_shift_u32(afr_cylinder_sd_8, 24u, 0xffu);
+    dst_p[43] |= pack_left_shift_u32(afr_cylinder_sd_8, 0u, 0xffu);
+    dst_p[44] |= pack_right_shift_u32(afr_cylinder_sd_8, 8u, 0xffu);
+    dst_p[45] |= pack_right_shift_u32(afr_cylinder_sd_8, 16u, 0xffu);
+    dst_p[46] |= pack_right_shift_u32(afr_cylinder_sd_8, 24u, 0xffu);
     memcpy(&afr_slow, &src_p->afr_slow, sizeof(afr_slow));
-    dst_p[40] |= pack_left_shift_u32(afr_slow, 0u, 0xffu);
-    dst_p[41] |= pack_right_shift_u32(afr_slow, 8u, 0xffu);
-    dst_p[42] |= pack_right_shift_u32(afr_slow, 16u, 0xffu);
-    dst_p[43] |= pack_right_shift_u32(afr_slow, 24u, 0xffu);
+    dst_p[47] |= pack_left_shift_u32(afr_slow, 0u, 0xffu);
+    dst_p[48] |= pack_right_shift_u32(afr_slow, 8u, 0xffu);
+    dst_p[49] |= pack_right_shift_u32(afr_slow, 16u, 0xffu);
+    dst_p[50] |= pack_right_shift_u32(afr_slow, 24u, 0xffu);
     memcpy(&afr_late, &src_p->afr_late, sizeof(afr_late));
-    dst_p[44] |= pack_left_shift_u32(afr_late, 0u, 0xffu);
-    dst_p[45] |= pack_right_shift_u32(afr_late, 8u, 0xffu);
-    dst_p[46] |= pack_right_shift_u32(afr_late, 16u, 0xffu);
-    dst_p[47] |= pack_right_shift_u32(afr_late, 24u, 0xffu);
+    dst_p[51] |= pack_left_shift_u32(afr_late, 0u, 0xffu);
+    dst_p[52] |= pack_right_shift_u32(afr_late, 8u, 0xffu);
+    dst_p[53] |= pack_right_shift_u32(afr_late, 16u, 0xffu);
+    dst_p[54] |= pack_right_shift_u32(afr_late, 24u, 0xffu);
     memcpy(&afr_late_sd, &src_p->afr_late_sd, sizeof(afr_late_sd));
-    dst_p[48] |= pack_left_shift_u32(afr_late_sd, 0u, 0xffu);
-    dst_p[49] |= pack_right_shift_u32(afr_late_sd, 8u, 0xffu);
-    dst_p[50] |= pack_right_shift_u32(afr_late_sd, 16u, 0xffu);
-    dst_p[51] |= pack_right_shift_u32(afr_late_sd, 24u, 0xffu);
+    dst_p[55] |= pack_left_shift_u32(afr_late_sd, 0u, 0xffu);
+    dst_p[56] |= pack_right_shift_u32(afr_late_sd, 8u, 0xffu);
+    dst_p[57] |= pack_right_shift_u32(afr_late_sd, 16u, 0xffu);
+    dst_p[58] |= pack_right_shift_u32(afr_late_sd, 24u, 0xffu);
     memcpy(&afr_lag, &src_p->afr_lag, sizeof(afr_lag));
-    dst_p[52] |= pack_left_shift_u32(afr_lag, 0u, 0xffu);
-    dst_p[53] |= pack_right_shift_u32(afr_lag, 8u, 0xffu);
-    dst_p[54] |= pack_right_shift_u32(afr_lag, 16u, 0xffu);
-    dst_p[55] |= pack_right_shift_u32(afr_lag, 24u, 0xffu);
-    memcpy(&afr_probing, &src_p->afr_probing, sizeof(afr_probing));
-    dst_p[56] |= pack_left_shift_u32(afr_probing, 0u, 0xffu);
-    dst_p[57] |= pack_right_shift_u32(afr_probing, 8u, 0xffu);
-    dst_p[58] |= pack_right_shift_u32(afr_probing, 16u, 0xffu);
-    dst_p[59] |= pack_right_shift_u32(afr_probing, 24u, 0xffu);
-    memcpy(&balance_trim_1, &src_p->balance_trim_1, sizeof(balance_trim_1));
-    dst_p[60] |= pack_left_shift_u32(balance_trim_1, 0u, 0xffu);
-    dst_p[61] |= pack_right_shift_u32(balance_trim_1, 8u, 0xffu);
-    dst_p[62] |= pack_right_shift_u32(balance_trim_1, 16u, 0xffu);
-    dst_p[63] |= pack_right_shift_u32(balance_trim_1, 24u, 0xffu);
+    dst_p[59] |= pack_left_shift_u32(afr_lag, 0u, 0xffu);
+    dst_p[60] |= pack_right_shift_u32(afr_lag, 8u, 0xffu);
+    dst_p[61] |= pack_right_shift_u32(afr_lag, 16u, 0xffu);
+    dst_p[62] |= pack_right_shift_u32(afr_lag, 24u, 0xffu);
 
     return (64);
 }
@@ -3378,6 +3329,8 @@ int sd_bus_cycle_3_unpack(
     const uint8_t *src_p,
     size_t size)
 {
+    uint32_t afr_cylinder_burned_7;
+    uint32_t afr_cylinder_burned_8;
     uint32_t afr_cylinder_sd_1;
     uint32_t afr_cylinder_sd_2;
     uint32_t afr_cylinder_sd_3;
@@ -3389,9 +3342,7 @@ int sd_bus_cycle_3_unpack(
     uint32_t afr_lag;
     uint32_t afr_late;
     uint32_t afr_late_sd;
-    uint32_t afr_probing;
     uint32_t afr_slow;
-    uint32_t balance_trim_1;
 
     if (size < 64u) {
         return (-EINVAL);
@@ -3402,79 +3353,78 @@ int sd_bus_cycle_3_unpack(
     dst_p->tick |= unpack_left_shift_u32(src_p[2], 16u, 0xffu);
     dst_p->tick |= unpack_left_shift_u32(src_p[3], 24u, 0xffu);
     dst_p->afr_health = unpack_right_shift_u8(src_p[4], 0u, 0xffu);
-    dst_p->afr_why = unpack_right_shift_u8(src_p[5], 0u, 0xffu);
-    dst_p->balance_health = unpack_right_shift_u8(src_p[6], 0u, 0xffu);
-    dst_p->balance_why = unpack_right_shift_u8(src_p[7], 0u, 0xffu);
-    afr_cylinder_sd_1 = unpack_right_shift_u32(src_p[8], 0u, 0xffu);
-    afr_cylinder_sd_1 |= unpack_left_shift_u32(src_p[9], 8u, 0xffu);
-    afr_cylinder_sd_1 |= unpack_left_shift_u32(src_p[10], 16u, 0xffu);
-    afr_cylinder_sd_1 |= unpack_left_shift_u32(src_p[11], 24u, 0xffu);
+    dst_p->afr_why = unpack_right_shift_u16(src_p[5], 0u, 0xffu);
+    dst_p->afr_why |= unpack_left_shift_u16(src_p[6], 8u, 0xffu);
+    afr_cylinder_burned_7 = unpack_right_shift_u32(src_p[7], 0u, 0xffu);
+    afr_cylinder_burned_7 |= unpack_left_shift_u32(src_p[8], 8u, 0xffu);
+    afr_cylinder_burned_7 |= unpack_left_shift_u32(src_p[9], 16u, 0xffu);
+    afr_cylinder_burned_7 |= unpack_left_shift_u32(src_p[10], 24u, 0xffu);
+    memcpy(&dst_p->afr_cylinder_burned_7, &afr_cylinder_burned_7, sizeof(dst_p->afr_cylinder_burned_7));
+    afr_cylinder_burned_8 = unpack_right_shift_u32(src_p[11], 0u, 0xffu);
+    afr_cylinder_burned_8 |= unpack_left_shift_u32(src_p[12], 8u, 0xffu);
+    afr_cylinder_burned_8 |= unpack_left_shift_u32(src_p[13], 16u, 0xffu);
+    afr_cylinder_burned_8 |= unpack_left_shift_u32(src_p[14], 24u, 0xffu);
+    memcpy(&dst_p->afr_cylinder_burned_8, &afr_cylinder_burned_8, sizeof(dst_p->afr_cylinder_burned_8));
+    afr_cylinder_sd_1 = unpack_right_shift_u32(src_p[15], 0u, 0xffu);
+    afr_cylinder_sd_1 |= unpack_left_shift_u32(src_p[16], 8u, 0xffu);
+    afr_cylinder_sd_1 |= unpack_left_shift_u32(src_p[17], 16u, 0xffu);
+    afr_cylinder_sd_1 |= unpack_left_shift_u32(src_p[18], 24u, 0xffu);
     memcpy(&dst_p->afr_cylinder_sd_1, &afr_cylinder_sd_1, sizeof(dst_p->afr_cylinder_sd_1));
-    afr_cylinder_sd_2 = unpack_right_shift_u32(src_p[12], 0u, 0xffu);
-    afr_cylinder_sd_2 |= unpack_left_shift_u32(src_p[13], 8u, 0xffu);
-    afr_cylinder_sd_2 |= unpack_left_shift_u32(src_p[14], 16u, 0xffu);
-    afr_cylinder_sd_2 |= unpack_left_shift_u32(src_p[15], 24u, 0xffu);
+    afr_cylinder_sd_2 = unpack_right_shift_u32(src_p[19], 0u, 0xffu);
+    afr_cylinder_sd_2 |= unpack_left_shift_u32(src_p[20], 8u, 0xffu);
+    afr_cylinder_sd_2 |= unpack_left_shift_u32(src_p[21], 16u, 0xffu);
+    afr_cylinder_sd_2 |= unpack_left_shift_u32(src_p[22], 24u, 0xffu);
     memcpy(&dst_p->afr_cylinder_sd_2, &afr_cylinder_sd_2, sizeof(dst_p->afr_cylinder_sd_2));
-    afr_cylinder_sd_3 = unpack_right_shift_u32(src_p[16], 0u, 0xffu);
-    afr_cylinder_sd_3 |= unpack_left_shift_u32(src_p[17], 8u, 0xffu);
-    afr_cylinder_sd_3 |= unpack_left_shift_u32(src_p[18], 16u, 0xffu);
-    afr_cylinder_sd_3 |= unpack_left_shift_u32(src_p[19], 24u, 0xffu);
+    afr_cylinder_sd_3 = unpack_right_shift_u32(src_p[23], 0u, 0xffu);
+    afr_cylinder_sd_3 |= unpack_left_shift_u32(src_p[24], 8u, 0xffu);
+    afr_cylinder_sd_3 |= unpack_left_shift_u32(src_p[25], 16u, 0xffu);
+    afr_cylinder_sd_3 |= unpack_left_shift_u32(src_p[26], 24u, 0xffu);
     memcpy(&dst_p->afr_cylinder_sd_3, &afr_cylinder_sd_3, sizeof(dst_p->afr_cylinder_sd_3));
-    afr_cylinder_sd_4 = unpack_right_shift_u32(src_p[20], 0u, 0xffu);
-    afr_cylinder_sd_4 |= unpack_left_shift_u32(src_p[21], 8u, 0xffu);
-    afr_cylinder_sd_4 |= unpack_left_shift_u32(src_p[22], 16u, 0xffu);
-    afr_cylinder_sd_4 |= unpack_left_shift_u32(src_p[23], 24u, 0xffu);
+    afr_cylinder_sd_4 = unpack_right_shift_u32(src_p[27], 0u, 0xffu);
+    afr_cylinder_sd_4 |= unpack_left_shift_u32(src_p[28], 8u, 0xffu);
+    afr_cylinder_sd_4 |= unpack_left_shift_u32(src_p[29], 16u, 0xffu);
+    afr_cylinder_sd_4 |= unpack_left_shift_u32(src_p[30], 24u, 0xffu);
     memcpy(&dst_p->afr_cylinder_sd_4, &afr_cylinder_sd_4, sizeof(dst_p->afr_cylinder_sd_4));
-    afr_cylinder_sd_5 = unpack_right_shift_u32(src_p[24], 0u, 0xffu);
-    afr_cylinder_sd_5 |= unpack_left_shift_u32(src_p[25], 8u, 0xffu);
-    afr_cylinder_sd_5 |= unpack_left_shift_u32(src_p[26], 16u, 0xffu);
-    afr_cylinder_sd_5 |= unpack_left_shift_u32(src_p[27], 24u, 0xffu);
+    afr_cylinder_sd_5 = unpack_right_shift_u32(src_p[31], 0u, 0xffu);
+    afr_cylinder_sd_5 |= unpack_left_shift_u32(src_p[32], 8u, 0xffu);
+    afr_cylinder_sd_5 |= unpack_left_shift_u32(src_p[33], 16u, 0xffu);
+    afr_cylinder_sd_5 |= unpack_left_shift_u32(src_p[34], 24u, 0xffu);
     memcpy(&dst_p->afr_cylinder_sd_5, &afr_cylinder_sd_5, sizeof(dst_p->afr_cylinder_sd_5));
-    afr_cylinder_sd_6 = unpack_right_shift_u32(src_p[28], 0u, 0xffu);
-    afr_cylinder_sd_6 |= unpack_left_shift_u32(src_p[29], 8u, 0xffu);
-    afr_cylinder_sd_6 |= unpack_left_shift_u32(src_p[30], 16u, 0xffu);
-    afr_cylinder_sd_6 |= unpack_left_shift_u32(src_p[31], 24u, 0xffu);
+    afr_cylinder_sd_6 = unpack_right_shift_u32(src_p[35], 0u, 0xffu);
+    afr_cylinder_sd_6 |= unpack_left_shift_u32(src_p[36], 8u, 0xffu);
+    afr_cylinder_sd_6 |= unpack_left_shift_u32(src_p[37], 16u, 0xffu);
+    afr_cylinder_sd_6 |= unpack_left_shift_u32(src_p[38], 24u, 0xffu);
     memcpy(&dst_p->afr_cylinder_sd_6, &afr_cylinder_sd_6, sizeof(dst_p->afr_cylinder_sd_6));
-    afr_cylinder_sd_7 = unpack_right_shift_u32(src_p[32], 0u, 0xffu);
-    afr_cylinder_sd_7 |= unpack_left_shift_u32(src_p[33], 8u, 0xffu);
-    afr_cylinder_sd_7 |= unpack_left_shift_u32(src_p[34], 16u, 0xffu);
-    afr_cylinder_sd_7 |= unpack_left_shift_u32(src_p[35], 24u, 0xffu);
+    afr_cylinder_sd_7 = unpack_right_shift_u32(src_p[39], 0u, 0xffu);
+    afr_cylinder_sd_7 |= unpack_left_shift_u32(src_p[40], 8u, 0xffu);
+    afr_cylinder_sd_7 |= unpack_left_shift_u32(src_p[41], 16u, 0xffu);
+    afr_cylinder_sd_7 |= unpack_left_shift_u32(src_p[42], 24u, 0xffu);
     memcpy(&dst_p->afr_cylinder_sd_7, &afr_cylinder_sd_7, sizeof(dst_p->afr_cylinder_sd_7));
-    afr_cylinder_sd_8 = unpack_right_shift_u32(src_p[36], 0u, 0xffu);
-    afr_cylinder_sd_8 |= unpack_left_shift_u32(src_p[37], 8u, 0xffu);
-    afr_cylinder_sd_8 |= unpack_left_shift_u32(src_p[38], 16u, 0xffu);
-    afr_cylinder_sd_8 |= unpack_left_shift_u32(src_p[39], 24u, 0xffu);
+    afr_cylinder_sd_8 = unpack_right_shift_u32(src_p[43], 0u, 0xffu);
+    afr_cylinder_sd_8 |= unpack_left_shift_u32(src_p[44], 8u, 0xffu);
+    afr_cylinder_sd_8 |= unpack_left_shift_u32(src_p[45], 16u, 0xffu);
+    afr_cylinder_sd_8 |= unpack_left_shift_u32(src_p[46], 24u, 0xffu);
     memcpy(&dst_p->afr_cylinder_sd_8, &afr_cylinder_sd_8, sizeof(dst_p->afr_cylinder_sd_8));
-    afr_slow = unpack_right_shift_u32(src_p[40], 0u, 0xffu);
-    afr_slow |= unpack_left_shift_u32(src_p[41], 8u, 0xffu);
-    afr_slow |= unpack_left_shift_u32(src_p[42], 16u, 0xffu);
-    afr_slow |= unpack_left_shift_u32(src_p[43], 24u, 0xffu);
+    afr_slow = unpack_right_shift_u32(src_p[47], 0u, 0xffu);
+    afr_slow |= unpack_left_shift_u32(src_p[48], 8u, 0xffu);
+    afr_slow |= unpack_left_shift_u32(src_p[49], 16u, 0xffu);
+    afr_slow |= unpack_left_shift_u32(src_p[50], 24u, 0xffu);
     memcpy(&dst_p->afr_slow, &afr_slow, sizeof(dst_p->afr_slow));
-    afr_late = unpack_right_shift_u32(src_p[44], 0u, 0xffu);
-    afr_late |= unpack_left_shift_u32(src_p[45], 8u, 0xffu);
-    afr_late |= unpack_left_shift_u32(src_p[46], 16u, 0xffu);
-    afr_late |= unpack_left_shift_u32(src_p[47], 24u, 0xffu);
+    afr_late = unpack_right_shift_u32(src_p[51], 0u, 0xffu);
+    afr_late |= unpack_left_shift_u32(src_p[52], 8u, 0xffu);
+    afr_late |= unpack_left_shift_u32(src_p[53], 16u, 0xffu);
+    afr_late |= unpack_left_shift_u32(src_p[54], 24u, 0xffu);
     memcpy(&dst_p->afr_late, &afr_late, sizeof(dst_p->afr_late));
-    afr_late_sd = unpack_right_shift_u32(src_p[48], 0u, 0xffu);
-    afr_late_sd |= unpack_left_shift_u32(src_p[49], 8u, 0xffu);
-    afr_late_sd |= unpack_left_shift_u32(src_p[50], 16u, 0xffu);
-    afr_late_sd |= unpack_left_shift_u32(src_p[51], 24u, 0xffu);
+    afr_late_sd = unpack_right_shift_u32(src_p[55], 0u, 0xffu);
+    afr_late_sd |= unpack_left_shift_u32(src_p[56], 8u, 0xffu);
+    afr_late_sd |= unpack_left_shift_u32(src_p[57], 16u, 0xffu);
+    afr_late_sd |= unpack_left_shift_u32(src_p[58], 24u, 0xffu);
     memcpy(&dst_p->afr_late_sd, &afr_late_sd, sizeof(dst_p->afr_late_sd));
-    afr_lag = unpack_right_shift_u32(src_p[52], 0u, 0xffu);
-    afr_lag |= unpack_left_shift_u32(src_p[53], 8u, 0xffu);
-    afr_lag |= unpack_left_shift_u32(src_p[54], 16u, 0xffu);
-    afr_lag |= unpack_left_shift_u32(src_p[55], 24u, 0xffu);
+    afr_lag = unpack_right_shift_u32(src_p[59], 0u, 0xffu);
+    afr_lag |= unpack_left_shift_u32(src_p[60], 8u, 0xffu);
+    afr_lag |= unpack_left_shift_u32(src_p[61], 16u, 0xffu);
+    afr_lag |= unpack_left_shift_u32(src_p[62], 24u, 0xffu);
     memcpy(&dst_p->afr_lag, &afr_lag, sizeof(dst_p->afr_lag));
-    afr_probing = unpack_right_shift_u32(src_p[56], 0u, 0xffu);
-    afr_probing |= unpack_left_shift_u32(src_p[57], 8u, 0xffu);
-    afr_probing |= unpack_left_shift_u32(src_p[58], 16u, 0xffu);
-    afr_probing |= unpack_left_shift_u32(src_p[59], 24u, 0xffu);
-    memcpy(&dst_p->afr_probing, &afr_probing, sizeof(dst_p->afr_probing));
-    balance_trim_1 = unpack_right_shift_u32(src_p[60], 0u, 0xffu);
-    balance_trim_1 |= unpack_left_shift_u32(src_p[61], 8u, 0xffu);
-    balance_trim_1 |= unpack_left_shift_u32(src_p[62], 16u, 0xffu);
-    balance_trim_1 |= unpack_left_shift_u32(src_p[63], 24u, 0xffu);
-    memcpy(&dst_p->balance_trim_1, &balance_trim_1, sizeof(dst_p->balance_trim_1));
 
     return (0);
 }
@@ -3530,17 +3480,17 @@ bool sd_bus_cycle_3_afr_health_is_in_phys_range(double value)
     return ((value >= 0.0) && (value <= 2.0));
 }
 
-uint8_t sd_bus_cycle_3_afr_why_encode(double value)
+uint16_t sd_bus_cycle_3_afr_why_encode(double value)
 {
-    return (uint8_t)(cantools_unsigned_from_double(round(value)));
+    return (uint16_t)(cantools_unsigned_from_double(round(value)));
 }
 
-double sd_bus_cycle_3_afr_why_decode(uint8_t value)
+double sd_bus_cycle_3_afr_why_decode(uint16_t value)
 {
     return ((double)value);
 }
 
-bool sd_bus_cycle_3_afr_why_is_in_range(uint8_t value)
+bool sd_bus_cycle_3_afr_why_is_in_range(uint16_t value)
 {
     (void)value;
 
@@ -3549,49 +3499,47 @@ bool sd_bus_cycle_3_afr_why_is_in_range(uint8_t value)
 
 bool sd_bus_cycle_3_afr_why_is_in_phys_range(double value)
 {
-    return ((value >= 0.0) && (value <= 255.0));
+    return ((value >= 0.0) && (value <= 65535.0));
 }
 
-uint8_t sd_bus_cycle_3_balance_health_encode(double value)
+float sd_bus_cycle_3_afr_cylinder_burned_7_encode(double value)
 {
-    return (uint8_t)(cantools_unsigned_from_double(round(value)));
+    return (float)(value);
 }
 
-double sd_bus_cycle_3_balance_health_decode(uint8_t value)
-{
-    return ((double)value);
-}
-
-bool sd_bus_cycle_3_balance_health_is_in_range(uint8_t value)
-{
-    return (value <= 2u);
-}
-
-bool sd_bus_cycle_3_balance_health_is_in_phys_range(double value)
-{
-    return ((value >= 0.0) && (value <= 2.0));
-}
-
-uint8_t sd_bus_cycle_3_balance_why_encode(double value)
-{
-    return (uint8_t)(cantools_unsigned_from_double(round(value)));
-}
-
-double sd_bus_cycle_3_balance_why_decode(uint8_t value)
+double sd_bus_cycle_3_afr_cylinder_burned_7_decode(float value)
 {
     return ((double)value);
 }
 
-bool sd_bus_cycle_3_balance_why_is_in_range(uint8_t value)
+bool sd_bus_cycle_3_afr_cylinder_burned_7_is_in_range(float value)
 {
-    (void)value;
-
-    return (true);
+    return ((value >= -1.0f) && (value <= 2.0f));
 }
 
-bool sd_bus_cycle_3_balance_why_is_in_phys_range(double value)
+bool sd_bus_cycle_3_afr_cylinder_burned_7_is_in_phys_range(double value)
 {
-    return ((value >= 0.0) && (value <= 255.0));
+    return ((value >= -1.0) && (value <= 2.0));
+}
+
+float sd_bus_cycle_3_afr_cylinder_burned_8_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_cycle_3_afr_cylinder_burned_8_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_cycle_3_afr_cylinder_burned_8_is_in_range(float value)
+{
+    return ((value >= -1.0f) && (value <= 2.0f));
+}
+
+bool sd_bus_cycle_3_afr_cylinder_burned_8_is_in_phys_range(double value)
+{
+    return ((value >= -1.0) && (value <= 2.0));
 }
 
 float sd_bus_cycle_3_afr_cylinder_sd_1_encode(double value)
@@ -3834,51 +3782,13 @@ bool sd_bus_cycle_3_afr_lag_is_in_phys_range(double value)
     return ((value >= -0.5) && (value <= 0.5));
 }
 
-float sd_bus_cycle_3_afr_probing_encode(double value)
-{
-    return (float)(value);
-}
-
-double sd_bus_cycle_3_afr_probing_decode(float value)
-{
-    return ((double)value);
-}
-
-bool sd_bus_cycle_3_afr_probing_is_in_range(float value)
-{
-    return ((value >= 0.0f) && (value <= 1.0f));
-}
-
-bool sd_bus_cycle_3_afr_probing_is_in_phys_range(double value)
-{
-    return ((value >= 0.0) && (value <= 1.0));
-}
-
-float sd_bus_cycle_3_balance_trim_1_encode(double value)
-{
-    return (float)(value);
-}
-
-double sd_bus_cycle_3_balance_trim_1_decode(float value)
-{
-    return ((double)value);
-}
-
-bool sd_bus_cycle_3_balance_trim_1_is_in_range(float value)
-{
-    return ((value >= -0.5f) && (value <= 0.5f));
-}
-
-bool sd_bus_cycle_3_balance_trim_1_is_in_phys_range(double value)
-{
-    return ((value >= -0.5) && (value <= 0.5));
-}
-
 int sd_bus_cycle_4_pack(
     uint8_t *dst_p,
     const struct sd_bus_cycle_4_t *src_p,
     size_t size)
 {
+    uint32_t afr_probing;
+    uint32_t balance_trim_1;
     uint32_t balance_trim_2;
     uint32_t balance_trim_3;
     uint32_t balance_trim_4;
@@ -3889,10 +3799,6 @@ int sd_bus_cycle_4_pack(
     uint32_t misfire_rate_200_1;
     uint32_t misfire_rate_200_2;
     uint32_t misfire_rate_200_3;
-    uint32_t misfire_rate_200_4;
-    uint32_t misfire_rate_200_5;
-    uint32_t misfire_rate_200_6;
-    uint32_t misfire_rate_200_7;
 
     if (size < 64u) {
         return (-EINVAL);
@@ -3904,80 +3810,75 @@ int sd_bus_cycle_4_pack(
     dst_p[1] |= pack_right_shift_u32(src_p->tick, 8u, 0xffu);
     dst_p[2] |= pack_right_shift_u32(src_p->tick, 16u, 0xffu);
     dst_p[3] |= pack_right_shift_u32(src_p->tick, 24u, 0xffu);
-    dst_p[4] |= pack_left_shift_u8(src_p->balance_health, 0u, 0xffu);
-    dst_p[5] |= pack_left_shift_u8(src_p->balance_why, 0u, 0xffu);
-    dst_p[6] |= pack_left_shift_u8(src_p->misfire_health, 0u, 0xffu);
-    dst_p[7] |= pack_left_shift_u8(src_p->misfire_why, 0u, 0xffu);
+    dst_p[4] |= pack_left_shift_u8(src_p->afr_health, 0u, 0xffu);
+    dst_p[5] |= pack_left_shift_u16(src_p->afr_why, 0u, 0xffu);
+    dst_p[6] |= pack_right_shift_u16(src_p->afr_why, 8u, 0xffu);
+    dst_p[7] |= pack_left_shift_u8(src_p->balance_health, 0u, 0xffu);
+    dst_p[8] |= pack_left_shift_u16(src_p->balance_why, 0u, 0xffu);
+    dst_p[9] |= pack_right_shift_u16(src_p->balance_why, 8u, 0xffu);
+    dst_p[10] |= pack_left_shift_u8(src_p->misfire_health, 0u, 0xffu);
+    dst_p[11] |= pack_left_shift_u16(src_p->misfire_why, 0u, 0xffu);
+    dst_p[12] |= pack_right_shift_u16(src_p->misfire_why, 8u, 0xffu);
+    memcpy(&afr_probing, &src_p->afr_probing, sizeof(afr_probing));
+    dst_p[13] |= pack_left_shift_u32(afr_probing, 0u, 0xffu);
+    dst_p[14] |= pack_right_shift_u32(afr_probing, 8u, 0xffu);
+    dst_p[15] |= pack_right_shift_u32(afr_probing, 16u, 0xffu);
+    dst_p[16] |= pack_right_shift_u32(afr_probing, 24u, 0xffu);
+    memcpy(&balance_trim_1, &src_p->balance_trim_1, sizeof(balance_trim_1));
+    dst_p[17] |= pack_left_shift_u32(balance_trim_1, 0u, 0xffu);
+    dst_p[18] |= pack_right_shift_u32(balance_trim_1, 8u, 0xffu);
+    dst_p[19] |= pack_right_shift_u32(balance_trim_1, 16u, 0xffu);
+    dst_p[20] |= pack_right_shift_u32(balance_trim_1, 24u, 0xffu);
     memcpy(&balance_trim_2, &src_p->balance_trim_2, sizeof(balance_trim_2));
-    dst_p[8] |= pack_left_shift_u32(balance_trim_2, 0u, 0xffu);
-    dst_p[9] |= pack_right_shift_u32(balance_trim_2, 8u, 0xffu);
-    dst_p[10] |= pack_right_shift_u32(balance_trim_2, 16u, 0xffu);
-    dst_p[11] |= pack_right_shift_u32(balance_trim_2, 24u, 0xffu);
+    dst_p[21] |= pack_left_shift_u32(balance_trim_2, 0u, 0xffu);
+    dst_p[22] |= pack_right_shift_u32(balance_trim_2, 8u, 0xffu);
+    dst_p[23] |= pack_right_shift_u32(balance_trim_2, 16u, 0xffu);
+    dst_p[24] |= pack_right_shift_u32(balance_trim_2, 24u, 0xffu);
     memcpy(&balance_trim_3, &src_p->balance_trim_3, sizeof(balance_trim_3));
-    dst_p[12] |= pack_left_shift_u32(balance_trim_3, 0u, 0xffu);
-    dst_p[13] |= pack_right_shift_u32(balance_trim_3, 8u, 0xffu);
-    dst_p[14] |= pack_right_shift_u32(balance_trim_3, 16u, 0xffu);
-    dst_p[15] |= pack_right_shift_u32(balance_trim_3, 24u, 0xffu);
+    dst_p[25] |= pack_left_shift_u32(balance_trim_3, 0u, 0xffu);
+    dst_p[26] |= pack_right_shift_u32(balance_trim_3, 8u, 0xffu);
+    dst_p[27] |= pack_right_shift_u32(balance_trim_3, 16u, 0xffu);
+    dst_p[28] |= pack_right_shift_u32(balance_trim_3, 24u, 0xffu);
     memcpy(&balance_trim_4, &src_p->balance_trim_4, sizeof(balance_trim_4));
-    dst_p[16] |= pack_left_shift_u32(balance_trim_4, 0u, 0xffu);
-    dst_p[17] |= pack_right_shift_u32(balance_trim_4, 8u, 0xffu);
-    dst_p[18] |= pack_right_shift_u32(balance_trim_4, 16u, 0xffu);
-    dst_p[19] |= pack_right_shift_u32(balance_trim_4, 24u, 0xffu);
+    dst_p[29] |= pack_left_shift_u32(balance_trim_4, 0u, 0xffu);
+    dst_p[30] |= pack_right_shift_u32(balance_trim_4, 8u, 0xffu);
+    dst_p[31] |= pack_right_shift_u32(balance_trim_4, 16u, 0xffu);
+    dst_p[32] |= pack_right_shift_u32(balance_trim_4, 24u, 0xffu);
     memcpy(&balance_trim_5, &src_p->balance_trim_5, sizeof(balance_trim_5));
-    dst_p[20] |= pack_left_shift_u32(balance_trim_5, 0u, 0xffu);
-    dst_p[21] |= pack_right_shift_u32(balance_trim_5, 8u, 0xffu);
-    dst_p[22] |= pack_right_shift_u32(balance_trim_5, 16u, 0xffu);
-    dst_p[23] |= pack_right_shift_u32(balance_trim_5, 24u, 0xffu);
+    dst_p[33] |= pack_left_shift_u32(balance_trim_5, 0u, 0xffu);
+    dst_p[34] |= pack_right_shift_u32(balance_trim_5, 8u, 0xffu);
+    dst_p[35] |= pack_right_shift_u32(balance_trim_5, 16u, 0xffu);
+    dst_p[36] |= pack_right_shift_u32(balance_trim_5, 24u, 0xffu);
     memcpy(&balance_trim_6, &src_p->balance_trim_6, sizeof(balance_trim_6));
-    dst_p[24] |= pack_left_shift_u32(balance_trim_6, 0u, 0xffu);
-    dst_p[25] |= pack_right_shift_u32(balance_trim_6, 8u, 0xffu);
-    dst_p[26] |= pack_right_shift_u32(balance_trim_6, 16u, 0xffu);
-    dst_p[27] |= pack_right_shift_u32(balance_trim_6, 24u, 0xffu);
+    dst_p[37] |= pack_left_shift_u32(balance_trim_6, 0u, 0xffu);
+    dst_p[38] |= pack_right_shift_u32(balance_trim_6, 8u, 0xffu);
+    dst_p[39] |= pack_right_shift_u32(balance_trim_6, 16u, 0xffu);
+    dst_p[40] |= pack_right_shift_u32(balance_trim_6, 24u, 0xffu);
     memcpy(&balance_trim_7, &src_p->balance_trim_7, sizeof(balance_trim_7));
-    dst_p[28] |= pack_left_shift_u32(balance_trim_7, 0u, 0xffu);
-    dst_p[29] |= pack_right_shift_u32(balance_trim_7, 8u, 0xffu);
-    dst_p[30] |= pack_right_shift_u32(balance_trim_7, 16u, 0xffu);
-    dst_p[31] |= pack_right_shift_u32(balance_trim_7, 24u, 0xffu);
+    dst_p[41] |= pack_left_shift_u32(balance_trim_7, 0u, 0xffu);
+    dst_p[42] |= pack_right_shift_u32(balance_trim_7, 8u, 0xffu);
+    dst_p[43] |= pack_right_shift_u32(balance_trim_7, 16u, 0xffu);
+    dst_p[44] |= pack_right_shift_u32(balance_trim_7, 24u, 0xffu);
     memcpy(&balance_trim_8, &src_p->balance_trim_8, sizeof(balance_trim_8));
-    dst_p[32] |= pack_left_shift_u32(balance_trim_8, 0u, 0xffu);
-    dst_p[33] |= pack_right_shift_u32(balance_trim_8, 8u, 0xffu);
-    dst_p[34] |= pack_right_shift_u32(balance_trim_8, 16u, 0xffu);
-    dst_p[35] |= pack_right_shift_u32(balance_trim_8, 24u, 0xffu);
+    dst_p[45] |= pack_left_shift_u32(balance_trim_8, 0u, 0xffu);
+    dst_p[46] |= pack_right_shift_u32(balance_trim_8, 8u, 0xffu);
+    dst_p[47] |= pack_right_shift_u32(balance_trim_8, 16u, 0xffu);
+    dst_p[48] |= pack_right_shift_u32(balance_trim_8, 24u, 0xffu);
     memcpy(&misfire_rate_200_1, &src_p->misfire_rate_200_1, sizeof(misfire_rate_200_1));
-    dst_p[36] |= pack_left_shift_u32(misfire_rate_200_1, 0u, 0xffu);
-    dst_p[37] |= pack_right_shift_u32(misfire_rate_200_1, 8u, 0xffu);
-    dst_p[38] |= pack_right_shift_u32(misfire_rate_200_1, 16u, 0xffu);
-    dst_p[39] |= pack_right_shift_u32(misfire_rate_200_1, 24u, 0xffu);
+    dst_p[49] |= pack_left_shift_u32(misfire_rate_200_1, 0u, 0xffu);
+    dst_p[50] |= pack_right_shift_u32(misfire_rate_200_1, 8u, 0xffu);
+    dst_p[51] |= pack_right_shift_u32(misfire_rate_200_1, 16u, 0xffu);
+    dst_p[52] |= pack_right_shift_u32(misfire_rate_200_1, 24u, 0xffu);
     memcpy(&misfire_rate_200_2, &src_p->misfire_rate_200_2, sizeof(misfire_rate_200_2));
-    dst_p[40] |= pack_left_shift_u32(misfire_rate_200_2, 0u, 0xffu);
-    dst_p[41] |= pack_right_shift_u32(misfire_rate_200_2, 8u, 0xffu);
-    dst_p[42] |= pack_right_shift_u32(misfire_rate_200_2, 16u, 0xffu);
-    dst_p[43] |= pack_right_shift_u32(misfire_rate_200_2, 24u, 0xffu);
+    dst_p[53] |= pack_left_shift_u32(misfire_rate_200_2, 0u, 0xffu);
+    dst_p[54] |= pack_right_shift_u32(misfire_rate_200_2, 8u, 0xffu);
+    dst_p[55] |= pack_right_shift_u32(misfire_rate_200_2, 16u, 0xffu);
+    dst_p[56] |= pack_right_shift_u32(misfire_rate_200_2, 24u, 0xffu);
     memcpy(&misfire_rate_200_3, &src_p->misfire_rate_200_3, sizeof(misfire_rate_200_3));
-    dst_p[44] |= pack_left_shift_u32(misfire_rate_200_3, 0u, 0xffu);
-    dst_p[45] |= pack_right_shift_u32(misfire_rate_200_3, 8u, 0xffu);
-    dst_p[46] |= pack_right_shift_u32(misfire_rate_200_3, 16u, 0xffu);
-    dst_p[47] |= pack_right_shift_u32(misfire_rate_200_3, 24u, 0xffu);
-    memcpy(&misfire_rate_200_4, &src_p->misfire_rate_200_4, sizeof(misfire_rate_200_4));
-    dst_p[48] |= pack_left_shift_u32(misfire_rate_200_4, 0u, 0xffu);
-    dst_p[49] |= pack_right_shift_u32(misfire_rate_200_4, 8u, 0xffu);
-    dst_p[50] |= pack_right_shift_u32(misfire_rate_200_4, 16u, 0xffu);
-    dst_p[51] |= pack_right_shift_u32(misfire_rate_200_4, 24u, 0xffu);
-    memcpy(&misfire_rate_200_5, &src_p->misfire_rate_200_5, sizeof(misfire_rate_200_5));
-    dst_p[52] |= pack_left_shift_u32(misfire_rate_200_5, 0u, 0xffu);
-    dst_p[53] |= pack_right_shift_u32(misfire_rate_200_5, 8u, 0xffu);
-    dst_p[54] |= pack_right_shift_u32(misfire_rate_200_5, 16u, 0xffu);
-    dst_p[55] |= pack_right_shift_u32(misfire_rate_200_5, 24u, 0xffu);
-    memcpy(&misfire_rate_200_6, &src_p->misfire_rate_200_6, sizeof(misfire_rate_200_6));
-    dst_p[56] |= pack_left_shift_u32(misfire_rate_200_6, 0u, 0xffu);
-    dst_p[57] |= pack_right_shift_u32(misfire_rate_200_6, 8u, 0xffu);
-    dst_p[58] |= pack_right_shift_u32(misfire_rate_200_6, 16u, 0xffu);
-    dst_p[59] |= pack_right_shift_u32(misfire_rate_200_6, 24u, 0xffu);
-    memcpy(&misfire_rate_200_7, &src_p->misfire_rate_200_7, sizeof(misfire_rate_200_7));
-    dst_p[60] |= pack_left_shift_u32(misfire_rate_200_7, 0u, 0xffu);
-    dst_p[61] |= pack_right_shift_u32(misfire_rate_200_7, 8u, 0xffu);
-    dst_p[62] |= pack_right_shift_u32(misfire_rate_200_7, 16u, 0xffu);
-    dst_p[63] |= pack_right_shift_u32(misfire_rate_200_7, 24u, 0xffu);
+    dst_p[57] |= pack_left_shift_u32(misfire_rate_200_3, 0u, 0xffu);
+    dst_p[58] |= pack_right_shift_u32(misfire_rate_200_3, 8u, 0xffu);
+    dst_p[59] |= pack_right_shift_u32(misfire_rate_200_3, 16u, 0xffu);
+    dst_p[60] |= pack_right_shift_u32(misfire_rate_200_3, 24u, 0xffu);
 
     return (64);
 }
@@ -3987,6 +3888,8 @@ int sd_bus_cycle_4_unpack(
     const uint8_t *src_p,
     size_t size)
 {
+    uint32_t afr_probing;
+    uint32_t balance_trim_1;
     uint32_t balance_trim_2;
     uint32_t balance_trim_3;
     uint32_t balance_trim_4;
@@ -3997,10 +3900,6 @@ int sd_bus_cycle_4_unpack(
     uint32_t misfire_rate_200_1;
     uint32_t misfire_rate_200_2;
     uint32_t misfire_rate_200_3;
-    uint32_t misfire_rate_200_4;
-    uint32_t misfire_rate_200_5;
-    uint32_t misfire_rate_200_6;
-    uint32_t misfire_rate_200_7;
 
     if (size < 64u) {
         return (-EINVAL);
@@ -4010,80 +3909,75 @@ int sd_bus_cycle_4_unpack(
     dst_p->tick |= unpack_left_shift_u32(src_p[1], 8u, 0xffu);
     dst_p->tick |= unpack_left_shift_u32(src_p[2], 16u, 0xffu);
     dst_p->tick |= unpack_left_shift_u32(src_p[3], 24u, 0xffu);
-    dst_p->balance_health = unpack_right_shift_u8(src_p[4], 0u, 0xffu);
-    dst_p->balance_why = unpack_right_shift_u8(src_p[5], 0u, 0xffu);
-    dst_p->misfire_health = unpack_right_shift_u8(src_p[6], 0u, 0xffu);
-    dst_p->misfire_why = unpack_right_shift_u8(src_p[7], 0u, 0xffu);
-    balance_trim_2 = unpack_right_shift_u32(src_p[8], 0u, 0xffu);
-    balance_trim_2 |= unpack_left_shift_u32(src_p[9], 8u, 0xffu);
-    balance_trim_2 |= unpack_left_shift_u32(src_p[10], 16u, 0xffu);
-    balance_trim_2 |= unpack_left_shift_u32(src_p[11], 24u, 0xffu);
+    dst_p->afr_health = unpack_right_shift_u8(src_p[4], 0u, 0xffu);
+    dst_p->afr_why = unpack_right_shift_u16(src_p[5], 0u, 0xffu);
+    dst_p->afr_why |= unpack_left_shift_u16(src_p[6], 8u, 0xffu);
+    dst_p->balance_health = unpack_right_shift_u8(src_p[7], 0u, 0xffu);
+    dst_p->balance_why = unpack_right_shift_u16(src_p[8], 0u, 0xffu);
+    dst_p->balance_why |= unpack_left_shift_u16(src_p[9], 8u, 0xffu);
+    dst_p->misfire_health = unpack_right_shift_u8(src_p[10], 0u, 0xffu);
+    dst_p->misfire_why = unpack_right_shift_u16(src_p[11], 0u, 0xffu);
+    dst_p->misfire_why |= unpack_left_shift_u16(src_p[12], 8u, 0xffu);
+    afr_probing = unpack_right_shift_u32(src_p[13], 0u, 0xffu);
+    afr_probing |= unpack_left_shift_u32(src_p[14], 8u, 0xffu);
+    afr_probing |= unpack_left_shift_u32(src_p[15], 16u, 0xffu);
+    afr_probing |= unpack_left_shift_u32(src_p[16], 24u, 0xffu);
+    memcpy(&dst_p->afr_probing, &afr_probing, sizeof(dst_p->afr_probing));
+    balance_trim_1 = unpack_right_shift_u32(src_p[17], 0u, 0xffu);
+    balance_trim_1 |= unpack_left_shift_u32(src_p[18], 8u, 0xffu);
+    balance_trim_1 |= unpack_left_shift_u32(src_p[19], 16u, 0xffu);
+    balance_trim_1 |= unpack_left_shift_u32(src_p[20], 24u, 0xffu);
+    memcpy(&dst_p->balance_trim_1, &balance_trim_1, sizeof(dst_p->balance_trim_1));
+    balance_trim_2 = unpack_right_shift_u32(src_p[21], 0u, 0xffu);
+    balance_trim_2 |= unpack_left_shift_u32(src_p[22], 8u, 0xffu);
+    balance_trim_2 |= unpack_left_shift_u32(src_p[23], 16u, 0xffu);
+    balance_trim_2 |= unpack_left_shift_u32(src_p[24], 24u, 0xffu);
     memcpy(&dst_p->balance_trim_2, &balance_trim_2, sizeof(dst_p->balance_trim_2));
-    balance_trim_3 = unpack_right_shift_u32(src_p[12], 0u, 0xffu);
-    balance_trim_3 |= unpack_left_shift_u32(src_p[13], 8u, 0xffu);
-    balance_trim_3 |= unpack_left_shift_u32(src_p[14], 16u, 0xffu);
-    balance_trim_3 |= unpack_left_shift_u32(src_p[15], 24u, 0xffu);
+    balance_trim_3 = unpack_right_shift_u32(src_p[25], 0u, 0xffu);
+    balance_trim_3 |= unpack_left_shift_u32(src_p[26], 8u, 0xffu);
+    balance_trim_3 |= unpack_left_shift_u32(src_p[27], 16u, 0xffu);
+    balance_trim_3 |= unpack_left_shift_u32(src_p[28], 24u, 0xffu);
     memcpy(&dst_p->balance_trim_3, &balance_trim_3, sizeof(dst_p->balance_trim_3));
-    balance_trim_4 = unpack_right_shift_u32(src_p[16], 0u, 0xffu);
-    balance_trim_4 |= unpack_left_shift_u32(src_p[17], 8u, 0xffu);
-    balance_trim_4 |= unpack_left_shift_u32(src_p[18], 16u, 0xffu);
-    balance_trim_4 |= unpack_left_shift_u32(src_p[19], 24u, 0xffu);
+    balance_trim_4 = unpack_right_shift_u32(src_p[29], 0u, 0xffu);
+    balance_trim_4 |= unpack_left_shift_u32(src_p[30], 8u, 0xffu);
+    balance_trim_4 |= unpack_left_shift_u32(src_p[31], 16u, 0xffu);
+    balance_trim_4 |= unpack_left_shift_u32(src_p[32], 24u, 0xffu);
     memcpy(&dst_p->balance_trim_4, &balance_trim_4, sizeof(dst_p->balance_trim_4));
-    balance_trim_5 = unpack_right_shift_u32(src_p[20], 0u, 0xffu);
-    balance_trim_5 |= unpack_left_shift_u32(src_p[21], 8u, 0xffu);
-    balance_trim_5 |= unpack_left_shift_u32(src_p[22], 16u, 0xffu);
-    balance_trim_5 |= unpack_left_shift_u32(src_p[23], 24u, 0xffu);
+    balance_trim_5 = unpack_right_shift_u32(src_p[33], 0u, 0xffu);
+    balance_trim_5 |= unpack_left_shift_u32(src_p[34], 8u, 0xffu);
+    balance_trim_5 |= unpack_left_shift_u32(src_p[35], 16u, 0xffu);
+    balance_trim_5 |= unpack_left_shift_u32(src_p[36], 24u, 0xffu);
     memcpy(&dst_p->balance_trim_5, &balance_trim_5, sizeof(dst_p->balance_trim_5));
-    balance_trim_6 = unpack_right_shift_u32(src_p[24], 0u, 0xffu);
-    balance_trim_6 |= unpack_left_shift_u32(src_p[25], 8u, 0xffu);
-    balance_trim_6 |= unpack_left_shift_u32(src_p[26], 16u, 0xffu);
-    balance_trim_6 |= unpack_left_shift_u32(src_p[27], 24u, 0xffu);
+    balance_trim_6 = unpack_right_shift_u32(src_p[37], 0u, 0xffu);
+    balance_trim_6 |= unpack_left_shift_u32(src_p[38], 8u, 0xffu);
+    balance_trim_6 |= unpack_left_shift_u32(src_p[39], 16u, 0xffu);
+    balance_trim_6 |= unpack_left_shift_u32(src_p[40], 24u, 0xffu);
     memcpy(&dst_p->balance_trim_6, &balance_trim_6, sizeof(dst_p->balance_trim_6));
-    balance_trim_7 = unpack_right_shift_u32(src_p[28], 0u, 0xffu);
-    balance_trim_7 |= unpack_left_shift_u32(src_p[29], 8u, 0xffu);
-    balance_trim_7 |= unpack_left_shift_u32(src_p[30], 16u, 0xffu);
-    balance_trim_7 |= unpack_left_shift_u32(src_p[31], 24u, 0xffu);
+    balance_trim_7 = unpack_right_shift_u32(src_p[41], 0u, 0xffu);
+    balance_trim_7 |= unpack_left_shift_u32(src_p[42], 8u, 0xffu);
+    balance_trim_7 |= unpack_left_shift_u32(src_p[43], 16u, 0xffu);
+    balance_trim_7 |= unpack_left_shift_u32(src_p[44], 24u, 0xffu);
     memcpy(&dst_p->balance_trim_7, &balance_trim_7, sizeof(dst_p->balance_trim_7));
-    balance_trim_8 = unpack_right_shift_u32(src_p[32], 0u, 0xffu);
-    balance_trim_8 |= unpack_left_shift_u32(src_p[33], 8u, 0xffu);
-    balance_trim_8 |= unpack_left_shift_u32(src_p[34], 16u, 0xffu);
-    balance_trim_8 |= unpack_left_shift_u32(src_p[35], 24u, 0xffu);
+    balance_trim_8 = unpack_right_shift_u32(src_p[45], 0u, 0xffu);
+    balance_trim_8 |= unpack_left_shift_u32(src_p[46], 8u, 0xffu);
+    balance_trim_8 |= unpack_left_shift_u32(src_p[47], 16u, 0xffu);
+    balance_trim_8 |= unpack_left_shift_u32(src_p[48], 24u, 0xffu);
     memcpy(&dst_p->balance_trim_8, &balance_trim_8, sizeof(dst_p->balance_trim_8));
-    misfire_rate_200_1 = unpack_right_shift_u32(src_p[36], 0u, 0xffu);
-    misfire_rate_200_1 |= unpack_left_shift_u32(src_p[37], 8u, 0xffu);
-    misfire_rate_200_1 |= unpack_left_shift_u32(src_p[38], 16u, 0xffu);
-    misfire_rate_200_1 |= unpack_left_shift_u32(src_p[39], 24u, 0xffu);
+    misfire_rate_200_1 = unpack_right_shift_u32(src_p[49], 0u, 0xffu);
+    misfire_rate_200_1 |= unpack_left_shift_u32(src_p[50], 8u, 0xffu);
+    misfire_rate_200_1 |= unpack_left_shift_u32(src_p[51], 16u, 0xffu);
+    misfire_rate_200_1 |= unpack_left_shift_u32(src_p[52], 24u, 0xffu);
     memcpy(&dst_p->misfire_rate_200_1, &misfire_rate_200_1, sizeof(dst_p->misfire_rate_200_1));
-    misfire_rate_200_2 = unpack_right_shift_u32(src_p[40], 0u, 0xffu);
-    misfire_rate_200_2 |= unpack_left_shift_u32(src_p[41], 8u, 0xffu);
-    misfire_rate_200_2 |= unpack_left_shift_u32(src_p[42], 16u, 0xffu);
-    misfire_rate_200_2 |= unpack_left_shift_u32(src_p[43], 24u, 0xffu);
+    misfire_rate_200_2 = unpack_right_shift_u32(src_p[53], 0u, 0xffu);
+    misfire_rate_200_2 |= unpack_left_shift_u32(src_p[54], 8u, 0xffu);
+    misfire_rate_200_2 |= unpack_left_shift_u32(src_p[55], 16u, 0xffu);
+    misfire_rate_200_2 |= unpack_left_shift_u32(src_p[56], 24u, 0xffu);
     memcpy(&dst_p->misfire_rate_200_2, &misfire_rate_200_2, sizeof(dst_p->misfire_rate_200_2));
-    misfire_rate_200_3 = unpack_right_shift_u32(src_p[44], 0u, 0xffu);
-    misfire_rate_200_3 |= unpack_left_shift_u32(src_p[45], 8u, 0xffu);
-    misfire_rate_200_3 |= unpack_left_shift_u32(src_p[46], 16u, 0xffu);
-    misfire_rate_200_3 |= unpack_left_shift_u32(src_p[47], 24u, 0xffu);
+    misfire_rate_200_3 = unpack_right_shift_u32(src_p[57], 0u, 0xffu);
+    misfire_rate_200_3 |= unpack_left_shift_u32(src_p[58], 8u, 0xffu);
+    misfire_rate_200_3 |= unpack_left_shift_u32(src_p[59], 16u, 0xffu);
+    misfire_rate_200_3 |= unpack_left_shift_u32(src_p[60], 24u, 0xffu);
     memcpy(&dst_p->misfire_rate_200_3, &misfire_rate_200_3, sizeof(dst_p->misfire_rate_200_3));
-    misfire_rate_200_4 = unpack_right_shift_u32(src_p[48], 0u, 0xffu);
-    misfire_rate_200_4 |= unpack_left_shift_u32(src_p[49], 8u, 0xffu);
-    misfire_rate_200_4 |= unpack_left_shift_u32(src_p[50], 16u, 0xffu);
-    misfire_rate_200_4 |= unpack_left_shift_u32(src_p[51], 24u, 0xffu);
-    memcpy(&dst_p->misfire_rate_200_4, &misfire_rate_200_4, sizeof(dst_p->misfire_rate_200_4));
-    misfire_rate_200_5 = unpack_right_shift_u32(src_p[52], 0u, 0xffu);
-    misfire_rate_200_5 |= unpack_left_shift_u32(src_p[53], 8u, 0xffu);
-    misfire_rate_200_5 |= unpack_left_shift_u32(src_p[54], 16u, 0xffu);
-    misfire_rate_200_5 |= unpack_left_shift_u32(src_p[55], 24u, 0xffu);
-    memcpy(&dst_p->misfire_rate_200_5, &misfire_rate_200_5, sizeof(dst_p->misfire_rate_200_5));
-    misfire_rate_200_6 = unpack_right_shift_u32(src_p[56], 0u, 0xffu);
-    misfire_rate_200_6 |= unpack_left_shift_u32(src_p[57], 8u, 0xffu);
-    misfire_rate_200_6 |= unpack_left_shift_u32(src_p[58], 16u, 0xffu);
-    misfire_rate_200_6 |= unpack_left_shift_u32(src_p[59], 24u, 0xffu);
-    memcpy(&dst_p->misfire_rate_200_6, &misfire_rate_200_6, sizeof(dst_p->misfire_rate_200_6));
-    misfire_rate_200_7 = unpack_right_shift_u32(src_p[60], 0u, 0xffu);
-    misfire_rate_200_7 |= unpack_left_shift_u32(src_p[61], 8u, 0xffu);
-    misfire_rate_200_7 |= unpack_left_shift_u32(src_p[62], 16u, 0xffu);
-    misfire_rate_200_7 |= unpack_left_shift_u32(src_p[63], 24u, 0xffu);
-    memcpy(&dst_p->misfire_rate_200_7, &misfire_rate_200_7, sizeof(dst_p->misfire_rate_200_7));
 
     return (0);
 }
@@ -4119,6 +4013,48 @@ bool sd_bus_cycle_4_tick_is_in_phys_range(double value)
     return ((value >= 0.0) && (value <= 4294967295.0));
 }
 
+uint8_t sd_bus_cycle_4_afr_health_encode(double value)
+{
+    return (uint8_t)(cantools_unsigned_from_double(round(value)));
+}
+
+double sd_bus_cycle_4_afr_health_decode(uint8_t value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_cycle_4_afr_health_is_in_range(uint8_t value)
+{
+    return (value <= 2u);
+}
+
+bool sd_bus_cycle_4_afr_health_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 2.0));
+}
+
+uint16_t sd_bus_cycle_4_afr_why_encode(double value)
+{
+    return (uint16_t)(cantools_unsigned_from_double(round(value)));
+}
+
+double sd_bus_cycle_4_afr_why_decode(uint16_t value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_cycle_4_afr_why_is_in_range(uint16_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool sd_bus_cycle_4_afr_why_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 65535.0));
+}
+
 uint8_t sd_bus_cycle_4_balance_health_encode(double value)
 {
     return (uint8_t)(cantools_unsigned_from_double(round(value)));
@@ -4139,17 +4075,17 @@ bool sd_bus_cycle_4_balance_health_is_in_phys_range(double value)
     return ((value >= 0.0) && (value <= 2.0));
 }
 
-uint8_t sd_bus_cycle_4_balance_why_encode(double value)
+uint16_t sd_bus_cycle_4_balance_why_encode(double value)
 {
-    return (uint8_t)(cantools_unsigned_from_double(round(value)));
+    return (uint16_t)(cantools_unsigned_from_double(round(value)));
 }
 
-double sd_bus_cycle_4_balance_why_decode(uint8_t value)
+double sd_bus_cycle_4_balance_why_decode(uint16_t value)
 {
     return ((double)value);
 }
 
-bool sd_bus_cycle_4_balance_why_is_in_range(uint8_t value)
+bool sd_bus_cycle_4_balance_why_is_in_range(uint16_t value)
 {
     (void)value;
 
@@ -4158,7 +4094,7 @@ bool sd_bus_cycle_4_balance_why_is_in_range(uint8_t value)
 
 bool sd_bus_cycle_4_balance_why_is_in_phys_range(double value)
 {
-    return ((value >= 0.0) && (value <= 255.0));
+    return ((value >= 0.0) && (value <= 65535.0));
 }
 
 uint8_t sd_bus_cycle_4_misfire_health_encode(double value)
@@ -4181,17 +4117,17 @@ bool sd_bus_cycle_4_misfire_health_is_in_phys_range(double value)
     return ((value >= 0.0) && (value <= 2.0));
 }
 
-uint8_t sd_bus_cycle_4_misfire_why_encode(double value)
+uint16_t sd_bus_cycle_4_misfire_why_encode(double value)
 {
-    return (uint8_t)(cantools_unsigned_from_double(round(value)));
+    return (uint16_t)(cantools_unsigned_from_double(round(value)));
 }
 
-double sd_bus_cycle_4_misfire_why_decode(uint8_t value)
+double sd_bus_cycle_4_misfire_why_decode(uint16_t value)
 {
     return ((double)value);
 }
 
-bool sd_bus_cycle_4_misfire_why_is_in_range(uint8_t value)
+bool sd_bus_cycle_4_misfire_why_is_in_range(uint16_t value)
 {
     (void)value;
 
@@ -4200,7 +4136,47 @@ bool sd_bus_cycle_4_misfire_why_is_in_range(uint8_t value)
 
 bool sd_bus_cycle_4_misfire_why_is_in_phys_range(double value)
 {
-    return ((value >= 0.0) && (value <= 255.0));
+    return ((value >= 0.0) && (value <= 65535.0));
+}
+
+float sd_bus_cycle_4_afr_probing_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_cycle_4_afr_probing_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_cycle_4_afr_probing_is_in_range(float value)
+{
+    return ((value >= 0.0f) && (value <= 1.0f));
+}
+
+bool sd_bus_cycle_4_afr_probing_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 1.0));
+}
+
+float sd_bus_cycle_4_balance_trim_1_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_cycle_4_balance_trim_1_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_cycle_4_balance_trim_1_is_in_range(float value)
+{
+    return ((value >= -0.5f) && (value <= 0.5f));
+}
+
+bool sd_bus_cycle_4_balance_trim_1_is_in_phys_range(double value)
+{
+    return ((value >= -0.5) && (value <= 0.5));
 }
 
 float sd_bus_cycle_4_balance_trim_2_encode(double value)
@@ -4403,95 +4379,12 @@ bool sd_bus_cycle_4_misfire_rate_200_3_is_in_phys_range(double value)
     return ((value >= 0.0) && (value <= 100.0));
 }
 
-float sd_bus_cycle_4_misfire_rate_200_4_encode(double value)
-{
-    return (float)(value);
-}
-
-double sd_bus_cycle_4_misfire_rate_200_4_decode(float value)
-{
-    return ((double)value);
-}
-
-bool sd_bus_cycle_4_misfire_rate_200_4_is_in_range(float value)
-{
-    return ((value >= 0.0f) && (value <= 100.0f));
-}
-
-bool sd_bus_cycle_4_misfire_rate_200_4_is_in_phys_range(double value)
-{
-    return ((value >= 0.0) && (value <= 100.0));
-}
-
-float sd_bus_cycle_4_misfire_rate_200_5_encode(double value)
-{
-    return (float)(value);
-}
-
-double sd_bus_cycle_4_misfire_rate_200_5_decode(float value)
-{
-    return ((double)value);
-}
-
-bool sd_bus_cycle_4_misfire_rate_200_5_is_in_range(float value)
-{
-    return ((value >= 0.0f) && (value <= 100.0f));
-}
-
-bool sd_bus_cycle_4_misfire_rate_200_5_is_in_phys_range(double value)
-{
-    return ((value >= 0.0) && (value <= 100.0));
-}
-
-float sd_bus_cycle_4_misfire_rate_200_6_encode(double value)
-{
-    return (float)(value);
-}
-
-double sd_bus_cycle_4_misfire_rate_200_6_decode(float value)
-{
-    return ((double)value);
-}
-
-bool sd_bus_cycle_4_misfire_rate_200_6_is_in_range(float value)
-{
-    return ((value >= 0.0f) && (value <= 100.0f));
-}
-
-bool sd_bus_cycle_4_misfire_rate_200_6_is_in_phys_range(double value)
-{
-    return ((value >= 0.0) && (value <= 100.0));
-}
-
-float sd_bus_cycle_4_misfire_rate_200_7_encode(double value)
-{
-    return (float)(value);
-}
-
-double sd_bus_cycle_4_misfire_rate_200_7_decode(float value)
-{
-    return ((double)value);
-}
-
-bool sd_bus_cycle_4_misfire_rate_200_7_is_in_range(float value)
-{
-    return ((value >= 0.0f) && (value <= 100.0f));
-}
-
-bool sd_bus_cycle_4_misfire_rate_200_7_is_in_phys_range(double value)
-{
-    return ((value >= 0.0) && (value <= 100.0));
-}
-
 int sd_bus_cycle_5_pack(
     uint8_t *dst_p,
     const struct sd_bus_cycle_5_t *src_p,
     size_t size)
 {
     uint32_t misfire_continuous;
-    uint32_t misfire_count;
-    uint32_t misfire_lamp;
-    uint32_t misfire_partial_burns;
     uint32_t misfire_rate_1000_1;
     uint32_t misfire_rate_1000_2;
     uint32_t misfire_rate_1000_3;
@@ -4500,8 +4393,11 @@ int sd_bus_cycle_5_pack(
     uint32_t misfire_rate_1000_6;
     uint32_t misfire_rate_1000_7;
     uint32_t misfire_rate_1000_8;
+    uint32_t misfire_rate_200_4;
+    uint32_t misfire_rate_200_5;
+    uint32_t misfire_rate_200_6;
+    uint32_t misfire_rate_200_7;
     uint32_t misfire_rate_200_8;
-    uint32_t misfire_suspects;
 
     if (size < 64u) {
         return (-EINVAL);
@@ -4514,77 +4410,78 @@ int sd_bus_cycle_5_pack(
     dst_p[2] |= pack_right_shift_u32(src_p->tick, 16u, 0xffu);
     dst_p[3] |= pack_right_shift_u32(src_p->tick, 24u, 0xffu);
     dst_p[4] |= pack_left_shift_u8(src_p->misfire_health, 0u, 0xffu);
-    dst_p[5] |= pack_left_shift_u8(src_p->misfire_why, 0u, 0xffu);
+    dst_p[5] |= pack_left_shift_u16(src_p->misfire_why, 0u, 0xffu);
+    dst_p[6] |= pack_right_shift_u16(src_p->misfire_why, 8u, 0xffu);
+    memcpy(&misfire_rate_200_4, &src_p->misfire_rate_200_4, sizeof(misfire_rate_200_4));
+    dst_p[7] |= pack_left_shift_u32(misfire_rate_200_4, 0u, 0xffu);
+    dst_p[8] |= pack_right_shift_u32(misfire_rate_200_4, 8u, 0xffu);
+    dst_p[9] |= pack_right_shift_u32(misfire_rate_200_4, 16u, 0xffu);
+    dst_p[10] |= pack_right_shift_u32(misfire_rate_200_4, 24u, 0xffu);
+    memcpy(&misfire_rate_200_5, &src_p->misfire_rate_200_5, sizeof(misfire_rate_200_5));
+    dst_p[11] |= pack_left_shift_u32(misfire_rate_200_5, 0u, 0xffu);
+    dst_p[12] |= pack_right_shift_u32(misfire_rate_200_5, 8u, 0xffu);
+    dst_p[13] |= pack_right_shift_u32(misfire_rate_200_5, 16u, 0xffu);
+    dst_p[14] |= pack_right_shift_u32(misfire_rate_200_5, 24u, 0xffu);
+    memcpy(&misfire_rate_200_6, &src_p->misfire_rate_200_6, sizeof(misfire_rate_200_6));
+    dst_p[15] |= pack_left_shift_u32(misfire_rate_200_6, 0u, 0xffu);
+    dst_p[16] |= pack_right_shift_u32(misfire_rate_200_6, 8u, 0xffu);
+    dst_p[17] |= pack_right_shift_u32(misfire_rate_200_6, 16u, 0xffu);
+    dst_p[18] |= pack_right_shift_u32(misfire_rate_200_6, 24u, 0xffu);
+    memcpy(&misfire_rate_200_7, &src_p->misfire_rate_200_7, sizeof(misfire_rate_200_7));
+    dst_p[19] |= pack_left_shift_u32(misfire_rate_200_7, 0u, 0xffu);
+    dst_p[20] |= pack_right_shift_u32(misfire_rate_200_7, 8u, 0xffu);
+    dst_p[21] |= pack_right_shift_u32(misfire_rate_200_7, 16u, 0xffu);
+    dst_p[22] |= pack_right_shift_u32(misfire_rate_200_7, 24u, 0xffu);
     memcpy(&misfire_rate_200_8, &src_p->misfire_rate_200_8, sizeof(misfire_rate_200_8));
-    dst_p[6] |= pack_left_shift_u32(misfire_rate_200_8, 0u, 0xffu);
-    dst_p[7] |= pack_right_shift_u32(misfire_rate_200_8, 8u, 0xffu);
-    dst_p[8] |= pack_right_shift_u32(misfire_rate_200_8, 16u, 0xffu);
-    dst_p[9] |= pack_right_shift_u32(misfire_rate_200_8, 24u, 0xffu);
+    dst_p[23] |= pack_left_shift_u32(misfire_rate_200_8, 0u, 0xffu);
+    dst_p[24] |= pack_right_shift_u32(misfire_rate_200_8, 8u, 0xffu);
+    dst_p[25] |= pack_right_shift_u32(misfire_rate_200_8, 16u, 0xffu);
+    dst_p[26] |= pack_right_shift_u32(misfire_rate_200_8, 24u, 0xffu);
     memcpy(&misfire_rate_1000_1, &src_p->misfire_rate_1000_1, sizeof(misfire_rate_1000_1));
-    dst_p[10] |= pack_left_shift_u32(misfire_rate_1000_1, 0u, 0xffu);
-    dst_p[11] |= pack_right_shift_u32(misfire_rate_1000_1, 8u, 0xffu);
-    dst_p[12] |= pack_right_shift_u32(misfire_rate_1000_1, 16u, 0xffu);
-    dst_p[13] |= pack_right_shift_u32(misfire_rate_1000_1, 24u, 0xffu);
+    dst_p[27] |= pack_left_shift_u32(misfire_rate_1000_1, 0u, 0xffu);
+    dst_p[28] |= pack_right_shift_u32(misfire_rate_1000_1, 8u, 0xffu);
+    dst_p[29] |= pack_right_shift_u32(misfire_rate_1000_1, 16u, 0xffu);
+    dst_p[30] |= pack_right_shift_u32(misfire_rate_1000_1, 24u, 0xffu);
     memcpy(&misfire_rate_1000_2, &src_p->misfire_rate_1000_2, sizeof(misfire_rate_1000_2));
-    dst_p[14] |= pack_left_shift_u32(misfire_rate_1000_2, 0u, 0xffu);
-    dst_p[15] |= pack_right_shift_u32(misfire_rate_1000_2, 8u, 0xffu);
-    dst_p[16] |= pack_right_shift_u32(misfire_rate_1000_2, 16u, 0xffu);
-    dst_p[17] |= pack_right_shift_u32(misfire_rate_1000_2, 24u, 0xffu);
+    dst_p[31] |= pack_left_shift_u32(misfire_rate_1000_2, 0u, 0xffu);
+    dst_p[32] |= pack_right_shift_u32(misfire_rate_1000_2, 8u, 0xffu);
+    dst_p[33] |= pack_right_shift_u32(misfire_rate_1000_2, 16u, 0xffu);
+    dst_p[34] |= pack_right_shift_u32(misfire_rate_1000_2, 24u, 0xffu);
     memcpy(&misfire_rate_1000_3, &src_p->misfire_rate_1000_3, sizeof(misfire_rate_1000_3));
-    dst_p[18] |= pack_left_shift_u32(misfire_rate_1000_3, 0u, 0xffu);
-    dst_p[19] |= pack_right_shift_u32(misfire_rate_1000_3, 8u, 0xffu);
-    dst_p[20] |= pack_right_shift_u32(misfire_rate_1000_3, 16u, 0xffu);
-    dst_p[21] |= pack_right_shift_u32(misfire_rate_1000_3, 24u, 0xffu);
+    dst_p[35] |= pack_left_shift_u32(misfire_rate_1000_3, 0u, 0xffu);
+    dst_p[36] |= pack_right_shift_u32(misfire_rate_1000_3, 8u, 0xffu);
+    dst_p[37] |= pack_right_shift_u32(misfire_rate_1000_3, 16u, 0xffu);
+    dst_p[38] |= pack_right_shift_u32(misfire_rate_1000_3, 24u, 0xffu);
     memcpy(&misfire_rate_1000_4, &src_p->misfire_rate_1000_4, sizeof(misfire_rate_1000_4));
-    dst_p[22] |= pack_left_shift_u32(misfire_rate_1000_4, 0u, 0xffu);
-    dst_p[23] |= pack_right_shift_u32(misfire_rate_1000_4, 8u, 0xffu);
-    dst_p[24] |= pack_right_shift_u32(misfire_rate_1000_4, 16u, 0xffu);
-    dst_p[25] |= pack_right_shift_u32(misfire_rate_1000_4, 24u, 0xffu);
+    dst_p[39] |= pack_left_shift_u32(misfire_rate_1000_4, 0u, 0xffu);
+    dst_p[40] |= pack_right_shift_u32(misfire_rate_1000_4, 8u, 0xffu);
+    dst_p[41] |= pack_right_shift_u32(misfire_rate_1000_4, 16u, 0xffu);
+    dst_p[42] |= pack_right_shift_u32(misfire_rate_1000_4, 24u, 0xffu);
     memcpy(&misfire_rate_1000_5, &src_p->misfire_rate_1000_5, sizeof(misfire_rate_1000_5));
-    dst_p[26] |= pack_left_shift_u32(misfire_rate_1000_5, 0u, 0xffu);
-    dst_p[27] |= pack_right_shift_u32(misfire_rate_1000_5, 8u, 0xffu);
-    dst_p[28] |= pack_right_shift_u32(misfire_rate_1000_5, 16u, 0xffu);
-    dst_p[29] |= pack_right_shift_u32(misfire_rate_1000_5, 24u, 0xffu);
+    dst_p[43] |= pack_left_shift_u32(misfire_rate_1000_5, 0u, 0xffu);
+    dst_p[44] |= pack_right_shift_u32(misfire_rate_1000_5, 8u, 0xffu);
+    dst_p[45] |= pack_right_shift_u32(misfire_rate_1000_5, 16u, 0xffu);
+    dst_p[46] |= pack_right_shift_u32(misfire_rate_1000_5, 24u, 0xffu);
     memcpy(&misfire_rate_1000_6, &src_p->misfire_rate_1000_6, sizeof(misfire_rate_1000_6));
-    dst_p[30] |= pack_left_shift_u32(misfire_rate_1000_6, 0u, 0xffu);
-    dst_p[31] |= pack_right_shift_u32(misfire_rate_1000_6, 8u, 0xffu);
-    dst_p[32] |= pack_right_shift_u32(misfire_rate_1000_6, 16u, 0xffu);
-    dst_p[33] |= pack_right_shift_u32(misfire_rate_1000_6, 24u, 0xffu);
+    dst_p[47] |= pack_left_shift_u32(misfire_rate_1000_6, 0u, 0xffu);
+    dst_p[48] |= pack_right_shift_u32(misfire_rate_1000_6, 8u, 0xffu);
+    dst_p[49] |= pack_right_shift_u32(misfire_rate_1000_6, 16u, 0xffu);
+    dst_p[50] |= pack_right_shift_u32(misfire_rate_1000_6, 24u, 0xffu);
     memcpy(&misfire_rate_1000_7, &src_p->misfire_rate_1000_7, sizeof(misfire_rate_1000_7));
-    dst_p[34] |= pack_left_shift_u32(misfire_rate_1000_7, 0u, 0xffu);
-    dst_p[35] |= pack_right_shift_u32(misfire_rate_1000_7, 8u, 0xffu);
-    dst_p[36] |= pack_right_shift_u32(misfire_rate_1000_7, 16u, 0xffu);
-    dst_p[37] |= pack_right_shift_u32(misfire_rate_1000_7, 24u, 0xffu);
+    dst_p[51] |= pack_left_shift_u32(misfire_rate_1000_7, 0u, 0xffu);
+    dst_p[52] |= pack_right_shift_u32(misfire_rate_1000_7, 8u, 0xffu);
+    dst_p[53] |= pack_right_shift_u32(misfire_rate_1000_7, 16u, 0xffu);
+    dst_p[54] |= pack_right_shift_u32(misfire_rate_1000_7, 24u, 0xffu);
     memcpy(&misfire_rate_1000_8, &src_p->misfire_rate_1000_8, sizeof(misfire_rate_1000_8));
-    dst_p[38] |= pack_left_shift_u32(misfire_rate_1000_8, 0u, 0xffu);
-    dst_p[39] |= pack_right_shift_u32(misfire_rate_1000_8, 8u, 0xffu);
-    dst_p[40] |= pack_right_shift_u32(misfire_rate_1000_8, 16u, 0xffu);
-    dst_p[41] |= pack_right_shift_u32(misfire_rate_1000_8, 24u, 0xffu);
+    dst_p[55] |= pack_left_shift_u32(misfire_rate_1000_8, 0u, 0xffu);
+    dst_p[56] |= pack_right_shift_u32(misfire_rate_1000_8, 8u, 0xffu);
+    dst_p[57] |= pack_right_shift_u32(misfire_rate_1000_8, 16u, 0xffu);
+    dst_p[58] |= pack_right_shift_u32(misfire_rate_1000_8, 24u, 0xffu);
     memcpy(&misfire_continuous, &src_p->misfire_continuous, sizeof(misfire_continuous));
-    dst_p[42] |= pack_left_shift_u32(misfire_continuous, 0u, 0xffu);
-    dst_p[43] |= pack_right_shift_u32(misfire_continuous, 8u, 0xffu);
-    dst_p[44] |= pack_right_shift_u32(misfire_continuous, 16u, 0xffu);
-    dst_p[45] |= pack_right_shift_u32(misfire_continuous, 24u, 0xffu);
-    memcpy(&misfire_suspects, &src_p->misfire_suspects, sizeof(misfire_suspects));
-    dst_p[46] |= pack_left_shift_u32(misfire_suspects, 0u, 0xffu);
-    dst_p[47] |= pack_right_shift_u32(misfire_suspects, 8u, 0xffu);
-    dst_p[48] |= pack_right_shift_u32(misfire_suspects, 16u, 0xffu);
-    dst_p[49] |= pack_right_shift_u32(misfire_suspects, 24u, 0xffu);
-    memcpy(&misfire_lamp, &src_p->misfire_lamp, sizeof(misfire_lamp));
-    dst_p[50] |= pack_left_shift_u32(misfire_lamp, 0u, 0xffu);
-    dst_p[51] |= pack_right_shift_u32(misfire_lamp, 8u, 0xffu);
-    dst_p[52] |= pack_right_shift_u32(misfire_lamp, 16u, 0xffu);
-    dst_p[53] |= pack_right_shift_u32(misfire_lamp, 24u, 0xffu);
-    memcpy(&misfire_count, &src_p->misfire_count, sizeof(misfire_count));
-    dst_p[54] |= pack_left_shift_u32(misfire_count, 0u, 0xffu);
-    dst_p[55] |= pack_right_shift_u32(misfire_count, 8u, 0xffu);
-    dst_p[56] |= pack_right_shift_u32(misfire_count, 16u, 0xffu);
-    dst_p[57] |= pack_right_shift_u32(misfire_count, 24u, 0xffu);
-    memcpy(&misfire_partial_burns, &src_p->misfire_partial_burns, sizeof(misfire_partial_burns));
-    dst_p[58] |= pack_left_shift_u32(misfire_partial_burns, 0u, 0xffu);
-    dst_p[59] |= pack_right_shift_u32(misfire_partial_burns, 8u, 0xffu);
-    dst_p[60] |= pack_right_shift_u32(misfire_partial_burns, 16u, 0xffu);
-    dst_p[61] |= pack_right_shift_u32(misfire_partial_burns, 24u, 0xffu);
+    dst_p[59] |= pack_left_shift_u32(misfire_continuous, 0u, 0xffu);
+    dst_p[60] |= pack_right_shift_u32(misfire_continuous, 8u, 0xffu);
+    dst_p[61] |= pack_right_shift_u32(misfire_continuous, 16u, 0xffu);
+    dst_p[62] |= pack_right_shift_u32(misfire_continuous, 24u, 0xffu);
 
     return (64);
 }
@@ -4595,9 +4492,6 @@ int sd_bus_cycle_5_unpack(
     size_t size)
 {
     uint32_t misfire_continuous;
-    uint32_t misfire_count;
-    uint32_t misfire_lamp;
-    uint32_t misfire_partial_burns;
     uint32_t misfire_rate_1000_1;
     uint32_t misfire_rate_1000_2;
     uint32_t misfire_rate_1000_3;
@@ -4606,8 +4500,11 @@ int sd_bus_cycle_5_unpack(
     uint32_t misfire_rate_1000_6;
     uint32_t misfire_rate_1000_7;
     uint32_t misfire_rate_1000_8;
+    uint32_t misfire_rate_200_4;
+    uint32_t misfire_rate_200_5;
+    uint32_t misfire_rate_200_6;
+    uint32_t misfire_rate_200_7;
     uint32_t misfire_rate_200_8;
-    uint32_t misfire_suspects;
 
     if (size < 64u) {
         return (-EINVAL);
@@ -4618,77 +4515,78 @@ int sd_bus_cycle_5_unpack(
     dst_p->tick |= unpack_left_shift_u32(src_p[2], 16u, 0xffu);
     dst_p->tick |= unpack_left_shift_u32(src_p[3], 24u, 0xffu);
     dst_p->misfire_health = unpack_right_shift_u8(src_p[4], 0u, 0xffu);
-    dst_p->misfire_why = unpack_right_shift_u8(src_p[5], 0u, 0xffu);
-    misfire_rate_200_8 = unpack_right_shift_u32(src_p[6], 0u, 0xffu);
-    misfire_rate_200_8 |= unpack_left_shift_u32(src_p[7], 8u, 0xffu);
-    misfire_rate_200_8 |= unpack_left_shift_u32(src_p[8], 16u, 0xffu);
-    misfire_rate_200_8 |= unpack_left_shift_u32(src_p[9], 24u, 0xffu);
+    dst_p->misfire_why = unpack_right_shift_u16(src_p[5], 0u, 0xffu);
+    dst_p->misfire_why |= unpack_left_shift_u16(src_p[6], 8u, 0xffu);
+    misfire_rate_200_4 = unpack_right_shift_u32(src_p[7], 0u, 0xffu);
+    misfire_rate_200_4 |= unpack_left_shift_u32(src_p[8], 8u, 0xffu);
+    misfire_rate_200_4 |= unpack_left_shift_u32(src_p[9], 16u, 0xffu);
+    misfire_rate_200_4 |= unpack_left_shift_u32(src_p[10], 24u, 0xffu);
+    memcpy(&dst_p->misfire_rate_200_4, &misfire_rate_200_4, sizeof(dst_p->misfire_rate_200_4));
+    misfire_rate_200_5 = unpack_right_shift_u32(src_p[11], 0u, 0xffu);
+    misfire_rate_200_5 |= unpack_left_shift_u32(src_p[12], 8u, 0xffu);
+    misfire_rate_200_5 |= unpack_left_shift_u32(src_p[13], 16u, 0xffu);
+    misfire_rate_200_5 |= unpack_left_shift_u32(src_p[14], 24u, 0xffu);
+    memcpy(&dst_p->misfire_rate_200_5, &misfire_rate_200_5, sizeof(dst_p->misfire_rate_200_5));
+    misfire_rate_200_6 = unpack_right_shift_u32(src_p[15], 0u, 0xffu);
+    misfire_rate_200_6 |= unpack_left_shift_u32(src_p[16], 8u, 0xffu);
+    misfire_rate_200_6 |= unpack_left_shift_u32(src_p[17], 16u, 0xffu);
+    misfire_rate_200_6 |= unpack_left_shift_u32(src_p[18], 24u, 0xffu);
+    memcpy(&dst_p->misfire_rate_200_6, &misfire_rate_200_6, sizeof(dst_p->misfire_rate_200_6));
+    misfire_rate_200_7 = unpack_right_shift_u32(src_p[19], 0u, 0xffu);
+    misfire_rate_200_7 |= unpack_left_shift_u32(src_p[20], 8u, 0xffu);
+    misfire_rate_200_7 |= unpack_left_shift_u32(src_p[21], 16u, 0xffu);
+    misfire_rate_200_7 |= unpack_left_shift_u32(src_p[22], 24u, 0xffu);
+    memcpy(&dst_p->misfire_rate_200_7, &misfire_rate_200_7, sizeof(dst_p->misfire_rate_200_7));
+    misfire_rate_200_8 = unpack_right_shift_u32(src_p[23], 0u, 0xffu);
+    misfire_rate_200_8 |= unpack_left_shift_u32(src_p[24], 8u, 0xffu);
+    misfire_rate_200_8 |= unpack_left_shift_u32(src_p[25], 16u, 0xffu);
+    misfire_rate_200_8 |= unpack_left_shift_u32(src_p[26], 24u, 0xffu);
     memcpy(&dst_p->misfire_rate_200_8, &misfire_rate_200_8, sizeof(dst_p->misfire_rate_200_8));
-    misfire_rate_1000_1 = unpack_right_shift_u32(src_p[10], 0u, 0xffu);
-    misfire_rate_1000_1 |= unpack_left_shift_u32(src_p[11], 8u, 0xffu);
-    misfire_rate_1000_1 |= unpack_left_shift_u32(src_p[12], 16u, 0xffu);
-    misfire_rate_1000_1 |= unpack_left_shift_u32(src_p[13], 24u, 0xffu);
+    misfire_rate_1000_1 = unpack_right_shift_u32(src_p[27], 0u, 0xffu);
+    misfire_rate_1000_1 |= unpack_left_shift_u32(src_p[28], 8u, 0xffu);
+    misfire_rate_1000_1 |= unpack_left_shift_u32(src_p[29], 16u, 0xffu);
+    misfire_rate_1000_1 |= unpack_left_shift_u32(src_p[30], 24u, 0xffu);
     memcpy(&dst_p->misfire_rate_1000_1, &misfire_rate_1000_1, sizeof(dst_p->misfire_rate_1000_1));
-    misfire_rate_1000_2 = unpack_right_shift_u32(src_p[14], 0u, 0xffu);
-    misfire_rate_1000_2 |= unpack_left_shift_u32(src_p[15], 8u, 0xffu);
-    misfire_rate_1000_2 |= unpack_left_shift_u32(src_p[16], 16u, 0xffu);
-    misfire_rate_1000_2 |= unpack_left_shift_u32(src_p[17], 24u, 0xffu);
+    misfire_rate_1000_2 = unpack_right_shift_u32(src_p[31], 0u, 0xffu);
+    misfire_rate_1000_2 |= unpack_left_shift_u32(src_p[32], 8u, 0xffu);
+    misfire_rate_1000_2 |= unpack_left_shift_u32(src_p[33], 16u, 0xffu);
+    misfire_rate_1000_2 |= unpack_left_shift_u32(src_p[34], 24u, 0xffu);
     memcpy(&dst_p->misfire_rate_1000_2, &misfire_rate_1000_2, sizeof(dst_p->misfire_rate_1000_2));
-    misfire_rate_1000_3 = unpack_right_shift_u32(src_p[18], 0u, 0xffu);
-    misfire_rate_1000_3 |= unpack_left_shift_u32(src_p[19], 8u, 0xffu);
-    misfire_rate_1000_3 |= unpack_left_shift_u32(src_p[20], 16u, 0xffu);
-    misfire_rate_1000_3 |= unpack_left_shift_u32(src_p[21], 24u, 0xffu);
+    misfire_rate_1000_3 = unpack_right_shift_u32(src_p[35], 0u, 0xffu);
+    misfire_rate_1000_3 |= unpack_left_shift_u32(src_p[36], 8u, 0xffu);
+    misfire_rate_1000_3 |= unpack_left_shift_u32(src_p[37], 16u, 0xffu);
+    misfire_rate_1000_3 |= unpack_left_shift_u32(src_p[38], 24u, 0xffu);
     memcpy(&dst_p->misfire_rate_1000_3, &misfire_rate_1000_3, sizeof(dst_p->misfire_rate_1000_3));
-    misfire_rate_1000_4 = unpack_right_shift_u32(src_p[22], 0u, 0xffu);
-    misfire_rate_1000_4 |= unpack_left_shift_u32(src_p[23], 8u, 0xffu);
-    misfire_rate_1000_4 |= unpack_left_shift_u32(src_p[24], 16u, 0xffu);
-    misfire_rate_1000_4 |= unpack_left_shift_u32(src_p[25], 24u, 0xffu);
+    misfire_rate_1000_4 = unpack_right_shift_u32(src_p[39], 0u, 0xffu);
+    misfire_rate_1000_4 |= unpack_left_shift_u32(src_p[40], 8u, 0xffu);
+    misfire_rate_1000_4 |= unpack_left_shift_u32(src_p[41], 16u, 0xffu);
+    misfire_rate_1000_4 |= unpack_left_shift_u32(src_p[42], 24u, 0xffu);
     memcpy(&dst_p->misfire_rate_1000_4, &misfire_rate_1000_4, sizeof(dst_p->misfire_rate_1000_4));
-    misfire_rate_1000_5 = unpack_right_shift_u32(src_p[26], 0u, 0xffu);
-    misfire_rate_1000_5 |= unpack_left_shift_u32(src_p[27], 8u, 0xffu);
-    misfire_rate_1000_5 |= unpack_left_shift_u32(src_p[28], 16u, 0xffu);
-    misfire_rate_1000_5 |= unpack_left_shift_u32(src_p[29], 24u, 0xffu);
+    misfire_rate_1000_5 = unpack_right_shift_u32(src_p[43], 0u, 0xffu);
+    misfire_rate_1000_5 |= unpack_left_shift_u32(src_p[44], 8u, 0xffu);
+    misfire_rate_1000_5 |= unpack_left_shift_u32(src_p[45], 16u, 0xffu);
+    misfire_rate_1000_5 |= unpack_left_shift_u32(src_p[46], 24u, 0xffu);
     memcpy(&dst_p->misfire_rate_1000_5, &misfire_rate_1000_5, sizeof(dst_p->misfire_rate_1000_5));
-    misfire_rate_1000_6 = unpack_right_shift_u32(src_p[30], 0u, 0xffu);
-    misfire_rate_1000_6 |= unpack_left_shift_u32(src_p[31], 8u, 0xffu);
-    misfire_rate_1000_6 |= unpack_left_shift_u32(src_p[32], 16u, 0xffu);
-    misfire_rate_1000_6 |= unpack_left_shift_u32(src_p[33], 24u, 0xffu);
+    misfire_rate_1000_6 = unpack_right_shift_u32(src_p[47], 0u, 0xffu);
+    misfire_rate_1000_6 |= unpack_left_shift_u32(src_p[48], 8u, 0xffu);
+    misfire_rate_1000_6 |= unpack_left_shift_u32(src_p[49], 16u, 0xffu);
+    misfire_rate_1000_6 |= unpack_left_shift_u32(src_p[50], 24u, 0xffu);
     memcpy(&dst_p->misfire_rate_1000_6, &misfire_rate_1000_6, sizeof(dst_p->misfire_rate_1000_6));
-    misfire_rate_1000_7 = unpack_right_shift_u32(src_p[34], 0u, 0xffu);
-    misfire_rate_1000_7 |= unpack_left_shift_u32(src_p[35], 8u, 0xffu);
-    misfire_rate_1000_7 |= unpack_left_shift_u32(src_p[36], 16u, 0xffu);
-    misfire_rate_1000_7 |= unpack_left_shift_u32(src_p[37], 24u, 0xffu);
+    misfire_rate_1000_7 = unpack_right_shift_u32(src_p[51], 0u, 0xffu);
+    misfire_rate_1000_7 |= unpack_left_shift_u32(src_p[52], 8u, 0xffu);
+    misfire_rate_1000_7 |= unpack_left_shift_u32(src_p[53], 16u, 0xffu);
+    misfire_rate_1000_7 |= unpack_left_shift_u32(src_p[54], 24u, 0xffu);
     memcpy(&dst_p->misfire_rate_1000_7, &misfire_rate_1000_7, sizeof(dst_p->misfire_rate_1000_7));
-    misfire_rate_1000_8 = unpack_right_shift_u32(src_p[38], 0u, 0xffu);
-    misfire_rate_1000_8 |= unpack_left_shift_u32(src_p[39], 8u, 0xffu);
-    misfire_rate_1000_8 |= unpack_left_shift_u32(src_p[40], 16u, 0xffu);
-    misfire_rate_1000_8 |= unpack_left_shift_u32(src_p[41], 24u, 0xffu);
+    misfire_rate_1000_8 = unpack_right_shift_u32(src_p[55], 0u, 0xffu);
+    misfire_rate_1000_8 |= unpack_left_shift_u32(src_p[56], 8u, 0xffu);
+    misfire_rate_1000_8 |= unpack_left_shift_u32(src_p[57], 16u, 0xffu);
+    misfire_rate_1000_8 |= unpack_left_shift_u32(src_p[58], 24u, 0xffu);
     memcpy(&dst_p->misfire_rate_1000_8, &misfire_rate_1000_8, sizeof(dst_p->misfire_rate_1000_8));
-    misfire_continuous = unpack_right_shift_u32(src_p[42], 0u, 0xffu);
-    misfire_continuous |= unpack_left_shift_u32(src_p[43], 8u, 0xffu);
-    misfire_continuous |= unpack_left_shift_u32(src_p[44], 16u, 0xffu);
-    misfire_continuous |= unpack_left_shift_u32(src_p[45], 24u, 0xffu);
+    misfire_continuous = unpack_right_shift_u32(src_p[59], 0u, 0xffu);
+    misfire_continuous |= unpack_left_shift_u32(src_p[60], 8u, 0xffu);
+    misfire_continuous |= unpack_left_shift_u32(src_p[61], 16u, 0xffu);
+    misfire_continuous |= unpack_left_shift_u32(src_p[62], 24u, 0xffu);
     memcpy(&dst_p->misfire_continuous, &misfire_continuous, sizeof(dst_p->misfire_continuous));
-    misfire_suspects = unpack_right_shift_u32(src_p[46], 0u, 0xffu);
-    misfire_suspects |= unpack_left_shift_u32(src_p[47], 8u, 0xffu);
-    misfire_suspects |= unpack_left_shift_u32(src_p[48], 16u, 0xffu);
-    misfire_suspects |= unpack_left_shift_u32(src_p[49], 24u, 0xffu);
-    memcpy(&dst_p->misfire_suspects, &misfire_suspects, sizeof(dst_p->misfire_suspects));
-    misfire_lamp = unpack_right_shift_u32(src_p[50], 0u, 0xffu);
-    misfire_lamp |= unpack_left_shift_u32(src_p[51], 8u, 0xffu);
-    misfire_lamp |= unpack_left_shift_u32(src_p[52], 16u, 0xffu);
-    misfire_lamp |= unpack_left_shift_u32(src_p[53], 24u, 0xffu);
-    memcpy(&dst_p->misfire_lamp, &misfire_lamp, sizeof(dst_p->misfire_lamp));
-    misfire_count = unpack_right_shift_u32(src_p[54], 0u, 0xffu);
-    misfire_count |= unpack_left_shift_u32(src_p[55], 8u, 0xffu);
-    misfire_count |= unpack_left_shift_u32(src_p[56], 16u, 0xffu);
-    misfire_count |= unpack_left_shift_u32(src_p[57], 24u, 0xffu);
-    memcpy(&dst_p->misfire_count, &misfire_count, sizeof(dst_p->misfire_count));
-    misfire_partial_burns = unpack_right_shift_u32(src_p[58], 0u, 0xffu);
-    misfire_partial_burns |= unpack_left_shift_u32(src_p[59], 8u, 0xffu);
-    misfire_partial_burns |= unpack_left_shift_u32(src_p[60], 16u, 0xffu);
-    misfire_partial_burns |= unpack_left_shift_u32(src_p[61], 24u, 0xffu);
-    memcpy(&dst_p->misfire_partial_burns, &misfire_partial_burns, sizeof(dst_p->misfire_partial_burns));
 
     return (0);
 }
@@ -4744,17 +4642,17 @@ bool sd_bus_cycle_5_misfire_health_is_in_phys_range(double value)
     return ((value >= 0.0) && (value <= 2.0));
 }
 
-uint8_t sd_bus_cycle_5_misfire_why_encode(double value)
+uint16_t sd_bus_cycle_5_misfire_why_encode(double value)
 {
-    return (uint8_t)(cantools_unsigned_from_double(round(value)));
+    return (uint16_t)(cantools_unsigned_from_double(round(value)));
 }
 
-double sd_bus_cycle_5_misfire_why_decode(uint8_t value)
+double sd_bus_cycle_5_misfire_why_decode(uint16_t value)
 {
     return ((double)value);
 }
 
-bool sd_bus_cycle_5_misfire_why_is_in_range(uint8_t value)
+bool sd_bus_cycle_5_misfire_why_is_in_range(uint16_t value)
 {
     (void)value;
 
@@ -4763,7 +4661,87 @@ bool sd_bus_cycle_5_misfire_why_is_in_range(uint8_t value)
 
 bool sd_bus_cycle_5_misfire_why_is_in_phys_range(double value)
 {
-    return ((value >= 0.0) && (value <= 255.0));
+    return ((value >= 0.0) && (value <= 65535.0));
+}
+
+float sd_bus_cycle_5_misfire_rate_200_4_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_cycle_5_misfire_rate_200_4_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_cycle_5_misfire_rate_200_4_is_in_range(float value)
+{
+    return ((value >= 0.0f) && (value <= 100.0f));
+}
+
+bool sd_bus_cycle_5_misfire_rate_200_4_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 100.0));
+}
+
+float sd_bus_cycle_5_misfire_rate_200_5_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_cycle_5_misfire_rate_200_5_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_cycle_5_misfire_rate_200_5_is_in_range(float value)
+{
+    return ((value >= 0.0f) && (value <= 100.0f));
+}
+
+bool sd_bus_cycle_5_misfire_rate_200_5_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 100.0));
+}
+
+float sd_bus_cycle_5_misfire_rate_200_6_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_cycle_5_misfire_rate_200_6_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_cycle_5_misfire_rate_200_6_is_in_range(float value)
+{
+    return ((value >= 0.0f) && (value <= 100.0f));
+}
+
+bool sd_bus_cycle_5_misfire_rate_200_6_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 100.0));
+}
+
+float sd_bus_cycle_5_misfire_rate_200_7_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_cycle_5_misfire_rate_200_7_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_cycle_5_misfire_rate_200_7_is_in_range(float value)
+{
+    return ((value >= 0.0f) && (value <= 100.0f));
+}
+
+bool sd_bus_cycle_5_misfire_rate_200_7_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 100.0));
 }
 
 float sd_bus_cycle_5_misfire_rate_200_8_encode(double value)
@@ -4966,82 +4944,247 @@ bool sd_bus_cycle_5_misfire_continuous_is_in_phys_range(double value)
     return ((value >= 0.0) && (value <= 255.0));
 }
 
-float sd_bus_cycle_5_misfire_suspects_encode(double value)
+int sd_bus_cycle_6_pack(
+    uint8_t *dst_p,
+    const struct sd_bus_cycle_6_t *src_p,
+    size_t size)
 {
-    return (float)(value);
+    uint32_t misfire_count;
+    uint32_t misfire_lamp;
+    uint32_t misfire_partial_burns;
+    uint32_t misfire_suspects;
+
+    if (size < 24u) {
+        return (-EINVAL);
+    }
+
+    memset(&dst_p[0], 0, 24);
+
+    dst_p[0] |= pack_left_shift_u32(src_p->tick, 0u, 0xffu);
+    dst_p[1] |= pack_right_shift_u32(src_p->tick, 8u, 0xffu);
+    dst_p[2] |= pack_right_shift_u32(src_p->tick, 16u, 0xffu);
+    dst_p[3] |= pack_right_shift_u32(src_p->tick, 24u, 0xffu);
+    dst_p[4] |= pack_left_shift_u8(src_p->misfire_health, 0u, 0xffu);
+    dst_p[5] |= pack_left_shift_u16(src_p->misfire_why, 0u, 0xffu);
+    dst_p[6] |= pack_right_shift_u16(src_p->misfire_why, 8u, 0xffu);
+    memcpy(&misfire_suspects, &src_p->misfire_suspects, sizeof(misfire_suspects));
+    dst_p[7] |= pack_left_shift_u32(misfire_suspects, 0u, 0xffu);
+    dst_p[8] |= pack_right_shift_u32(misfire_suspects, 8u, 0xffu);
+    dst_p[9] |= pack_right_shift_u32(misfire_suspects, 16u, 0xffu);
+    dst_p[10] |= pack_right_shift_u32(misfire_suspects, 24u, 0xffu);
+    memcpy(&misfire_lamp, &src_p->misfire_lamp, sizeof(misfire_lamp));
+    dst_p[11] |= pack_left_shift_u32(misfire_lamp, 0u, 0xffu);
+    dst_p[12] |= pack_right_shift_u32(misfire_lamp, 8u, 0xffu);
+    dst_p[13] |= pack_right_shift_u32(misfire_lamp, 16u, 0xffu);
+    dst_p[14] |= pack_right_shift_u32(misfire_lamp, 24u, 0xffu);
+    memcpy(&misfire_count, &src_p->misfire_count, sizeof(misfire_count));
+    dst_p[15] |= pack_left_shift_u32(misfire_count, 0u, 0xffu);
+    dst_p[16] |= pack_right_shift_u32(misfire_count, 8u, 0xffu);
+    dst_p[17] |= pack_right_shift_u32(misfire_count, 16u, 0xffu);
+    dst_p[18] |= pack_right_shift_u32(misfire_count, 24u, 0xffu);
+    memcpy(&misfire_partial_burns, &src_p->misfire_partial_burns, sizeof(misfire_partial_burns));
+    dst_p[19] |= pack_left_shift_u32(misfire_partial_burns, 0u, 0xffu);
+    dst_p[20] |= pack_right_shift_u32(misfire_partial_burns, 8u, 0xffu);
+    dst_p[21] |= pack_right_shift_u32(misfire_partial_burns, 16u, 0xffu);
+    dst_p[22] |= pack_right_shift_u32(misfire_partial_burns, 24u, 0xffu);
+
+    return (24);
 }
 
-double sd_bus_cycle_5_misfire_suspects_decode(float value)
+int sd_bus_cycle_6_unpack(
+    struct sd_bus_cycle_6_t *dst_p,
+    const uint8_t *src_p,
+    size_t size)
+{
+    uint32_t misfire_count;
+    uint32_t misfire_lamp;
+    uint32_t misfire_partial_burns;
+    uint32_t misfire_suspects;
+
+    if (size < 24u) {
+        return (-EINVAL);
+    }
+
+    dst_p->tick = unpack_right_shift_u32(src_p[0], 0u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[1], 8u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[2], 16u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[3], 24u, 0xffu);
+    dst_p->misfire_health = unpack_right_shift_u8(src_p[4], 0u, 0xffu);
+    dst_p->misfire_why = unpack_right_shift_u16(src_p[5], 0u, 0xffu);
+    dst_p->misfire_why |= unpack_left_shift_u16(src_p[6], 8u, 0xffu);
+    misfire_suspects = unpack_right_shift_u32(src_p[7], 0u, 0xffu);
+    misfire_suspects |= unpack_left_shift_u32(src_p[8], 8u, 0xffu);
+    misfire_suspects |= unpack_left_shift_u32(src_p[9], 16u, 0xffu);
+    misfire_suspects |= unpack_left_shift_u32(src_p[10], 24u, 0xffu);
+    memcpy(&dst_p->misfire_suspects, &misfire_suspects, sizeof(dst_p->misfire_suspects));
+    misfire_lamp = unpack_right_shift_u32(src_p[11], 0u, 0xffu);
+    misfire_lamp |= unpack_left_shift_u32(src_p[12], 8u, 0xffu);
+    misfire_lamp |= unpack_left_shift_u32(src_p[13], 16u, 0xffu);
+    misfire_lamp |= unpack_left_shift_u32(src_p[14], 24u, 0xffu);
+    memcpy(&dst_p->misfire_lamp, &misfire_lamp, sizeof(dst_p->misfire_lamp));
+    misfire_count = unpack_right_shift_u32(src_p[15], 0u, 0xffu);
+    misfire_count |= unpack_left_shift_u32(src_p[16], 8u, 0xffu);
+    misfire_count |= unpack_left_shift_u32(src_p[17], 16u, 0xffu);
+    misfire_count |= unpack_left_shift_u32(src_p[18], 24u, 0xffu);
+    memcpy(&dst_p->misfire_count, &misfire_count, sizeof(dst_p->misfire_count));
+    misfire_partial_burns = unpack_right_shift_u32(src_p[19], 0u, 0xffu);
+    misfire_partial_burns |= unpack_left_shift_u32(src_p[20], 8u, 0xffu);
+    misfire_partial_burns |= unpack_left_shift_u32(src_p[21], 16u, 0xffu);
+    misfire_partial_burns |= unpack_left_shift_u32(src_p[22], 24u, 0xffu);
+    memcpy(&dst_p->misfire_partial_burns, &misfire_partial_burns, sizeof(dst_p->misfire_partial_burns));
+
+    return (0);
+}
+
+int sd_bus_cycle_6_init(struct sd_bus_cycle_6_t *msg_p)
+{
+    if (msg_p == NULL) return -1;
+
+    memset(msg_p, 0, sizeof(struct sd_bus_cycle_6_t));
+
+    return 0;
+}
+
+uint32_t sd_bus_cycle_6_tick_encode(double value)
+{
+    return (uint32_t)(cantools_unsigned_from_double(round(value)));
+}
+
+double sd_bus_cycle_6_tick_decode(uint32_t value)
 {
     return ((double)value);
 }
 
-bool sd_bus_cycle_5_misfire_suspects_is_in_range(float value)
+bool sd_bus_cycle_6_tick_is_in_range(uint32_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool sd_bus_cycle_6_tick_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 4294967295.0));
+}
+
+uint8_t sd_bus_cycle_6_misfire_health_encode(double value)
+{
+    return (uint8_t)(cantools_unsigned_from_double(round(value)));
+}
+
+double sd_bus_cycle_6_misfire_health_decode(uint8_t value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_cycle_6_misfire_health_is_in_range(uint8_t value)
+{
+    return (value <= 2u);
+}
+
+bool sd_bus_cycle_6_misfire_health_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 2.0));
+}
+
+uint16_t sd_bus_cycle_6_misfire_why_encode(double value)
+{
+    return (uint16_t)(cantools_unsigned_from_double(round(value)));
+}
+
+double sd_bus_cycle_6_misfire_why_decode(uint16_t value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_cycle_6_misfire_why_is_in_range(uint16_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool sd_bus_cycle_6_misfire_why_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 65535.0));
+}
+
+float sd_bus_cycle_6_misfire_suspects_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_cycle_6_misfire_suspects_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_cycle_6_misfire_suspects_is_in_range(float value)
 {
     return ((value >= 0.0f) && (value <= 255.0f));
 }
 
-bool sd_bus_cycle_5_misfire_suspects_is_in_phys_range(double value)
+bool sd_bus_cycle_6_misfire_suspects_is_in_phys_range(double value)
 {
     return ((value >= 0.0) && (value <= 255.0));
 }
 
-float sd_bus_cycle_5_misfire_lamp_encode(double value)
+float sd_bus_cycle_6_misfire_lamp_encode(double value)
 {
     return (float)(value);
 }
 
-double sd_bus_cycle_5_misfire_lamp_decode(float value)
+double sd_bus_cycle_6_misfire_lamp_decode(float value)
 {
     return ((double)value);
 }
 
-bool sd_bus_cycle_5_misfire_lamp_is_in_range(float value)
+bool sd_bus_cycle_6_misfire_lamp_is_in_range(float value)
 {
     return ((value >= 0.0f) && (value <= 3.0f));
 }
 
-bool sd_bus_cycle_5_misfire_lamp_is_in_phys_range(double value)
+bool sd_bus_cycle_6_misfire_lamp_is_in_phys_range(double value)
 {
     return ((value >= 0.0) && (value <= 3.0));
 }
 
-float sd_bus_cycle_5_misfire_count_encode(double value)
+float sd_bus_cycle_6_misfire_count_encode(double value)
 {
     return (float)(value);
 }
 
-double sd_bus_cycle_5_misfire_count_decode(float value)
+double sd_bus_cycle_6_misfire_count_decode(float value)
 {
     return ((double)value);
 }
 
-bool sd_bus_cycle_5_misfire_count_is_in_range(float value)
+bool sd_bus_cycle_6_misfire_count_is_in_range(float value)
 {
     return ((value >= 0.0f) && (value <= 4000000000.0f));
 }
 
-bool sd_bus_cycle_5_misfire_count_is_in_phys_range(double value)
+bool sd_bus_cycle_6_misfire_count_is_in_phys_range(double value)
 {
     return ((value >= 0.0) && (value <= 4000000000.0));
 }
 
-float sd_bus_cycle_5_misfire_partial_burns_encode(double value)
+float sd_bus_cycle_6_misfire_partial_burns_encode(double value)
 {
     return (float)(value);
 }
 
-double sd_bus_cycle_5_misfire_partial_burns_decode(float value)
+double sd_bus_cycle_6_misfire_partial_burns_decode(float value)
 {
     return ((double)value);
 }
 
-bool sd_bus_cycle_5_misfire_partial_burns_is_in_range(float value)
+bool sd_bus_cycle_6_misfire_partial_burns_is_in_range(float value)
 {
     return ((value >= 0.0f) && (value <= 4000000000.0f));
 }
 
-bool sd_bus_cycle_5_misfire_partial_burns_is_in_phys_range(double value)
+bool sd_bus_cycle_6_misfire_partial_burns_is_in_phys_range(double value)
 {
     return ((value >= 0.0) && (value <= 4000000000.0));
 }
@@ -5075,69 +5218,71 @@ int sd_bus_firing_pack(
     dst_p[2] |= pack_right_shift_u32(src_p->tick, 16u, 0xffu);
     dst_p[3] |= pack_right_shift_u32(src_p->tick, 24u, 0xffu);
     dst_p[4] |= pack_left_shift_u8(src_p->firing_health, 0u, 0xffu);
-    dst_p[5] |= pack_left_shift_u8(src_p->firing_why, 0u, 0xffu);
-    dst_p[6] |= pack_left_shift_u8(src_p->misfire_health, 0u, 0xffu);
-    dst_p[7] |= pack_left_shift_u8(src_p->misfire_why, 0u, 0xffu);
+    dst_p[5] |= pack_left_shift_u16(src_p->firing_why, 0u, 0xffu);
+    dst_p[6] |= pack_right_shift_u16(src_p->firing_why, 8u, 0xffu);
+    dst_p[7] |= pack_left_shift_u8(src_p->misfire_health, 0u, 0xffu);
+    dst_p[8] |= pack_left_shift_u16(src_p->misfire_why, 0u, 0xffu);
+    dst_p[9] |= pack_right_shift_u16(src_p->misfire_why, 8u, 0xffu);
     memcpy(&firing_cylinder, &src_p->firing_cylinder, sizeof(firing_cylinder));
-    dst_p[8] |= pack_left_shift_u32(firing_cylinder, 0u, 0xffu);
-    dst_p[9] |= pack_right_shift_u32(firing_cylinder, 8u, 0xffu);
-    dst_p[10] |= pack_right_shift_u32(firing_cylinder, 16u, 0xffu);
-    dst_p[11] |= pack_right_shift_u32(firing_cylinder, 24u, 0xffu);
+    dst_p[10] |= pack_left_shift_u32(firing_cylinder, 0u, 0xffu);
+    dst_p[11] |= pack_right_shift_u32(firing_cylinder, 8u, 0xffu);
+    dst_p[12] |= pack_right_shift_u32(firing_cylinder, 16u, 0xffu);
+    dst_p[13] |= pack_right_shift_u32(firing_cylinder, 24u, 0xffu);
     memcpy(&firing_torque, &src_p->firing_torque, sizeof(firing_torque));
-    dst_p[12] |= pack_left_shift_u32(firing_torque, 0u, 0xffu);
-    dst_p[13] |= pack_right_shift_u32(firing_torque, 8u, 0xffu);
-    dst_p[14] |= pack_right_shift_u32(firing_torque, 16u, 0xffu);
-    dst_p[15] |= pack_right_shift_u32(firing_torque, 24u, 0xffu);
+    dst_p[14] |= pack_left_shift_u32(firing_torque, 0u, 0xffu);
+    dst_p[15] |= pack_right_shift_u32(firing_torque, 8u, 0xffu);
+    dst_p[16] |= pack_right_shift_u32(firing_torque, 16u, 0xffu);
+    dst_p[17] |= pack_right_shift_u32(firing_torque, 24u, 0xffu);
     memcpy(&firing_sd, &src_p->firing_sd, sizeof(firing_sd));
-    dst_p[16] |= pack_left_shift_u32(firing_sd, 0u, 0xffu);
-    dst_p[17] |= pack_right_shift_u32(firing_sd, 8u, 0xffu);
-    dst_p[18] |= pack_right_shift_u32(firing_sd, 16u, 0xffu);
-    dst_p[19] |= pack_right_shift_u32(firing_sd, 24u, 0xffu);
+    dst_p[18] |= pack_left_shift_u32(firing_sd, 0u, 0xffu);
+    dst_p[19] |= pack_right_shift_u32(firing_sd, 8u, 0xffu);
+    dst_p[20] |= pack_right_shift_u32(firing_sd, 16u, 0xffu);
+    dst_p[21] |= pack_right_shift_u32(firing_sd, 24u, 0xffu);
     memcpy(&firing_mean, &src_p->firing_mean, sizeof(firing_mean));
-    dst_p[20] |= pack_left_shift_u32(firing_mean, 0u, 0xffu);
-    dst_p[21] |= pack_right_shift_u32(firing_mean, 8u, 0xffu);
-    dst_p[22] |= pack_right_shift_u32(firing_mean, 16u, 0xffu);
-    dst_p[23] |= pack_right_shift_u32(firing_mean, 24u, 0xffu);
+    dst_p[22] |= pack_left_shift_u32(firing_mean, 0u, 0xffu);
+    dst_p[23] |= pack_right_shift_u32(firing_mean, 8u, 0xffu);
+    dst_p[24] |= pack_right_shift_u32(firing_mean, 16u, 0xffu);
+    dst_p[25] |= pack_right_shift_u32(firing_mean, 24u, 0xffu);
     memcpy(&firing_mean_sd, &src_p->firing_mean_sd, sizeof(firing_mean_sd));
-    dst_p[24] |= pack_left_shift_u32(firing_mean_sd, 0u, 0xffu);
-    dst_p[25] |= pack_right_shift_u32(firing_mean_sd, 8u, 0xffu);
-    dst_p[26] |= pack_right_shift_u32(firing_mean_sd, 16u, 0xffu);
-    dst_p[27] |= pack_right_shift_u32(firing_mean_sd, 24u, 0xffu);
+    dst_p[26] |= pack_left_shift_u32(firing_mean_sd, 0u, 0xffu);
+    dst_p[27] |= pack_right_shift_u32(firing_mean_sd, 8u, 0xffu);
+    dst_p[28] |= pack_right_shift_u32(firing_mean_sd, 16u, 0xffu);
+    dst_p[29] |= pack_right_shift_u32(firing_mean_sd, 24u, 0xffu);
     memcpy(&firing_rough, &src_p->firing_rough, sizeof(firing_rough));
-    dst_p[28] |= pack_left_shift_u32(firing_rough, 0u, 0xffu);
-    dst_p[29] |= pack_right_shift_u32(firing_rough, 8u, 0xffu);
-    dst_p[30] |= pack_right_shift_u32(firing_rough, 16u, 0xffu);
-    dst_p[31] |= pack_right_shift_u32(firing_rough, 24u, 0xffu);
+    dst_p[30] |= pack_left_shift_u32(firing_rough, 0u, 0xffu);
+    dst_p[31] |= pack_right_shift_u32(firing_rough, 8u, 0xffu);
+    dst_p[32] |= pack_right_shift_u32(firing_rough, 16u, 0xffu);
+    dst_p[33] |= pack_right_shift_u32(firing_rough, 24u, 0xffu);
     memcpy(&misfire_index, &src_p->misfire_index, sizeof(misfire_index));
-    dst_p[32] |= pack_left_shift_u32(misfire_index, 0u, 0xffu);
-    dst_p[33] |= pack_right_shift_u32(misfire_index, 8u, 0xffu);
-    dst_p[34] |= pack_right_shift_u32(misfire_index, 16u, 0xffu);
-    dst_p[35] |= pack_right_shift_u32(misfire_index, 24u, 0xffu);
+    dst_p[34] |= pack_left_shift_u32(misfire_index, 0u, 0xffu);
+    dst_p[35] |= pack_right_shift_u32(misfire_index, 8u, 0xffu);
+    dst_p[36] |= pack_right_shift_u32(misfire_index, 16u, 0xffu);
+    dst_p[37] |= pack_right_shift_u32(misfire_index, 24u, 0xffu);
     memcpy(&misfire_limit, &src_p->misfire_limit, sizeof(misfire_limit));
-    dst_p[36] |= pack_left_shift_u32(misfire_limit, 0u, 0xffu);
-    dst_p[37] |= pack_right_shift_u32(misfire_limit, 8u, 0xffu);
-    dst_p[38] |= pack_right_shift_u32(misfire_limit, 16u, 0xffu);
-    dst_p[39] |= pack_right_shift_u32(misfire_limit, 24u, 0xffu);
+    dst_p[38] |= pack_left_shift_u32(misfire_limit, 0u, 0xffu);
+    dst_p[39] |= pack_right_shift_u32(misfire_limit, 8u, 0xffu);
+    dst_p[40] |= pack_right_shift_u32(misfire_limit, 16u, 0xffu);
+    dst_p[41] |= pack_right_shift_u32(misfire_limit, 24u, 0xffu);
     memcpy(&misfire_verdict, &src_p->misfire_verdict, sizeof(misfire_verdict));
-    dst_p[40] |= pack_left_shift_u32(misfire_verdict, 0u, 0xffu);
-    dst_p[41] |= pack_right_shift_u32(misfire_verdict, 8u, 0xffu);
-    dst_p[42] |= pack_right_shift_u32(misfire_verdict, 16u, 0xffu);
-    dst_p[43] |= pack_right_shift_u32(misfire_verdict, 24u, 0xffu);
+    dst_p[42] |= pack_left_shift_u32(misfire_verdict, 0u, 0xffu);
+    dst_p[43] |= pack_right_shift_u32(misfire_verdict, 8u, 0xffu);
+    dst_p[44] |= pack_right_shift_u32(misfire_verdict, 16u, 0xffu);
+    dst_p[45] |= pack_right_shift_u32(misfire_verdict, 24u, 0xffu);
     memcpy(&misfire_inhibit, &src_p->misfire_inhibit, sizeof(misfire_inhibit));
-    dst_p[44] |= pack_left_shift_u32(misfire_inhibit, 0u, 0xffu);
-    dst_p[45] |= pack_right_shift_u32(misfire_inhibit, 8u, 0xffu);
-    dst_p[46] |= pack_right_shift_u32(misfire_inhibit, 16u, 0xffu);
-    dst_p[47] |= pack_right_shift_u32(misfire_inhibit, 24u, 0xffu);
+    dst_p[46] |= pack_left_shift_u32(misfire_inhibit, 0u, 0xffu);
+    dst_p[47] |= pack_right_shift_u32(misfire_inhibit, 8u, 0xffu);
+    dst_p[48] |= pack_right_shift_u32(misfire_inhibit, 16u, 0xffu);
+    dst_p[49] |= pack_right_shift_u32(misfire_inhibit, 24u, 0xffu);
     memcpy(&misfire_firing, &src_p->misfire_firing, sizeof(misfire_firing));
-    dst_p[48] |= pack_left_shift_u32(misfire_firing, 0u, 0xffu);
-    dst_p[49] |= pack_right_shift_u32(misfire_firing, 8u, 0xffu);
-    dst_p[50] |= pack_right_shift_u32(misfire_firing, 16u, 0xffu);
-    dst_p[51] |= pack_right_shift_u32(misfire_firing, 24u, 0xffu);
+    dst_p[50] |= pack_left_shift_u32(misfire_firing, 0u, 0xffu);
+    dst_p[51] |= pack_right_shift_u32(misfire_firing, 8u, 0xffu);
+    dst_p[52] |= pack_right_shift_u32(misfire_firing, 16u, 0xffu);
+    dst_p[53] |= pack_right_shift_u32(misfire_firing, 24u, 0xffu);
     memcpy(&misfire_cylinder, &src_p->misfire_cylinder, sizeof(misfire_cylinder));
-    dst_p[52] |= pack_left_shift_u32(misfire_cylinder, 0u, 0xffu);
-    dst_p[53] |= pack_right_shift_u32(misfire_cylinder, 8u, 0xffu);
-    dst_p[54] |= pack_right_shift_u32(misfire_cylinder, 16u, 0xffu);
-    dst_p[55] |= pack_right_shift_u32(misfire_cylinder, 24u, 0xffu);
+    dst_p[54] |= pack_left_shift_u32(misfire_cylinder, 0u, 0xffu);
+    dst_p[55] |= pack_right_shift_u32(misfire_cylinder, 8u, 0xffu);
+    dst_p[56] |= pack_right_shift_u32(misfire_cylinder, 16u, 0xffu);
+    dst_p[57] |= pack_right_shift_u32(misfire_cylinder, 24u, 0xffu);
 
     return (64);
 }
@@ -5169,68 +5314,70 @@ int sd_bus_firing_unpack(
     dst_p->tick |= unpack_left_shift_u32(src_p[2], 16u, 0xffu);
     dst_p->tick |= unpack_left_shift_u32(src_p[3], 24u, 0xffu);
     dst_p->firing_health = unpack_right_shift_u8(src_p[4], 0u, 0xffu);
-    dst_p->firing_why = unpack_right_shift_u8(src_p[5], 0u, 0xffu);
-    dst_p->misfire_health = unpack_right_shift_u8(src_p[6], 0u, 0xffu);
-    dst_p->misfire_why = unpack_right_shift_u8(src_p[7], 0u, 0xffu);
-    firing_cylinder = unpack_right_shift_u32(src_p[8], 0u, 0xffu);
-    firing_cylinder |= unpack_left_shift_u32(src_p[9], 8u, 0xffu);
-    firing_cylinder |= unpack_left_shift_u32(src_p[10], 16u, 0xffu);
-    firing_cylinder |= unpack_left_shift_u32(src_p[11], 24u, 0xffu);
+    dst_p->firing_why = unpack_right_shift_u16(src_p[5], 0u, 0xffu);
+    dst_p->firing_why |= unpack_left_shift_u16(src_p[6], 8u, 0xffu);
+    dst_p->misfire_health = unpack_right_shift_u8(src_p[7], 0u, 0xffu);
+    dst_p->misfire_why = unpack_right_shift_u16(src_p[8], 0u, 0xffu);
+    dst_p->misfire_why |= unpack_left_shift_u16(src_p[9], 8u, 0xffu);
+    firing_cylinder = unpack_right_shift_u32(src_p[10], 0u, 0xffu);
+    firing_cylinder |= unpack_left_shift_u32(src_p[11], 8u, 0xffu);
+    firing_cylinder |= unpack_left_shift_u32(src_p[12], 16u, 0xffu);
+    firing_cylinder |= unpack_left_shift_u32(src_p[13], 24u, 0xffu);
     memcpy(&dst_p->firing_cylinder, &firing_cylinder, sizeof(dst_p->firing_cylinder));
-    firing_torque = unpack_right_shift_u32(src_p[12], 0u, 0xffu);
-    firing_torque |= unpack_left_shift_u32(src_p[13], 8u, 0xffu);
-    firing_torque |= unpack_left_shift_u32(src_p[14], 16u, 0xffu);
-    firing_torque |= unpack_left_shift_u32(src_p[15], 24u, 0xffu);
+    firing_torque = unpack_right_shift_u32(src_p[14], 0u, 0xffu);
+    firing_torque |= unpack_left_shift_u32(src_p[15], 8u, 0xffu);
+    firing_torque |= unpack_left_shift_u32(src_p[16], 16u, 0xffu);
+    firing_torque |= unpack_left_shift_u32(src_p[17], 24u, 0xffu);
     memcpy(&dst_p->firing_torque, &firing_torque, sizeof(dst_p->firing_torque));
-    firing_sd = unpack_right_shift_u32(src_p[16], 0u, 0xffu);
-    firing_sd |= unpack_left_shift_u32(src_p[17], 8u, 0xffu);
-    firing_sd |= unpack_left_shift_u32(src_p[18], 16u, 0xffu);
-    firing_sd |= unpack_left_shift_u32(src_p[19], 24u, 0xffu);
+    firing_sd = unpack_right_shift_u32(src_p[18], 0u, 0xffu);
+    firing_sd |= unpack_left_shift_u32(src_p[19], 8u, 0xffu);
+    firing_sd |= unpack_left_shift_u32(src_p[20], 16u, 0xffu);
+    firing_sd |= unpack_left_shift_u32(src_p[21], 24u, 0xffu);
     memcpy(&dst_p->firing_sd, &firing_sd, sizeof(dst_p->firing_sd));
-    firing_mean = unpack_right_shift_u32(src_p[20], 0u, 0xffu);
-    firing_mean |= unpack_left_shift_u32(src_p[21], 8u, 0xffu);
-    firing_mean |= unpack_left_shift_u32(src_p[22], 16u, 0xffu);
-    firing_mean |= unpack_left_shift_u32(src_p[23], 24u, 0xffu);
+    firing_mean = unpack_right_shift_u32(src_p[22], 0u, 0xffu);
+    firing_mean |= unpack_left_shift_u32(src_p[23], 8u, 0xffu);
+    firing_mean |= unpack_left_shift_u32(src_p[24], 16u, 0xffu);
+    firing_mean |= unpack_left_shift_u32(src_p[25], 24u, 0xffu);
     memcpy(&dst_p->firing_mean, &firing_mean, sizeof(dst_p->firing_mean));
-    firing_mean_sd = unpack_right_shift_u32(src_p[24], 0u, 0xffu);
-    firing_mean_sd |= unpack_left_shift_u32(src_p[25], 8u, 0xffu);
-    firing_mean_sd |= unpack_left_shift_u32(src_p[26], 16u, 0xffu);
-    firing_mean_sd |= unpack_left_shift_u32(src_p[27], 24u, 0xffu);
+    firing_mean_sd = unpack_right_shift_u32(src_p[26], 0u, 0xffu);
+    firing_mean_sd |= unpack_left_shift_u32(src_p[27], 8u, 0xffu);
+    firing_mean_sd |= unpack_left_shift_u32(src_p[28], 16u, 0xffu);
+    firing_mean_sd |= unpack_left_shift_u32(src_p[29], 24u, 0xffu);
     memcpy(&dst_p->firing_mean_sd, &firing_mean_sd, sizeof(dst_p->firing_mean_sd));
-    firing_rough = unpack_right_shift_u32(src_p[28], 0u, 0xffu);
-    firing_rough |= unpack_left_shift_u32(src_p[29], 8u, 0xffu);
-    firing_rough |= unpack_left_shift_u32(src_p[30], 16u, 0xffu);
-    firing_rough |= unpack_left_shift_u32(src_p[31], 24u, 0xffu);
+    firing_rough = unpack_right_shift_u32(src_p[30], 0u, 0xffu);
+    firing_rough |= unpack_left_shift_u32(src_p[31], 8u, 0xffu);
+    firing_rough |= unpack_left_shift_u32(src_p[32], 16u, 0xffu);
+    firing_rough |= unpack_left_shift_u32(src_p[33], 24u, 0xffu);
     memcpy(&dst_p->firing_rough, &firing_rough, sizeof(dst_p->firing_rough));
-    misfire_index = unpack_right_shift_u32(src_p[32], 0u, 0xffu);
-    misfire_index |= unpack_left_shift_u32(src_p[33], 8u, 0xffu);
-    misfire_index |= unpack_left_shift_u32(src_p[34], 16u, 0xffu);
-    misfire_index |= unpack_left_shift_u32(src_p[35], 24u, 0xffu);
+    misfire_index = unpack_right_shift_u32(src_p[34], 0u, 0xffu);
+    misfire_index |= unpack_left_shift_u32(src_p[35], 8u, 0xffu);
+    misfire_index |= unpack_left_shift_u32(src_p[36], 16u, 0xffu);
+    misfire_index |= unpack_left_shift_u32(src_p[37], 24u, 0xffu);
     memcpy(&dst_p->misfire_index, &misfire_index, sizeof(dst_p->misfire_index));
-    misfire_limit = unpack_right_shift_u32(src_p[36], 0u, 0xffu);
-    misfire_limit |= unpack_left_shift_u32(src_p[37], 8u, 0xffu);
-    misfire_limit |= unpack_left_shift_u32(src_p[38], 16u, 0xffu);
-    misfire_limit |= unpack_left_shift_u32(src_p[39], 24u, 0xffu);
+    misfire_limit = unpack_right_shift_u32(src_p[38], 0u, 0xffu);
+    misfire_limit |= unpack_left_shift_u32(src_p[39], 8u, 0xffu);
+    misfire_limit |= unpack_left_shift_u32(src_p[40], 16u, 0xffu);
+    misfire_limit |= unpack_left_shift_u32(src_p[41], 24u, 0xffu);
     memcpy(&dst_p->misfire_limit, &misfire_limit, sizeof(dst_p->misfire_limit));
-    misfire_verdict = unpack_right_shift_u32(src_p[40], 0u, 0xffu);
-    misfire_verdict |= unpack_left_shift_u32(src_p[41], 8u, 0xffu);
-    misfire_verdict |= unpack_left_shift_u32(src_p[42], 16u, 0xffu);
-    misfire_verdict |= unpack_left_shift_u32(src_p[43], 24u, 0xffu);
+    misfire_verdict = unpack_right_shift_u32(src_p[42], 0u, 0xffu);
+    misfire_verdict |= unpack_left_shift_u32(src_p[43], 8u, 0xffu);
+    misfire_verdict |= unpack_left_shift_u32(src_p[44], 16u, 0xffu);
+    misfire_verdict |= unpack_left_shift_u32(src_p[45], 24u, 0xffu);
     memcpy(&dst_p->misfire_verdict, &misfire_verdict, sizeof(dst_p->misfire_verdict));
-    misfire_inhibit = unpack_right_shift_u32(src_p[44], 0u, 0xffu);
-    misfire_inhibit |= unpack_left_shift_u32(src_p[45], 8u, 0xffu);
-    misfire_inhibit |= unpack_left_shift_u32(src_p[46], 16u, 0xffu);
-    misfire_inhibit |= unpack_left_shift_u32(src_p[47], 24u, 0xffu);
+    misfire_inhibit = unpack_right_shift_u32(src_p[46], 0u, 0xffu);
+    misfire_inhibit |= unpack_left_shift_u32(src_p[47], 8u, 0xffu);
+    misfire_inhibit |= unpack_left_shift_u32(src_p[48], 16u, 0xffu);
+    misfire_inhibit |= unpack_left_shift_u32(src_p[49], 24u, 0xffu);
     memcpy(&dst_p->misfire_inhibit, &misfire_inhibit, sizeof(dst_p->misfire_inhibit));
-    misfire_firing = unpack_right_shift_u32(src_p[48], 0u, 0xffu);
-    misfire_firing |= unpack_left_shift_u32(src_p[49], 8u, 0xffu);
-    misfire_firing |= unpack_left_shift_u32(src_p[50], 16u, 0xffu);
-    misfire_firing |= unpack_left_shift_u32(src_p[51], 24u, 0xffu);
+    misfire_firing = unpack_right_shift_u32(src_p[50], 0u, 0xffu);
+    misfire_firing |= unpack_left_shift_u32(src_p[51], 8u, 0xffu);
+    misfire_firing |= unpack_left_shift_u32(src_p[52], 16u, 0xffu);
+    misfire_firing |= unpack_left_shift_u32(src_p[53], 24u, 0xffu);
     memcpy(&dst_p->misfire_firing, &misfire_firing, sizeof(dst_p->misfire_firing));
-    misfire_cylinder = unpack_right_shift_u32(src_p[52], 0u, 0xffu);
-    misfire_cylinder |= unpack_left_shift_u32(src_p[53], 8u, 0xffu);
-    misfire_cylinder |= unpack_left_shift_u32(src_p[54], 16u, 0xffu);
-    misfire_cylinder |= unpack_left_shift_u32(src_p[55], 24u, 0xffu);
+    misfire_cylinder = unpack_right_shift_u32(src_p[54], 0u, 0xffu);
+    misfire_cylinder |= unpack_left_shift_u32(src_p[55], 8u, 0xffu);
+    misfire_cylinder |= unpack_left_shift_u32(src_p[56], 16u, 0xffu);
+    misfire_cylinder |= unpack_left_shift_u32(src_p[57], 24u, 0xffu);
     memcpy(&dst_p->misfire_cylinder, &misfire_cylinder, sizeof(dst_p->misfire_cylinder));
 
     return (0);
@@ -5287,17 +5434,17 @@ bool sd_bus_firing_firing_health_is_in_phys_range(double value)
     return ((value >= 0.0) && (value <= 2.0));
 }
 
-uint8_t sd_bus_firing_firing_why_encode(double value)
+uint16_t sd_bus_firing_firing_why_encode(double value)
 {
-    return (uint8_t)(cantools_unsigned_from_double(round(value)));
+    return (uint16_t)(cantools_unsigned_from_double(round(value)));
 }
 
-double sd_bus_firing_firing_why_decode(uint8_t value)
+double sd_bus_firing_firing_why_decode(uint16_t value)
 {
     return ((double)value);
 }
 
-bool sd_bus_firing_firing_why_is_in_range(uint8_t value)
+bool sd_bus_firing_firing_why_is_in_range(uint16_t value)
 {
     (void)value;
 
@@ -5306,7 +5453,7 @@ bool sd_bus_firing_firing_why_is_in_range(uint8_t value)
 
 bool sd_bus_firing_firing_why_is_in_phys_range(double value)
 {
-    return ((value >= 0.0) && (value <= 255.0));
+    return ((value >= 0.0) && (value <= 65535.0));
 }
 
 uint8_t sd_bus_firing_misfire_health_encode(double value)
@@ -5329,17 +5476,17 @@ bool sd_bus_firing_misfire_health_is_in_phys_range(double value)
     return ((value >= 0.0) && (value <= 2.0));
 }
 
-uint8_t sd_bus_firing_misfire_why_encode(double value)
+uint16_t sd_bus_firing_misfire_why_encode(double value)
 {
-    return (uint8_t)(cantools_unsigned_from_double(round(value)));
+    return (uint16_t)(cantools_unsigned_from_double(round(value)));
 }
 
-double sd_bus_firing_misfire_why_decode(uint8_t value)
+double sd_bus_firing_misfire_why_decode(uint16_t value)
 {
     return ((double)value);
 }
 
-bool sd_bus_firing_misfire_why_is_in_range(uint8_t value)
+bool sd_bus_firing_misfire_why_is_in_range(uint16_t value)
 {
     (void)value;
 
@@ -5348,7 +5495,7 @@ bool sd_bus_firing_misfire_why_is_in_range(uint8_t value)
 
 bool sd_bus_firing_misfire_why_is_in_phys_range(double value)
 {
-    return ((value >= 0.0) && (value <= 255.0));
+    return ((value >= 0.0) && (value <= 65535.0));
 }
 
 float sd_bus_firing_firing_cylinder_encode(double value)

@@ -62,7 +62,8 @@ extern "C" {
 #define SD_BUS_CYCLE_3_FRAME_ID (0xb3u)
 #define SD_BUS_CYCLE_4_FRAME_ID (0xb4u)
 #define SD_BUS_CYCLE_5_FRAME_ID (0xb5u)
-#define SD_BUS_FIRING_FRAME_ID (0xb6u)
+#define SD_BUS_CYCLE_6_FRAME_ID (0xb6u)
+#define SD_BUS_FIRING_FRAME_ID (0xb7u)
 #define SD_BUS_PARAMETER_REQUEST_FRAME_ID (0xc0u)
 #define SD_BUS_PARAMETER_FRAME_ID (0xc1u)
 #define SD_BUS_CLAIM_FRAME_ID (0xc2u)
@@ -81,12 +82,13 @@ extern "C" {
 #define SD_BUS_INPUT_EXHAUST_LAMBDA_LENGTH (8u)
 #define SD_BUS_INPUT_EXHAUST_PRESSURE_LENGTH (8u)
 #define SD_BUS_INPUT_BALANCE_ENABLE_LENGTH (8u)
-#define SD_BUS_EDGE_LENGTH (48u)
+#define SD_BUS_EDGE_LENGTH (64u)
 #define SD_BUS_CYCLE_1_LENGTH (64u)
 #define SD_BUS_CYCLE_2_LENGTH (64u)
 #define SD_BUS_CYCLE_3_LENGTH (64u)
 #define SD_BUS_CYCLE_4_LENGTH (64u)
 #define SD_BUS_CYCLE_5_LENGTH (64u)
+#define SD_BUS_CYCLE_6_LENGTH (24u)
 #define SD_BUS_FIRING_LENGTH (64u)
 #define SD_BUS_PARAMETER_REQUEST_LENGTH (8u)
 #define SD_BUS_PARAMETER_LENGTH (8u)
@@ -112,6 +114,7 @@ extern "C" {
 #define SD_BUS_CYCLE_3_IS_EXTENDED (0)
 #define SD_BUS_CYCLE_4_IS_EXTENDED (0)
 #define SD_BUS_CYCLE_5_IS_EXTENDED (0)
+#define SD_BUS_CYCLE_6_IS_EXTENDED (0)
 #define SD_BUS_FIRING_IS_EXTENDED (0)
 #define SD_BUS_PARAMETER_REQUEST_IS_EXTENDED (0)
 #define SD_BUS_PARAMETER_IS_EXTENDED (0)
@@ -169,9 +172,9 @@ extern "C" {
 #define SD_BUS_CYCLE_3_AFR_HEALTH_DEGRADED_CHOICE (1u)
 #define SD_BUS_CYCLE_3_AFR_HEALTH_INVALID_CHOICE (2u)
 
-#define SD_BUS_CYCLE_3_BALANCE_HEALTH_VALID_CHOICE (0u)
-#define SD_BUS_CYCLE_3_BALANCE_HEALTH_DEGRADED_CHOICE (1u)
-#define SD_BUS_CYCLE_3_BALANCE_HEALTH_INVALID_CHOICE (2u)
+#define SD_BUS_CYCLE_4_AFR_HEALTH_VALID_CHOICE (0u)
+#define SD_BUS_CYCLE_4_AFR_HEALTH_DEGRADED_CHOICE (1u)
+#define SD_BUS_CYCLE_4_AFR_HEALTH_INVALID_CHOICE (2u)
 
 #define SD_BUS_CYCLE_4_BALANCE_HEALTH_VALID_CHOICE (0u)
 #define SD_BUS_CYCLE_4_BALANCE_HEALTH_DEGRADED_CHOICE (1u)
@@ -184,6 +187,10 @@ extern "C" {
 #define SD_BUS_CYCLE_5_MISFIRE_HEALTH_VALID_CHOICE (0u)
 #define SD_BUS_CYCLE_5_MISFIRE_HEALTH_DEGRADED_CHOICE (1u)
 #define SD_BUS_CYCLE_5_MISFIRE_HEALTH_INVALID_CHOICE (2u)
+
+#define SD_BUS_CYCLE_6_MISFIRE_HEALTH_VALID_CHOICE (0u)
+#define SD_BUS_CYCLE_6_MISFIRE_HEALTH_DEGRADED_CHOICE (1u)
+#define SD_BUS_CYCLE_6_MISFIRE_HEALTH_INVALID_CHOICE (2u)
 
 #define SD_BUS_FIRING_FIRING_HEALTH_VALID_CHOICE (0u)
 #define SD_BUS_FIRING_FIRING_HEALTH_DEGRADED_CHOICE (1u)
@@ -347,6 +354,7 @@ extern "C" {
 #define SD_BUS_CYCLE_3_NAME "cycle_3"
 #define SD_BUS_CYCLE_4_NAME "cycle_4"
 #define SD_BUS_CYCLE_5_NAME "cycle_5"
+#define SD_BUS_CYCLE_6_NAME "cycle_6"
 #define SD_BUS_FIRING_NAME "firing"
 #define SD_BUS_PARAMETER_REQUEST_NAME "parameter_request"
 #define SD_BUS_PARAMETER_NAME "parameter"
@@ -426,7 +434,6 @@ extern "C" {
 #define SD_BUS_CYCLE_1_CYCLE_CYLINDER_SD_2_NAME "cycle_cylinder_sd_2"
 #define SD_BUS_CYCLE_1_CYCLE_CYLINDER_SD_3_NAME "cycle_cylinder_sd_3"
 #define SD_BUS_CYCLE_1_CYCLE_CYLINDER_SD_4_NAME "cycle_cylinder_sd_4"
-#define SD_BUS_CYCLE_1_CYCLE_CYLINDER_SD_5_NAME "cycle_cylinder_sd_5"
 #define SD_BUS_CYCLE_2_TICK_NAME "tick"
 #define SD_BUS_CYCLE_2_CYLINDER_HEALTH_NAME "cylinder_health"
 #define SD_BUS_CYCLE_2_CYLINDER_WHY_NAME "cylinder_why"
@@ -434,6 +441,7 @@ extern "C" {
 #define SD_BUS_CYCLE_2_CRANK_WHY_NAME "crank_why"
 #define SD_BUS_CYCLE_2_AFR_HEALTH_NAME "afr_health"
 #define SD_BUS_CYCLE_2_AFR_WHY_NAME "afr_why"
+#define SD_BUS_CYCLE_2_CYCLE_CYLINDER_SD_5_NAME "cycle_cylinder_sd_5"
 #define SD_BUS_CYCLE_2_CYCLE_CYLINDER_SD_6_NAME "cycle_cylinder_sd_6"
 #define SD_BUS_CYCLE_2_CYCLE_CYLINDER_SD_7_NAME "cycle_cylinder_sd_7"
 #define SD_BUS_CYCLE_2_CYCLE_CYLINDER_SD_8_NAME "cycle_cylinder_sd_8"
@@ -445,13 +453,11 @@ extern "C" {
 #define SD_BUS_CYCLE_2_AFR_CYLINDER_BURNED_4_NAME "afr_cylinder_burned_4"
 #define SD_BUS_CYCLE_2_AFR_CYLINDER_BURNED_5_NAME "afr_cylinder_burned_5"
 #define SD_BUS_CYCLE_2_AFR_CYLINDER_BURNED_6_NAME "afr_cylinder_burned_6"
-#define SD_BUS_CYCLE_2_AFR_CYLINDER_BURNED_7_NAME "afr_cylinder_burned_7"
-#define SD_BUS_CYCLE_2_AFR_CYLINDER_BURNED_8_NAME "afr_cylinder_burned_8"
 #define SD_BUS_CYCLE_3_TICK_NAME "tick"
 #define SD_BUS_CYCLE_3_AFR_HEALTH_NAME "afr_health"
 #define SD_BUS_CYCLE_3_AFR_WHY_NAME "afr_why"
-#define SD_BUS_CYCLE_3_BALANCE_HEALTH_NAME "balance_health"
-#define SD_BUS_CYCLE_3_BALANCE_WHY_NAME "balance_why"
+#define SD_BUS_CYCLE_3_AFR_CYLINDER_BURNED_7_NAME "afr_cylinder_burned_7"
+#define SD_BUS_CYCLE_3_AFR_CYLINDER_BURNED_8_NAME "afr_cylinder_burned_8"
 #define SD_BUS_CYCLE_3_AFR_CYLINDER_SD_1_NAME "afr_cylinder_sd_1"
 #define SD_BUS_CYCLE_3_AFR_CYLINDER_SD_2_NAME "afr_cylinder_sd_2"
 #define SD_BUS_CYCLE_3_AFR_CYLINDER_SD_3_NAME "afr_cylinder_sd_3"
@@ -464,13 +470,15 @@ extern "C" {
 #define SD_BUS_CYCLE_3_AFR_LATE_NAME "afr_late"
 #define SD_BUS_CYCLE_3_AFR_LATE_SD_NAME "afr_late_sd"
 #define SD_BUS_CYCLE_3_AFR_LAG_NAME "afr_lag"
-#define SD_BUS_CYCLE_3_AFR_PROBING_NAME "afr_probing"
-#define SD_BUS_CYCLE_3_BALANCE_TRIM_1_NAME "balance_trim_1"
 #define SD_BUS_CYCLE_4_TICK_NAME "tick"
+#define SD_BUS_CYCLE_4_AFR_HEALTH_NAME "afr_health"
+#define SD_BUS_CYCLE_4_AFR_WHY_NAME "afr_why"
 #define SD_BUS_CYCLE_4_BALANCE_HEALTH_NAME "balance_health"
 #define SD_BUS_CYCLE_4_BALANCE_WHY_NAME "balance_why"
 #define SD_BUS_CYCLE_4_MISFIRE_HEALTH_NAME "misfire_health"
 #define SD_BUS_CYCLE_4_MISFIRE_WHY_NAME "misfire_why"
+#define SD_BUS_CYCLE_4_AFR_PROBING_NAME "afr_probing"
+#define SD_BUS_CYCLE_4_BALANCE_TRIM_1_NAME "balance_trim_1"
 #define SD_BUS_CYCLE_4_BALANCE_TRIM_2_NAME "balance_trim_2"
 #define SD_BUS_CYCLE_4_BALANCE_TRIM_3_NAME "balance_trim_3"
 #define SD_BUS_CYCLE_4_BALANCE_TRIM_4_NAME "balance_trim_4"
@@ -481,13 +489,13 @@ extern "C" {
 #define SD_BUS_CYCLE_4_MISFIRE_RATE_200_1_NAME "misfire_rate_200_1"
 #define SD_BUS_CYCLE_4_MISFIRE_RATE_200_2_NAME "misfire_rate_200_2"
 #define SD_BUS_CYCLE_4_MISFIRE_RATE_200_3_NAME "misfire_rate_200_3"
-#define SD_BUS_CYCLE_4_MISFIRE_RATE_200_4_NAME "misfire_rate_200_4"
-#define SD_BUS_CYCLE_4_MISFIRE_RATE_200_5_NAME "misfire_rate_200_5"
-#define SD_BUS_CYCLE_4_MISFIRE_RATE_200_6_NAME "misfire_rate_200_6"
-#define SD_BUS_CYCLE_4_MISFIRE_RATE_200_7_NAME "misfire_rate_200_7"
 #define SD_BUS_CYCLE_5_TICK_NAME "tick"
 #define SD_BUS_CYCLE_5_MISFIRE_HEALTH_NAME "misfire_health"
 #define SD_BUS_CYCLE_5_MISFIRE_WHY_NAME "misfire_why"
+#define SD_BUS_CYCLE_5_MISFIRE_RATE_200_4_NAME "misfire_rate_200_4"
+#define SD_BUS_CYCLE_5_MISFIRE_RATE_200_5_NAME "misfire_rate_200_5"
+#define SD_BUS_CYCLE_5_MISFIRE_RATE_200_6_NAME "misfire_rate_200_6"
+#define SD_BUS_CYCLE_5_MISFIRE_RATE_200_7_NAME "misfire_rate_200_7"
 #define SD_BUS_CYCLE_5_MISFIRE_RATE_200_8_NAME "misfire_rate_200_8"
 #define SD_BUS_CYCLE_5_MISFIRE_RATE_1000_1_NAME "misfire_rate_1000_1"
 #define SD_BUS_CYCLE_5_MISFIRE_RATE_1000_2_NAME "misfire_rate_1000_2"
@@ -498,10 +506,13 @@ extern "C" {
 #define SD_BUS_CYCLE_5_MISFIRE_RATE_1000_7_NAME "misfire_rate_1000_7"
 #define SD_BUS_CYCLE_5_MISFIRE_RATE_1000_8_NAME "misfire_rate_1000_8"
 #define SD_BUS_CYCLE_5_MISFIRE_CONTINUOUS_NAME "misfire_continuous"
-#define SD_BUS_CYCLE_5_MISFIRE_SUSPECTS_NAME "misfire_suspects"
-#define SD_BUS_CYCLE_5_MISFIRE_LAMP_NAME "misfire_lamp"
-#define SD_BUS_CYCLE_5_MISFIRE_COUNT_NAME "misfire_count"
-#define SD_BUS_CYCLE_5_MISFIRE_PARTIAL_BURNS_NAME "misfire_partial_burns"
+#define SD_BUS_CYCLE_6_TICK_NAME "tick"
+#define SD_BUS_CYCLE_6_MISFIRE_HEALTH_NAME "misfire_health"
+#define SD_BUS_CYCLE_6_MISFIRE_WHY_NAME "misfire_why"
+#define SD_BUS_CYCLE_6_MISFIRE_SUSPECTS_NAME "misfire_suspects"
+#define SD_BUS_CYCLE_6_MISFIRE_LAMP_NAME "misfire_lamp"
+#define SD_BUS_CYCLE_6_MISFIRE_COUNT_NAME "misfire_count"
+#define SD_BUS_CYCLE_6_MISFIRE_PARTIAL_BURNS_NAME "misfire_partial_burns"
 #define SD_BUS_FIRING_TICK_NAME "tick"
 #define SD_BUS_FIRING_FIRING_HEALTH_NAME "firing_health"
 #define SD_BUS_FIRING_FIRING_WHY_NAME "firing_why"
@@ -931,11 +942,11 @@ struct sd_bus_edge_t {
     /**
      * Why not, bits: sd_why_t.
      *
-     * Range: 0..255 (0..255 -)
+     * Range: 0..65535 (0..65535 -)
      * Scale: 1
      * Offset: 0
      */
-    uint8_t crank_why;
+    uint16_t crank_why;
 
     /**
      * How far the values of torque may be trusted.
@@ -949,11 +960,11 @@ struct sd_bus_edge_t {
     /**
      * Why not, bits: sd_why_t.
      *
-     * Range: 0..255 (0..255 -)
+     * Range: 0..65535 (0..65535 -)
      * Scale: 1
      * Offset: 0
      */
-    uint8_t torque_why;
+    uint16_t torque_why;
 
     /**
      * How far the values of firing may be trusted.
@@ -967,11 +978,11 @@ struct sd_bus_edge_t {
     /**
      * Why not, bits: sd_why_t.
      *
-     * Range: 0..255 (0..255 -)
+     * Range: 0..65535 (0..65535 -)
      * Scale: 1
      * Offset: 0
      */
-    uint8_t firing_why;
+    uint16_t firing_why;
 
     /**
      * What became of the edge: 0 tooth, 1 coasted (a tooth after missing ones), 2 spurious, 3 unsynced.
@@ -1084,11 +1095,11 @@ struct sd_bus_cycle_1_t {
     /**
      * Why not, bits: sd_why_t.
      *
-     * Range: 0..255 (0..255 -)
+     * Range: 0..65535 (0..65535 -)
      * Scale: 1
      * Offset: 0
      */
-    uint8_t crank_why;
+    uint16_t crank_why;
 
     /**
      * How far the values of cylinder may be trusted.
@@ -1102,11 +1113,11 @@ struct sd_bus_cycle_1_t {
     /**
      * Why not, bits: sd_why_t.
      *
-     * Range: 0..255 (0..255 -)
+     * Range: 0..65535 (0..65535 -)
      * Scale: 1
      * Offset: 0
      */
-    uint8_t cylinder_why;
+    uint16_t cylinder_why;
 
     /**
      * Mean speed of the cycle just ended.
@@ -1224,15 +1235,6 @@ struct sd_bus_cycle_1_t {
      * Offset: 0
      */
     float cycle_cylinder_sd_4;
-
-    /**
-     * Standard deviation of cycle.cylinder_torque from errors of the tooth times (torque.tooth_sd, timer); errors of the engine model are not in it.
-     *
-     * Range: 0.0..20000.0 (0..20000 Nm)
-     * Scale: 1
-     * Offset: 0
-     */
-    float cycle_cylinder_sd_5;
 };
 
 /**
@@ -1264,11 +1266,11 @@ struct sd_bus_cycle_2_t {
     /**
      * Why not, bits: sd_why_t.
      *
-     * Range: 0..255 (0..255 -)
+     * Range: 0..65535 (0..65535 -)
      * Scale: 1
      * Offset: 0
      */
-    uint8_t cylinder_why;
+    uint16_t cylinder_why;
 
     /**
      * How far the values of crank may be trusted.
@@ -1282,11 +1284,11 @@ struct sd_bus_cycle_2_t {
     /**
      * Why not, bits: sd_why_t.
      *
-     * Range: 0..255 (0..255 -)
+     * Range: 0..65535 (0..65535 -)
      * Scale: 1
      * Offset: 0
      */
-    uint8_t crank_why;
+    uint16_t crank_why;
 
     /**
      * How far the values of afr may be trusted.
@@ -1300,11 +1302,20 @@ struct sd_bus_cycle_2_t {
     /**
      * Why not, bits: sd_why_t.
      *
-     * Range: 0..255 (0..255 -)
+     * Range: 0..65535 (0..65535 -)
      * Scale: 1
      * Offset: 0
      */
-    uint8_t afr_why;
+    uint16_t afr_why;
+
+    /**
+     * Standard deviation of cycle.cylinder_torque from errors of the tooth times (torque.tooth_sd, timer); errors of the engine model are not in it.
+     *
+     * Range: 0.0..20000.0 (0..20000 Nm)
+     * Scale: 1
+     * Offset: 0
+     */
+    float cycle_cylinder_sd_5;
 
     /**
      * Standard deviation of cycle.cylinder_torque from errors of the tooth times (torque.tooth_sd, timer); errors of the engine model are not in it.
@@ -1404,24 +1415,6 @@ struct sd_bus_cycle_2_t {
      * Offset: 0
      */
     float afr_cylinder_burned_6;
-
-    /**
-     * Burned share of each cylinder's exhaust gas, by physical number: lambda = 1 - air/gas of document 004, above 1 where air is missing.
-     *
-     * Range: -1.0..2.0 (-1..2 -)
-     * Scale: 1
-     * Offset: 0
-     */
-    float afr_cylinder_burned_7;
-
-    /**
-     * Burned share of each cylinder's exhaust gas, by physical number: lambda = 1 - air/gas of document 004, above 1 where air is missing.
-     *
-     * Range: -1.0..2.0 (-1..2 -)
-     * Scale: 1
-     * Offset: 0
-     */
-    float afr_cylinder_burned_8;
 };
 
 /**
@@ -1453,29 +1446,29 @@ struct sd_bus_cycle_3_t {
     /**
      * Why not, bits: sd_why_t.
      *
-     * Range: 0..255 (0..255 -)
+     * Range: 0..65535 (0..65535 -)
      * Scale: 1
      * Offset: 0
      */
-    uint8_t afr_why;
+    uint16_t afr_why;
 
     /**
-     * How far the values of balance may be trusted.
+     * Burned share of each cylinder's exhaust gas, by physical number: lambda = 1 - air/gas of document 004, above 1 where air is missing.
      *
-     * Range: 0..2 (0..2 -)
+     * Range: -1.0..2.0 (-1..2 -)
      * Scale: 1
      * Offset: 0
      */
-    uint8_t balance_health;
+    float afr_cylinder_burned_7;
 
     /**
-     * Why not, bits: sd_why_t.
+     * Burned share of each cylinder's exhaust gas, by physical number: lambda = 1 - air/gas of document 004, above 1 where air is missing.
      *
-     * Range: 0..255 (0..255 -)
+     * Range: -1.0..2.0 (-1..2 -)
      * Scale: 1
      * Offset: 0
      */
-    uint8_t balance_why;
+    float afr_cylinder_burned_8;
 
     /**
      * Standard deviation of a cylinder's deviation from the mean, over the mean: as the filter states it; of the chain, what it scatters by.
@@ -1584,24 +1577,6 @@ struct sd_bus_cycle_3_t {
      * Offset: 0
      */
     float afr_lag;
-
-    /**
-     * 1: a trim on one cylinder asks the sensor for its delay.
-     *
-     * Range: 0.0..1.0 (0..1 -)
-     * Scale: 1
-     * Offset: 0
-     */
-    float afr_probing;
-
-    /**
-     * Fuel to add to each cylinder, over its nominal, by physical number; their mean is 0.
-     *
-     * Range: -0.5..0.5 (-0.5..0.5 -)
-     * Scale: 1
-     * Offset: 0
-     */
-    float balance_trim_1;
 };
 
 /**
@@ -1622,6 +1597,24 @@ struct sd_bus_cycle_4_t {
     uint32_t tick;
 
     /**
+     * How far the values of afr may be trusted.
+     *
+     * Range: 0..2 (0..2 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t afr_health;
+
+    /**
+     * Why not, bits: sd_why_t.
+     *
+     * Range: 0..65535 (0..65535 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint16_t afr_why;
+
+    /**
      * How far the values of balance may be trusted.
      *
      * Range: 0..2 (0..2 -)
@@ -1633,11 +1626,11 @@ struct sd_bus_cycle_4_t {
     /**
      * Why not, bits: sd_why_t.
      *
-     * Range: 0..255 (0..255 -)
+     * Range: 0..65535 (0..65535 -)
      * Scale: 1
      * Offset: 0
      */
-    uint8_t balance_why;
+    uint16_t balance_why;
 
     /**
      * How far the values of misfire may be trusted.
@@ -1651,11 +1644,29 @@ struct sd_bus_cycle_4_t {
     /**
      * Why not, bits: sd_why_t.
      *
-     * Range: 0..255 (0..255 -)
+     * Range: 0..65535 (0..65535 -)
      * Scale: 1
      * Offset: 0
      */
-    uint8_t misfire_why;
+    uint16_t misfire_why;
+
+    /**
+     * 1: a trim on one cylinder asks the sensor for its delay.
+     *
+     * Range: 0.0..1.0 (0..1 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    float afr_probing;
+
+    /**
+     * Fuel to add to each cylinder, over its nominal, by physical number; their mean is 0.
+     *
+     * Range: -0.5..0.5 (-0.5..0.5 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    float balance_trim_1;
 
     /**
      * Fuel to add to each cylinder, over its nominal, by physical number; their mean is 0.
@@ -1746,6 +1757,42 @@ struct sd_bus_cycle_4_t {
      * Offset: 0
      */
     float misfire_rate_200_3;
+};
+
+/**
+ * Signals in message cycle_5.
+ *
+ * Signals of rate cycle, one row a tick.
+ *
+ * All signal values are as on the CAN bus.
+ */
+struct sd_bus_cycle_5_t {
+    /**
+     * Capture tick of the event that caused it.
+     *
+     * Range: 0..4294967295 (0..4294967295 tick)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint32_t tick;
+
+    /**
+     * How far the values of misfire may be trusted.
+     *
+     * Range: 0..2 (0..2 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t misfire_health;
+
+    /**
+     * Why not, bits: sd_why_t.
+     *
+     * Range: 0..65535 (0..65535 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint16_t misfire_why;
 
     /**
      * Misfires of the cylinder in the last complete window of 200 judged revolutions, of its firings.
@@ -1782,42 +1829,6 @@ struct sd_bus_cycle_4_t {
      * Offset: 0
      */
     float misfire_rate_200_7;
-};
-
-/**
- * Signals in message cycle_5.
- *
- * Signals of rate cycle, one row a tick.
- *
- * All signal values are as on the CAN bus.
- */
-struct sd_bus_cycle_5_t {
-    /**
-     * Capture tick of the event that caused it.
-     *
-     * Range: 0..4294967295 (0..4294967295 tick)
-     * Scale: 1
-     * Offset: 0
-     */
-    uint32_t tick;
-
-    /**
-     * How far the values of misfire may be trusted.
-     *
-     * Range: 0..2 (0..2 -)
-     * Scale: 1
-     * Offset: 0
-     */
-    uint8_t misfire_health;
-
-    /**
-     * Why not, bits: sd_why_t.
-     *
-     * Range: 0..255 (0..255 -)
-     * Scale: 1
-     * Offset: 0
-     */
-    uint8_t misfire_why;
 
     /**
      * Misfires of the cylinder in the last complete window of 200 judged revolutions, of its firings.
@@ -1908,6 +1919,42 @@ struct sd_bus_cycle_5_t {
      * Offset: 0
      */
     float misfire_continuous;
+};
+
+/**
+ * Signals in message cycle_6.
+ *
+ * Signals of rate cycle, one row a tick.
+ *
+ * All signal values are as on the CAN bus.
+ */
+struct sd_bus_cycle_6_t {
+    /**
+     * Capture tick of the event that caused it.
+     *
+     * Range: 0..4294967295 (0..4294967295 tick)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint32_t tick;
+
+    /**
+     * How far the values of misfire may be trusted.
+     *
+     * Range: 0..2 (0..2 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t misfire_health;
+
+    /**
+     * Why not, bits: sd_why_t.
+     *
+     * Range: 0..65535 (0..65535 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint16_t misfire_why;
 
     /**
      * Bit n - 1: cylinder n had over a tenth of the misfires of the window that moved the lamp.
@@ -1975,11 +2022,11 @@ struct sd_bus_firing_t {
     /**
      * Why not, bits: sd_why_t.
      *
-     * Range: 0..255 (0..255 -)
+     * Range: 0..65535 (0..65535 -)
      * Scale: 1
      * Offset: 0
      */
-    uint8_t firing_why;
+    uint16_t firing_why;
 
     /**
      * How far the values of misfire may be trusted.
@@ -1993,11 +2040,11 @@ struct sd_bus_firing_t {
     /**
      * Why not, bits: sd_why_t.
      *
-     * Range: 0..255 (0..255 -)
+     * Range: 0..65535 (0..65535 -)
      * Scale: 1
      * Offset: 0
      */
-    uint8_t misfire_why;
+    uint16_t misfire_why;
 
     /**
      * Physical cylinder of the firing read.
@@ -4274,7 +4321,7 @@ bool sd_bus_edge_crank_health_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-uint8_t sd_bus_edge_crank_why_encode(double value);
+uint16_t sd_bus_edge_crank_why_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -4283,7 +4330,7 @@ uint8_t sd_bus_edge_crank_why_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_edge_crank_why_decode(uint8_t value);
+double sd_bus_edge_crank_why_decode(uint16_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -4292,7 +4339,7 @@ double sd_bus_edge_crank_why_decode(uint8_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_edge_crank_why_is_in_range(uint8_t value);
+bool sd_bus_edge_crank_why_is_in_range(uint16_t value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -4354,7 +4401,7 @@ bool sd_bus_edge_torque_health_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-uint8_t sd_bus_edge_torque_why_encode(double value);
+uint16_t sd_bus_edge_torque_why_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -4363,7 +4410,7 @@ uint8_t sd_bus_edge_torque_why_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_edge_torque_why_decode(uint8_t value);
+double sd_bus_edge_torque_why_decode(uint16_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -4372,7 +4419,7 @@ double sd_bus_edge_torque_why_decode(uint8_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_edge_torque_why_is_in_range(uint8_t value);
+bool sd_bus_edge_torque_why_is_in_range(uint16_t value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -4434,7 +4481,7 @@ bool sd_bus_edge_firing_health_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-uint8_t sd_bus_edge_firing_why_encode(double value);
+uint16_t sd_bus_edge_firing_why_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -4443,7 +4490,7 @@ uint8_t sd_bus_edge_firing_why_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_edge_firing_why_decode(uint8_t value);
+double sd_bus_edge_firing_why_decode(uint16_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -4452,7 +4499,7 @@ double sd_bus_edge_firing_why_decode(uint8_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_edge_firing_why_is_in_range(uint8_t value);
+bool sd_bus_edge_firing_why_is_in_range(uint16_t value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -4951,7 +4998,7 @@ bool sd_bus_cycle_1_crank_health_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-uint8_t sd_bus_cycle_1_crank_why_encode(double value);
+uint16_t sd_bus_cycle_1_crank_why_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -4960,7 +5007,7 @@ uint8_t sd_bus_cycle_1_crank_why_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_cycle_1_crank_why_decode(uint8_t value);
+double sd_bus_cycle_1_crank_why_decode(uint16_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -4969,7 +5016,7 @@ double sd_bus_cycle_1_crank_why_decode(uint8_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_1_crank_why_is_in_range(uint8_t value);
+bool sd_bus_cycle_1_crank_why_is_in_range(uint16_t value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -5031,7 +5078,7 @@ bool sd_bus_cycle_1_cylinder_health_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-uint8_t sd_bus_cycle_1_cylinder_why_encode(double value);
+uint16_t sd_bus_cycle_1_cylinder_why_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -5040,7 +5087,7 @@ uint8_t sd_bus_cycle_1_cylinder_why_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_cycle_1_cylinder_why_decode(uint8_t value);
+double sd_bus_cycle_1_cylinder_why_decode(uint16_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -5049,7 +5096,7 @@ double sd_bus_cycle_1_cylinder_why_decode(uint8_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_1_cylinder_why_is_in_range(uint8_t value);
+bool sd_bus_cycle_1_cylinder_why_is_in_range(uint16_t value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -5585,46 +5632,6 @@ bool sd_bus_cycle_1_cycle_cylinder_sd_4_is_in_range(float value);
 bool sd_bus_cycle_1_cycle_cylinder_sd_4_is_in_phys_range(double value);
 
 /**
- * Encode given signal by applying scaling and offset.
- *
- * @param[in] value Signal to encode.
- *
- * @return Encoded signal.
- */
-float sd_bus_cycle_1_cycle_cylinder_sd_5_encode(double value);
-
-/**
- * Decode given signal by applying scaling and offset.
- *
- * @param[in] value Signal to decode.
- *
- * @return Decoded signal.
- */
-double sd_bus_cycle_1_cycle_cylinder_sd_5_decode(float value);
-
-/**
- * Check that given signal is in allowed range.
- *
- * @param[in] value Signal to check.
- *
- * @return true if in range, false otherwise.
- */
-bool sd_bus_cycle_1_cycle_cylinder_sd_5_is_in_range(float value);
-
-/**
- * Check that given physical value is in allowed range before encoding.
- *
- * Use this BEFORE calling _encode() to avoid silent integer overflow:
- *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
- *   is_in_phys_range(-1.0) correctly returns false.
- *
- * @param[in] value Physical signal value to check.
- *
- * @return true if in range, false otherwise.
- */
-bool sd_bus_cycle_1_cycle_cylinder_sd_5_is_in_phys_range(double value);
-
-/**
  * Pack message cycle_2.
  *
  * @param[out] dst_p Buffer to pack the message into.
@@ -5748,7 +5755,7 @@ bool sd_bus_cycle_2_cylinder_health_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-uint8_t sd_bus_cycle_2_cylinder_why_encode(double value);
+uint16_t sd_bus_cycle_2_cylinder_why_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -5757,7 +5764,7 @@ uint8_t sd_bus_cycle_2_cylinder_why_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_cycle_2_cylinder_why_decode(uint8_t value);
+double sd_bus_cycle_2_cylinder_why_decode(uint16_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -5766,7 +5773,7 @@ double sd_bus_cycle_2_cylinder_why_decode(uint8_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_2_cylinder_why_is_in_range(uint8_t value);
+bool sd_bus_cycle_2_cylinder_why_is_in_range(uint16_t value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -5828,7 +5835,7 @@ bool sd_bus_cycle_2_crank_health_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-uint8_t sd_bus_cycle_2_crank_why_encode(double value);
+uint16_t sd_bus_cycle_2_crank_why_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -5837,7 +5844,7 @@ uint8_t sd_bus_cycle_2_crank_why_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_cycle_2_crank_why_decode(uint8_t value);
+double sd_bus_cycle_2_crank_why_decode(uint16_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -5846,7 +5853,7 @@ double sd_bus_cycle_2_crank_why_decode(uint8_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_2_crank_why_is_in_range(uint8_t value);
+bool sd_bus_cycle_2_crank_why_is_in_range(uint16_t value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -5908,7 +5915,7 @@ bool sd_bus_cycle_2_afr_health_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-uint8_t sd_bus_cycle_2_afr_why_encode(double value);
+uint16_t sd_bus_cycle_2_afr_why_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -5917,7 +5924,7 @@ uint8_t sd_bus_cycle_2_afr_why_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_cycle_2_afr_why_decode(uint8_t value);
+double sd_bus_cycle_2_afr_why_decode(uint16_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -5926,7 +5933,7 @@ double sd_bus_cycle_2_afr_why_decode(uint8_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_2_afr_why_is_in_range(uint8_t value);
+bool sd_bus_cycle_2_afr_why_is_in_range(uint16_t value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -5940,6 +5947,46 @@ bool sd_bus_cycle_2_afr_why_is_in_range(uint8_t value);
  * @return true if in range, false otherwise.
  */
 bool sd_bus_cycle_2_afr_why_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_cycle_2_cycle_cylinder_sd_5_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_2_cycle_cylinder_sd_5_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_2_cycle_cylinder_sd_5_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_2_cycle_cylinder_sd_5_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -6382,86 +6429,6 @@ bool sd_bus_cycle_2_afr_cylinder_burned_6_is_in_range(float value);
 bool sd_bus_cycle_2_afr_cylinder_burned_6_is_in_phys_range(double value);
 
 /**
- * Encode given signal by applying scaling and offset.
- *
- * @param[in] value Signal to encode.
- *
- * @return Encoded signal.
- */
-float sd_bus_cycle_2_afr_cylinder_burned_7_encode(double value);
-
-/**
- * Decode given signal by applying scaling and offset.
- *
- * @param[in] value Signal to decode.
- *
- * @return Decoded signal.
- */
-double sd_bus_cycle_2_afr_cylinder_burned_7_decode(float value);
-
-/**
- * Check that given signal is in allowed range.
- *
- * @param[in] value Signal to check.
- *
- * @return true if in range, false otherwise.
- */
-bool sd_bus_cycle_2_afr_cylinder_burned_7_is_in_range(float value);
-
-/**
- * Check that given physical value is in allowed range before encoding.
- *
- * Use this BEFORE calling _encode() to avoid silent integer overflow:
- *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
- *   is_in_phys_range(-1.0) correctly returns false.
- *
- * @param[in] value Physical signal value to check.
- *
- * @return true if in range, false otherwise.
- */
-bool sd_bus_cycle_2_afr_cylinder_burned_7_is_in_phys_range(double value);
-
-/**
- * Encode given signal by applying scaling and offset.
- *
- * @param[in] value Signal to encode.
- *
- * @return Encoded signal.
- */
-float sd_bus_cycle_2_afr_cylinder_burned_8_encode(double value);
-
-/**
- * Decode given signal by applying scaling and offset.
- *
- * @param[in] value Signal to decode.
- *
- * @return Decoded signal.
- */
-double sd_bus_cycle_2_afr_cylinder_burned_8_decode(float value);
-
-/**
- * Check that given signal is in allowed range.
- *
- * @param[in] value Signal to check.
- *
- * @return true if in range, false otherwise.
- */
-bool sd_bus_cycle_2_afr_cylinder_burned_8_is_in_range(float value);
-
-/**
- * Check that given physical value is in allowed range before encoding.
- *
- * Use this BEFORE calling _encode() to avoid silent integer overflow:
- *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
- *   is_in_phys_range(-1.0) correctly returns false.
- *
- * @param[in] value Physical signal value to check.
- *
- * @return true if in range, false otherwise.
- */
-bool sd_bus_cycle_2_afr_cylinder_burned_8_is_in_phys_range(double value);
-
-/**
  * Pack message cycle_3.
  *
  * @param[out] dst_p Buffer to pack the message into.
@@ -6585,7 +6552,7 @@ bool sd_bus_cycle_3_afr_health_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-uint8_t sd_bus_cycle_3_afr_why_encode(double value);
+uint16_t sd_bus_cycle_3_afr_why_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -6594,7 +6561,7 @@ uint8_t sd_bus_cycle_3_afr_why_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_cycle_3_afr_why_decode(uint8_t value);
+double sd_bus_cycle_3_afr_why_decode(uint16_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -6603,7 +6570,7 @@ double sd_bus_cycle_3_afr_why_decode(uint8_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_3_afr_why_is_in_range(uint8_t value);
+bool sd_bus_cycle_3_afr_why_is_in_range(uint16_t value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -6625,7 +6592,7 @@ bool sd_bus_cycle_3_afr_why_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-uint8_t sd_bus_cycle_3_balance_health_encode(double value);
+float sd_bus_cycle_3_afr_cylinder_burned_7_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -6634,7 +6601,7 @@ uint8_t sd_bus_cycle_3_balance_health_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_cycle_3_balance_health_decode(uint8_t value);
+double sd_bus_cycle_3_afr_cylinder_burned_7_decode(float value);
 
 /**
  * Check that given signal is in allowed range.
@@ -6643,7 +6610,7 @@ double sd_bus_cycle_3_balance_health_decode(uint8_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_3_balance_health_is_in_range(uint8_t value);
+bool sd_bus_cycle_3_afr_cylinder_burned_7_is_in_range(float value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -6656,7 +6623,7 @@ bool sd_bus_cycle_3_balance_health_is_in_range(uint8_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_3_balance_health_is_in_phys_range(double value);
+bool sd_bus_cycle_3_afr_cylinder_burned_7_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -6665,7 +6632,7 @@ bool sd_bus_cycle_3_balance_health_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-uint8_t sd_bus_cycle_3_balance_why_encode(double value);
+float sd_bus_cycle_3_afr_cylinder_burned_8_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -6674,7 +6641,7 @@ uint8_t sd_bus_cycle_3_balance_why_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_cycle_3_balance_why_decode(uint8_t value);
+double sd_bus_cycle_3_afr_cylinder_burned_8_decode(float value);
 
 /**
  * Check that given signal is in allowed range.
@@ -6683,7 +6650,7 @@ double sd_bus_cycle_3_balance_why_decode(uint8_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_3_balance_why_is_in_range(uint8_t value);
+bool sd_bus_cycle_3_afr_cylinder_burned_8_is_in_range(float value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -6696,7 +6663,7 @@ bool sd_bus_cycle_3_balance_why_is_in_range(uint8_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_3_balance_why_is_in_phys_range(double value);
+bool sd_bus_cycle_3_afr_cylinder_burned_8_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -7179,86 +7146,6 @@ bool sd_bus_cycle_3_afr_lag_is_in_range(float value);
 bool sd_bus_cycle_3_afr_lag_is_in_phys_range(double value);
 
 /**
- * Encode given signal by applying scaling and offset.
- *
- * @param[in] value Signal to encode.
- *
- * @return Encoded signal.
- */
-float sd_bus_cycle_3_afr_probing_encode(double value);
-
-/**
- * Decode given signal by applying scaling and offset.
- *
- * @param[in] value Signal to decode.
- *
- * @return Decoded signal.
- */
-double sd_bus_cycle_3_afr_probing_decode(float value);
-
-/**
- * Check that given signal is in allowed range.
- *
- * @param[in] value Signal to check.
- *
- * @return true if in range, false otherwise.
- */
-bool sd_bus_cycle_3_afr_probing_is_in_range(float value);
-
-/**
- * Check that given physical value is in allowed range before encoding.
- *
- * Use this BEFORE calling _encode() to avoid silent integer overflow:
- *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
- *   is_in_phys_range(-1.0) correctly returns false.
- *
- * @param[in] value Physical signal value to check.
- *
- * @return true if in range, false otherwise.
- */
-bool sd_bus_cycle_3_afr_probing_is_in_phys_range(double value);
-
-/**
- * Encode given signal by applying scaling and offset.
- *
- * @param[in] value Signal to encode.
- *
- * @return Encoded signal.
- */
-float sd_bus_cycle_3_balance_trim_1_encode(double value);
-
-/**
- * Decode given signal by applying scaling and offset.
- *
- * @param[in] value Signal to decode.
- *
- * @return Decoded signal.
- */
-double sd_bus_cycle_3_balance_trim_1_decode(float value);
-
-/**
- * Check that given signal is in allowed range.
- *
- * @param[in] value Signal to check.
- *
- * @return true if in range, false otherwise.
- */
-bool sd_bus_cycle_3_balance_trim_1_is_in_range(float value);
-
-/**
- * Check that given physical value is in allowed range before encoding.
- *
- * Use this BEFORE calling _encode() to avoid silent integer overflow:
- *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
- *   is_in_phys_range(-1.0) correctly returns false.
- *
- * @param[in] value Physical signal value to check.
- *
- * @return true if in range, false otherwise.
- */
-bool sd_bus_cycle_3_balance_trim_1_is_in_phys_range(double value);
-
-/**
  * Pack message cycle_4.
  *
  * @param[out] dst_p Buffer to pack the message into.
@@ -7342,6 +7229,86 @@ bool sd_bus_cycle_4_tick_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
+uint8_t sd_bus_cycle_4_afr_health_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_4_afr_health_decode(uint8_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_4_afr_health_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_4_afr_health_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint16_t sd_bus_cycle_4_afr_why_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_4_afr_why_decode(uint16_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_4_afr_why_is_in_range(uint16_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_4_afr_why_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
 uint8_t sd_bus_cycle_4_balance_health_encode(double value);
 
 /**
@@ -7382,7 +7349,7 @@ bool sd_bus_cycle_4_balance_health_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-uint8_t sd_bus_cycle_4_balance_why_encode(double value);
+uint16_t sd_bus_cycle_4_balance_why_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -7391,7 +7358,7 @@ uint8_t sd_bus_cycle_4_balance_why_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_cycle_4_balance_why_decode(uint8_t value);
+double sd_bus_cycle_4_balance_why_decode(uint16_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -7400,7 +7367,7 @@ double sd_bus_cycle_4_balance_why_decode(uint8_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_4_balance_why_is_in_range(uint8_t value);
+bool sd_bus_cycle_4_balance_why_is_in_range(uint16_t value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -7462,7 +7429,7 @@ bool sd_bus_cycle_4_misfire_health_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-uint8_t sd_bus_cycle_4_misfire_why_encode(double value);
+uint16_t sd_bus_cycle_4_misfire_why_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -7471,7 +7438,7 @@ uint8_t sd_bus_cycle_4_misfire_why_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_cycle_4_misfire_why_decode(uint8_t value);
+double sd_bus_cycle_4_misfire_why_decode(uint16_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -7480,7 +7447,7 @@ double sd_bus_cycle_4_misfire_why_decode(uint8_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_4_misfire_why_is_in_range(uint8_t value);
+bool sd_bus_cycle_4_misfire_why_is_in_range(uint16_t value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -7494,6 +7461,86 @@ bool sd_bus_cycle_4_misfire_why_is_in_range(uint8_t value);
  * @return true if in range, false otherwise.
  */
 bool sd_bus_cycle_4_misfire_why_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_cycle_4_afr_probing_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_4_afr_probing_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_4_afr_probing_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_4_afr_probing_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_cycle_4_balance_trim_1_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_4_balance_trim_1_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_4_balance_trim_1_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_4_balance_trim_1_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -7896,166 +7943,6 @@ bool sd_bus_cycle_4_misfire_rate_200_3_is_in_range(float value);
 bool sd_bus_cycle_4_misfire_rate_200_3_is_in_phys_range(double value);
 
 /**
- * Encode given signal by applying scaling and offset.
- *
- * @param[in] value Signal to encode.
- *
- * @return Encoded signal.
- */
-float sd_bus_cycle_4_misfire_rate_200_4_encode(double value);
-
-/**
- * Decode given signal by applying scaling and offset.
- *
- * @param[in] value Signal to decode.
- *
- * @return Decoded signal.
- */
-double sd_bus_cycle_4_misfire_rate_200_4_decode(float value);
-
-/**
- * Check that given signal is in allowed range.
- *
- * @param[in] value Signal to check.
- *
- * @return true if in range, false otherwise.
- */
-bool sd_bus_cycle_4_misfire_rate_200_4_is_in_range(float value);
-
-/**
- * Check that given physical value is in allowed range before encoding.
- *
- * Use this BEFORE calling _encode() to avoid silent integer overflow:
- *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
- *   is_in_phys_range(-1.0) correctly returns false.
- *
- * @param[in] value Physical signal value to check.
- *
- * @return true if in range, false otherwise.
- */
-bool sd_bus_cycle_4_misfire_rate_200_4_is_in_phys_range(double value);
-
-/**
- * Encode given signal by applying scaling and offset.
- *
- * @param[in] value Signal to encode.
- *
- * @return Encoded signal.
- */
-float sd_bus_cycle_4_misfire_rate_200_5_encode(double value);
-
-/**
- * Decode given signal by applying scaling and offset.
- *
- * @param[in] value Signal to decode.
- *
- * @return Decoded signal.
- */
-double sd_bus_cycle_4_misfire_rate_200_5_decode(float value);
-
-/**
- * Check that given signal is in allowed range.
- *
- * @param[in] value Signal to check.
- *
- * @return true if in range, false otherwise.
- */
-bool sd_bus_cycle_4_misfire_rate_200_5_is_in_range(float value);
-
-/**
- * Check that given physical value is in allowed range before encoding.
- *
- * Use this BEFORE calling _encode() to avoid silent integer overflow:
- *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
- *   is_in_phys_range(-1.0) correctly returns false.
- *
- * @param[in] value Physical signal value to check.
- *
- * @return true if in range, false otherwise.
- */
-bool sd_bus_cycle_4_misfire_rate_200_5_is_in_phys_range(double value);
-
-/**
- * Encode given signal by applying scaling and offset.
- *
- * @param[in] value Signal to encode.
- *
- * @return Encoded signal.
- */
-float sd_bus_cycle_4_misfire_rate_200_6_encode(double value);
-
-/**
- * Decode given signal by applying scaling and offset.
- *
- * @param[in] value Signal to decode.
- *
- * @return Decoded signal.
- */
-double sd_bus_cycle_4_misfire_rate_200_6_decode(float value);
-
-/**
- * Check that given signal is in allowed range.
- *
- * @param[in] value Signal to check.
- *
- * @return true if in range, false otherwise.
- */
-bool sd_bus_cycle_4_misfire_rate_200_6_is_in_range(float value);
-
-/**
- * Check that given physical value is in allowed range before encoding.
- *
- * Use this BEFORE calling _encode() to avoid silent integer overflow:
- *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
- *   is_in_phys_range(-1.0) correctly returns false.
- *
- * @param[in] value Physical signal value to check.
- *
- * @return true if in range, false otherwise.
- */
-bool sd_bus_cycle_4_misfire_rate_200_6_is_in_phys_range(double value);
-
-/**
- * Encode given signal by applying scaling and offset.
- *
- * @param[in] value Signal to encode.
- *
- * @return Encoded signal.
- */
-float sd_bus_cycle_4_misfire_rate_200_7_encode(double value);
-
-/**
- * Decode given signal by applying scaling and offset.
- *
- * @param[in] value Signal to decode.
- *
- * @return Decoded signal.
- */
-double sd_bus_cycle_4_misfire_rate_200_7_decode(float value);
-
-/**
- * Check that given signal is in allowed range.
- *
- * @param[in] value Signal to check.
- *
- * @return true if in range, false otherwise.
- */
-bool sd_bus_cycle_4_misfire_rate_200_7_is_in_range(float value);
-
-/**
- * Check that given physical value is in allowed range before encoding.
- *
- * Use this BEFORE calling _encode() to avoid silent integer overflow:
- *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
- *   is_in_phys_range(-1.0) correctly returns false.
- *
- * @param[in] value Physical signal value to check.
- *
- * @return true if in range, false otherwise.
- */
-bool sd_bus_cycle_4_misfire_rate_200_7_is_in_phys_range(double value);
-
-/**
  * Pack message cycle_5.
  *
  * @param[out] dst_p Buffer to pack the message into.
@@ -8179,7 +8066,7 @@ bool sd_bus_cycle_5_misfire_health_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-uint8_t sd_bus_cycle_5_misfire_why_encode(double value);
+uint16_t sd_bus_cycle_5_misfire_why_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -8188,7 +8075,7 @@ uint8_t sd_bus_cycle_5_misfire_why_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_cycle_5_misfire_why_decode(uint8_t value);
+double sd_bus_cycle_5_misfire_why_decode(uint16_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -8197,7 +8084,7 @@ double sd_bus_cycle_5_misfire_why_decode(uint8_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_5_misfire_why_is_in_range(uint8_t value);
+bool sd_bus_cycle_5_misfire_why_is_in_range(uint16_t value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -8211,6 +8098,166 @@ bool sd_bus_cycle_5_misfire_why_is_in_range(uint8_t value);
  * @return true if in range, false otherwise.
  */
 bool sd_bus_cycle_5_misfire_why_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_cycle_5_misfire_rate_200_4_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_5_misfire_rate_200_4_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_5_misfire_rate_200_4_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_5_misfire_rate_200_4_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_cycle_5_misfire_rate_200_5_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_5_misfire_rate_200_5_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_5_misfire_rate_200_5_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_5_misfire_rate_200_5_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_cycle_5_misfire_rate_200_6_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_5_misfire_rate_200_6_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_5_misfire_rate_200_6_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_5_misfire_rate_200_6_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_cycle_5_misfire_rate_200_7_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_5_misfire_rate_200_7_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_5_misfire_rate_200_7_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_5_misfire_rate_200_7_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -8613,13 +8660,50 @@ bool sd_bus_cycle_5_misfire_continuous_is_in_range(float value);
 bool sd_bus_cycle_5_misfire_continuous_is_in_phys_range(double value);
 
 /**
+ * Pack message cycle_6.
+ *
+ * @param[out] dst_p Buffer to pack the message into.
+ * @param[in] src_p Data to pack.
+ * @param[in] size Size of dst_p.
+ *
+ * @return Size of packed data, or negative error code.
+ */
+int sd_bus_cycle_6_pack(
+    uint8_t *dst_p,
+    const struct sd_bus_cycle_6_t *src_p,
+    size_t size);
+
+/**
+ * Unpack message cycle_6.
+ *
+ * @param[out] dst_p Object to unpack the message into.
+ * @param[in] src_p Message to unpack.
+ * @param[in] size Size of src_p.
+ *
+ * @return zero(0) or negative error code.
+ */
+int sd_bus_cycle_6_unpack(
+    struct sd_bus_cycle_6_t *dst_p,
+    const uint8_t *src_p,
+    size_t size);
+
+/**
+ * Init message fields to default values from cycle_6.
+ *
+ * @param[in] msg_p Message to init.
+ *
+ * @return zero(0) on success or (-1) in case of nullptr argument.
+ */
+int sd_bus_cycle_6_init(struct sd_bus_cycle_6_t *msg_p);
+
+/**
  * Encode given signal by applying scaling and offset.
  *
  * @param[in] value Signal to encode.
  *
  * @return Encoded signal.
  */
-float sd_bus_cycle_5_misfire_suspects_encode(double value);
+uint32_t sd_bus_cycle_6_tick_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -8628,7 +8712,7 @@ float sd_bus_cycle_5_misfire_suspects_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_cycle_5_misfire_suspects_decode(float value);
+double sd_bus_cycle_6_tick_decode(uint32_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -8637,7 +8721,7 @@ double sd_bus_cycle_5_misfire_suspects_decode(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_5_misfire_suspects_is_in_range(float value);
+bool sd_bus_cycle_6_tick_is_in_range(uint32_t value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -8650,7 +8734,7 @@ bool sd_bus_cycle_5_misfire_suspects_is_in_range(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_5_misfire_suspects_is_in_phys_range(double value);
+bool sd_bus_cycle_6_tick_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -8659,7 +8743,7 @@ bool sd_bus_cycle_5_misfire_suspects_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-float sd_bus_cycle_5_misfire_lamp_encode(double value);
+uint8_t sd_bus_cycle_6_misfire_health_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -8668,7 +8752,7 @@ float sd_bus_cycle_5_misfire_lamp_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_cycle_5_misfire_lamp_decode(float value);
+double sd_bus_cycle_6_misfire_health_decode(uint8_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -8677,7 +8761,7 @@ double sd_bus_cycle_5_misfire_lamp_decode(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_5_misfire_lamp_is_in_range(float value);
+bool sd_bus_cycle_6_misfire_health_is_in_range(uint8_t value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -8690,7 +8774,7 @@ bool sd_bus_cycle_5_misfire_lamp_is_in_range(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_5_misfire_lamp_is_in_phys_range(double value);
+bool sd_bus_cycle_6_misfire_health_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -8699,7 +8783,7 @@ bool sd_bus_cycle_5_misfire_lamp_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-float sd_bus_cycle_5_misfire_count_encode(double value);
+uint16_t sd_bus_cycle_6_misfire_why_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -8708,7 +8792,7 @@ float sd_bus_cycle_5_misfire_count_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_cycle_5_misfire_count_decode(float value);
+double sd_bus_cycle_6_misfire_why_decode(uint16_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -8717,7 +8801,7 @@ double sd_bus_cycle_5_misfire_count_decode(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_5_misfire_count_is_in_range(float value);
+bool sd_bus_cycle_6_misfire_why_is_in_range(uint16_t value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -8730,7 +8814,7 @@ bool sd_bus_cycle_5_misfire_count_is_in_range(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_5_misfire_count_is_in_phys_range(double value);
+bool sd_bus_cycle_6_misfire_why_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -8739,7 +8823,7 @@ bool sd_bus_cycle_5_misfire_count_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-float sd_bus_cycle_5_misfire_partial_burns_encode(double value);
+float sd_bus_cycle_6_misfire_suspects_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -8748,7 +8832,7 @@ float sd_bus_cycle_5_misfire_partial_burns_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_cycle_5_misfire_partial_burns_decode(float value);
+double sd_bus_cycle_6_misfire_suspects_decode(float value);
 
 /**
  * Check that given signal is in allowed range.
@@ -8757,7 +8841,7 @@ double sd_bus_cycle_5_misfire_partial_burns_decode(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_5_misfire_partial_burns_is_in_range(float value);
+bool sd_bus_cycle_6_misfire_suspects_is_in_range(float value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -8770,7 +8854,127 @@ bool sd_bus_cycle_5_misfire_partial_burns_is_in_range(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_cycle_5_misfire_partial_burns_is_in_phys_range(double value);
+bool sd_bus_cycle_6_misfire_suspects_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_cycle_6_misfire_lamp_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_6_misfire_lamp_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_6_misfire_lamp_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_6_misfire_lamp_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_cycle_6_misfire_count_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_6_misfire_count_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_6_misfire_count_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_6_misfire_count_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_cycle_6_misfire_partial_burns_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_cycle_6_misfire_partial_burns_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_6_misfire_partial_burns_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_cycle_6_misfire_partial_burns_is_in_phys_range(double value);
 
 /**
  * Pack message firing.
@@ -8896,7 +9100,7 @@ bool sd_bus_firing_firing_health_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-uint8_t sd_bus_firing_firing_why_encode(double value);
+uint16_t sd_bus_firing_firing_why_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -8905,7 +9109,7 @@ uint8_t sd_bus_firing_firing_why_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_firing_firing_why_decode(uint8_t value);
+double sd_bus_firing_firing_why_decode(uint16_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -8914,7 +9118,7 @@ double sd_bus_firing_firing_why_decode(uint8_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_firing_firing_why_is_in_range(uint8_t value);
+bool sd_bus_firing_firing_why_is_in_range(uint16_t value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -8976,7 +9180,7 @@ bool sd_bus_firing_misfire_health_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-uint8_t sd_bus_firing_misfire_why_encode(double value);
+uint16_t sd_bus_firing_misfire_why_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -8985,7 +9189,7 @@ uint8_t sd_bus_firing_misfire_why_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_firing_misfire_why_decode(uint8_t value);
+double sd_bus_firing_misfire_why_decode(uint16_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -8994,7 +9198,7 @@ double sd_bus_firing_misfire_why_decode(uint8_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_firing_misfire_why_is_in_range(uint8_t value);
+bool sd_bus_firing_misfire_why_is_in_range(uint16_t value);
 
 /**
  * Check that given physical value is in allowed range before encoding.

@@ -26,9 +26,9 @@ static inline void sd_bus_edge_from_row(struct sd_bus_edge_t *m, const sd_row_t 
 
 static inline void sd_bus_edge_to_row(sd_row_t *row, const struct sd_bus_edge_t *m) {
     sd_row_begin(row, (uint32_t)m->tick, SD_RATE_EDGE);
-    sd_row_status(row, SD_OWNER_CRANK, (uint8_t)m->crank_health, (uint8_t)m->crank_why);
-    sd_row_status(row, SD_OWNER_TORQUE, (uint8_t)m->torque_health, (uint8_t)m->torque_why);
-    sd_row_status(row, SD_OWNER_FIRING, (uint8_t)m->firing_health, (uint8_t)m->firing_why);
+    sd_row_status(row, SD_OWNER_CRANK, (uint8_t)m->crank_health, (uint16_t)m->crank_why);
+    sd_row_status(row, SD_OWNER_TORQUE, (uint8_t)m->torque_health, (uint16_t)m->torque_why);
+    sd_row_status(row, SD_OWNER_FIRING, (uint8_t)m->firing_health, (uint16_t)m->firing_why);
     sd_row_put(row, 0, m->crank_edge_class);
     sd_row_put(row, 1, m->crank_tooth);
     sd_row_put(row, 2, m->crank_angle);
@@ -59,13 +59,12 @@ static inline void sd_bus_cycle_1_from_row(struct sd_bus_cycle_1_t *m, const sd_
     m->cycle_cylinder_sd_2 = row->value[18];
     m->cycle_cylinder_sd_3 = row->value[19];
     m->cycle_cylinder_sd_4 = row->value[20];
-    m->cycle_cylinder_sd_5 = row->value[21];
 }
 
 static inline void sd_bus_cycle_1_to_row(sd_row_t *row, const struct sd_bus_cycle_1_t *m) {
     sd_row_begin(row, (uint32_t)m->tick, SD_RATE_CYCLE);
-    sd_row_status(row, SD_OWNER_CRANK, (uint8_t)m->crank_health, (uint8_t)m->crank_why);
-    sd_row_status(row, SD_OWNER_CYLINDER, (uint8_t)m->cylinder_health, (uint8_t)m->cylinder_why);
+    sd_row_status(row, SD_OWNER_CRANK, (uint8_t)m->crank_health, (uint16_t)m->crank_why);
+    sd_row_status(row, SD_OWNER_CYLINDER, (uint8_t)m->cylinder_health, (uint16_t)m->cylinder_why);
     sd_row_put(row, 8, m->cycle_speed);
     sd_row_put(row, 9, m->cycle_cylinder_torque_1);
     sd_row_put(row, 10, m->cycle_cylinder_torque_2);
@@ -79,7 +78,6 @@ static inline void sd_bus_cycle_1_to_row(sd_row_t *row, const struct sd_bus_cycl
     sd_row_put(row, 18, m->cycle_cylinder_sd_2);
     sd_row_put(row, 19, m->cycle_cylinder_sd_3);
     sd_row_put(row, 20, m->cycle_cylinder_sd_4);
-    sd_row_put(row, 21, m->cycle_cylinder_sd_5);
 }
 
 static inline void sd_bus_cycle_2_from_row(struct sd_bus_cycle_2_t *m, const sd_row_t *row) {
@@ -90,6 +88,7 @@ static inline void sd_bus_cycle_2_from_row(struct sd_bus_cycle_2_t *m, const sd_
     m->crank_why = row->why[SD_OWNER_CRANK];
     m->afr_health = row->health[SD_OWNER_AFR];
     m->afr_why = row->why[SD_OWNER_AFR];
+    m->cycle_cylinder_sd_5 = row->value[21];
     m->cycle_cylinder_sd_6 = row->value[22];
     m->cycle_cylinder_sd_7 = row->value[23];
     m->cycle_cylinder_sd_8 = row->value[24];
@@ -101,15 +100,14 @@ static inline void sd_bus_cycle_2_from_row(struct sd_bus_cycle_2_t *m, const sd_
     m->afr_cylinder_burned_4 = row->value[37];
     m->afr_cylinder_burned_5 = row->value[38];
     m->afr_cylinder_burned_6 = row->value[39];
-    m->afr_cylinder_burned_7 = row->value[40];
-    m->afr_cylinder_burned_8 = row->value[41];
 }
 
 static inline void sd_bus_cycle_2_to_row(sd_row_t *row, const struct sd_bus_cycle_2_t *m) {
     sd_row_begin(row, (uint32_t)m->tick, SD_RATE_CYCLE);
-    sd_row_status(row, SD_OWNER_CYLINDER, (uint8_t)m->cylinder_health, (uint8_t)m->cylinder_why);
-    sd_row_status(row, SD_OWNER_CRANK, (uint8_t)m->crank_health, (uint8_t)m->crank_why);
-    sd_row_status(row, SD_OWNER_AFR, (uint8_t)m->afr_health, (uint8_t)m->afr_why);
+    sd_row_status(row, SD_OWNER_CYLINDER, (uint8_t)m->cylinder_health, (uint16_t)m->cylinder_why);
+    sd_row_status(row, SD_OWNER_CRANK, (uint8_t)m->crank_health, (uint16_t)m->crank_why);
+    sd_row_status(row, SD_OWNER_AFR, (uint8_t)m->afr_health, (uint16_t)m->afr_why);
+    sd_row_put(row, 21, m->cycle_cylinder_sd_5);
     sd_row_put(row, 22, m->cycle_cylinder_sd_6);
     sd_row_put(row, 23, m->cycle_cylinder_sd_7);
     sd_row_put(row, 24, m->cycle_cylinder_sd_8);
@@ -121,16 +119,14 @@ static inline void sd_bus_cycle_2_to_row(sd_row_t *row, const struct sd_bus_cycl
     sd_row_put(row, 37, m->afr_cylinder_burned_4);
     sd_row_put(row, 38, m->afr_cylinder_burned_5);
     sd_row_put(row, 39, m->afr_cylinder_burned_6);
-    sd_row_put(row, 40, m->afr_cylinder_burned_7);
-    sd_row_put(row, 41, m->afr_cylinder_burned_8);
 }
 
 static inline void sd_bus_cycle_3_from_row(struct sd_bus_cycle_3_t *m, const sd_row_t *row) {
     m->tick = (uint32_t)row->tick;
     m->afr_health = row->health[SD_OWNER_AFR];
     m->afr_why = row->why[SD_OWNER_AFR];
-    m->balance_health = row->health[SD_OWNER_BALANCE];
-    m->balance_why = row->why[SD_OWNER_BALANCE];
+    m->afr_cylinder_burned_7 = row->value[40];
+    m->afr_cylinder_burned_8 = row->value[41];
     m->afr_cylinder_sd_1 = row->value[42];
     m->afr_cylinder_sd_2 = row->value[43];
     m->afr_cylinder_sd_3 = row->value[44];
@@ -143,14 +139,13 @@ static inline void sd_bus_cycle_3_from_row(struct sd_bus_cycle_3_t *m, const sd_
     m->afr_late = row->value[51];
     m->afr_late_sd = row->value[52];
     m->afr_lag = row->value[53];
-    m->afr_probing = row->value[54];
-    m->balance_trim_1 = row->value[55];
 }
 
 static inline void sd_bus_cycle_3_to_row(sd_row_t *row, const struct sd_bus_cycle_3_t *m) {
     sd_row_begin(row, (uint32_t)m->tick, SD_RATE_CYCLE);
-    sd_row_status(row, SD_OWNER_AFR, (uint8_t)m->afr_health, (uint8_t)m->afr_why);
-    sd_row_status(row, SD_OWNER_BALANCE, (uint8_t)m->balance_health, (uint8_t)m->balance_why);
+    sd_row_status(row, SD_OWNER_AFR, (uint8_t)m->afr_health, (uint16_t)m->afr_why);
+    sd_row_put(row, 40, m->afr_cylinder_burned_7);
+    sd_row_put(row, 41, m->afr_cylinder_burned_8);
     sd_row_put(row, 42, m->afr_cylinder_sd_1);
     sd_row_put(row, 43, m->afr_cylinder_sd_2);
     sd_row_put(row, 44, m->afr_cylinder_sd_3);
@@ -163,16 +158,18 @@ static inline void sd_bus_cycle_3_to_row(sd_row_t *row, const struct sd_bus_cycl
     sd_row_put(row, 51, m->afr_late);
     sd_row_put(row, 52, m->afr_late_sd);
     sd_row_put(row, 53, m->afr_lag);
-    sd_row_put(row, 54, m->afr_probing);
-    sd_row_put(row, 55, m->balance_trim_1);
 }
 
 static inline void sd_bus_cycle_4_from_row(struct sd_bus_cycle_4_t *m, const sd_row_t *row) {
     m->tick = (uint32_t)row->tick;
+    m->afr_health = row->health[SD_OWNER_AFR];
+    m->afr_why = row->why[SD_OWNER_AFR];
     m->balance_health = row->health[SD_OWNER_BALANCE];
     m->balance_why = row->why[SD_OWNER_BALANCE];
     m->misfire_health = row->health[SD_OWNER_MISFIRE];
     m->misfire_why = row->why[SD_OWNER_MISFIRE];
+    m->afr_probing = row->value[54];
+    m->balance_trim_1 = row->value[55];
     m->balance_trim_2 = row->value[56];
     m->balance_trim_3 = row->value[57];
     m->balance_trim_4 = row->value[58];
@@ -183,16 +180,15 @@ static inline void sd_bus_cycle_4_from_row(struct sd_bus_cycle_4_t *m, const sd_
     m->misfire_rate_200_1 = row->value[69];
     m->misfire_rate_200_2 = row->value[70];
     m->misfire_rate_200_3 = row->value[71];
-    m->misfire_rate_200_4 = row->value[72];
-    m->misfire_rate_200_5 = row->value[73];
-    m->misfire_rate_200_6 = row->value[74];
-    m->misfire_rate_200_7 = row->value[75];
 }
 
 static inline void sd_bus_cycle_4_to_row(sd_row_t *row, const struct sd_bus_cycle_4_t *m) {
     sd_row_begin(row, (uint32_t)m->tick, SD_RATE_CYCLE);
-    sd_row_status(row, SD_OWNER_BALANCE, (uint8_t)m->balance_health, (uint8_t)m->balance_why);
-    sd_row_status(row, SD_OWNER_MISFIRE, (uint8_t)m->misfire_health, (uint8_t)m->misfire_why);
+    sd_row_status(row, SD_OWNER_AFR, (uint8_t)m->afr_health, (uint16_t)m->afr_why);
+    sd_row_status(row, SD_OWNER_BALANCE, (uint8_t)m->balance_health, (uint16_t)m->balance_why);
+    sd_row_status(row, SD_OWNER_MISFIRE, (uint8_t)m->misfire_health, (uint16_t)m->misfire_why);
+    sd_row_put(row, 54, m->afr_probing);
+    sd_row_put(row, 55, m->balance_trim_1);
     sd_row_put(row, 56, m->balance_trim_2);
     sd_row_put(row, 57, m->balance_trim_3);
     sd_row_put(row, 58, m->balance_trim_4);
@@ -203,16 +199,16 @@ static inline void sd_bus_cycle_4_to_row(sd_row_t *row, const struct sd_bus_cycl
     sd_row_put(row, 69, m->misfire_rate_200_1);
     sd_row_put(row, 70, m->misfire_rate_200_2);
     sd_row_put(row, 71, m->misfire_rate_200_3);
-    sd_row_put(row, 72, m->misfire_rate_200_4);
-    sd_row_put(row, 73, m->misfire_rate_200_5);
-    sd_row_put(row, 74, m->misfire_rate_200_6);
-    sd_row_put(row, 75, m->misfire_rate_200_7);
 }
 
 static inline void sd_bus_cycle_5_from_row(struct sd_bus_cycle_5_t *m, const sd_row_t *row) {
     m->tick = (uint32_t)row->tick;
     m->misfire_health = row->health[SD_OWNER_MISFIRE];
     m->misfire_why = row->why[SD_OWNER_MISFIRE];
+    m->misfire_rate_200_4 = row->value[72];
+    m->misfire_rate_200_5 = row->value[73];
+    m->misfire_rate_200_6 = row->value[74];
+    m->misfire_rate_200_7 = row->value[75];
     m->misfire_rate_200_8 = row->value[76];
     m->misfire_rate_1000_1 = row->value[77];
     m->misfire_rate_1000_2 = row->value[78];
@@ -223,15 +219,15 @@ static inline void sd_bus_cycle_5_from_row(struct sd_bus_cycle_5_t *m, const sd_
     m->misfire_rate_1000_7 = row->value[83];
     m->misfire_rate_1000_8 = row->value[84];
     m->misfire_continuous = row->value[85];
-    m->misfire_suspects = row->value[86];
-    m->misfire_lamp = row->value[87];
-    m->misfire_count = row->value[88];
-    m->misfire_partial_burns = row->value[89];
 }
 
 static inline void sd_bus_cycle_5_to_row(sd_row_t *row, const struct sd_bus_cycle_5_t *m) {
     sd_row_begin(row, (uint32_t)m->tick, SD_RATE_CYCLE);
-    sd_row_status(row, SD_OWNER_MISFIRE, (uint8_t)m->misfire_health, (uint8_t)m->misfire_why);
+    sd_row_status(row, SD_OWNER_MISFIRE, (uint8_t)m->misfire_health, (uint16_t)m->misfire_why);
+    sd_row_put(row, 72, m->misfire_rate_200_4);
+    sd_row_put(row, 73, m->misfire_rate_200_5);
+    sd_row_put(row, 74, m->misfire_rate_200_6);
+    sd_row_put(row, 75, m->misfire_rate_200_7);
     sd_row_put(row, 76, m->misfire_rate_200_8);
     sd_row_put(row, 77, m->misfire_rate_1000_1);
     sd_row_put(row, 78, m->misfire_rate_1000_2);
@@ -242,6 +238,21 @@ static inline void sd_bus_cycle_5_to_row(sd_row_t *row, const struct sd_bus_cycl
     sd_row_put(row, 83, m->misfire_rate_1000_7);
     sd_row_put(row, 84, m->misfire_rate_1000_8);
     sd_row_put(row, 85, m->misfire_continuous);
+}
+
+static inline void sd_bus_cycle_6_from_row(struct sd_bus_cycle_6_t *m, const sd_row_t *row) {
+    m->tick = (uint32_t)row->tick;
+    m->misfire_health = row->health[SD_OWNER_MISFIRE];
+    m->misfire_why = row->why[SD_OWNER_MISFIRE];
+    m->misfire_suspects = row->value[86];
+    m->misfire_lamp = row->value[87];
+    m->misfire_count = row->value[88];
+    m->misfire_partial_burns = row->value[89];
+}
+
+static inline void sd_bus_cycle_6_to_row(sd_row_t *row, const struct sd_bus_cycle_6_t *m) {
+    sd_row_begin(row, (uint32_t)m->tick, SD_RATE_CYCLE);
+    sd_row_status(row, SD_OWNER_MISFIRE, (uint8_t)m->misfire_health, (uint16_t)m->misfire_why);
     sd_row_put(row, 86, m->misfire_suspects);
     sd_row_put(row, 87, m->misfire_lamp);
     sd_row_put(row, 88, m->misfire_count);
@@ -270,8 +281,8 @@ static inline void sd_bus_firing_from_row(struct sd_bus_firing_t *m, const sd_ro
 
 static inline void sd_bus_firing_to_row(sd_row_t *row, const struct sd_bus_firing_t *m) {
     sd_row_begin(row, (uint32_t)m->tick, SD_RATE_FIRING);
-    sd_row_status(row, SD_OWNER_FIRING, (uint8_t)m->firing_health, (uint8_t)m->firing_why);
-    sd_row_status(row, SD_OWNER_MISFIRE, (uint8_t)m->misfire_health, (uint8_t)m->misfire_why);
+    sd_row_status(row, SD_OWNER_FIRING, (uint8_t)m->firing_health, (uint16_t)m->firing_why);
+    sd_row_status(row, SD_OWNER_MISFIRE, (uint8_t)m->misfire_health, (uint16_t)m->misfire_why);
     sd_row_put(row, 28, m->firing_cylinder);
     sd_row_put(row, 29, m->firing_torque);
     sd_row_put(row, 30, m->firing_sd);
@@ -328,6 +339,12 @@ static inline uint32_t sd_bus_row_pack(const sd_row_t *row, uint32_t part, uint3
         *id = SD_BUS_CYCLE_5_FRAME_ID;
         return (uint32_t)sd_bus_cycle_5_pack(bytes, &m, 64);
     }
+    if ((row->rate == SD_RATE_CYCLE) && (at++ == part)) {
+        struct sd_bus_cycle_6_t m;
+        sd_bus_cycle_6_from_row(&m, row);
+        *id = SD_BUS_CYCLE_6_FRAME_ID;
+        return (uint32_t)sd_bus_cycle_6_pack(bytes, &m, 64);
+    }
     if ((row->rate == SD_RATE_FIRING) && (at++ == part)) {
         struct sd_bus_firing_t m;
         sd_bus_firing_from_row(&m, row);
@@ -373,6 +390,12 @@ static inline int sd_bus_row_unpack(sd_row_t *row, uint32_t id, const uint8_t *b
         struct sd_bus_cycle_5_t m;
         if ((size != SD_BUS_CYCLE_5_LENGTH) || (sd_bus_cycle_5_unpack(&m, bytes, size) != 0)) { return -1; }
         sd_bus_cycle_5_to_row(row, &m);
+        return 1;
+    }
+    if (id == SD_BUS_CYCLE_6_FRAME_ID) {
+        struct sd_bus_cycle_6_t m;
+        if ((size != SD_BUS_CYCLE_6_LENGTH) || (sd_bus_cycle_6_unpack(&m, bytes, size) != 0)) { return -1; }
+        sd_bus_cycle_6_to_row(row, &m);
         return 1;
     }
     if (id == SD_BUS_FIRING_FRAME_ID) {

@@ -11,11 +11,11 @@
 static inline void sd_lcm_edge_from_row(sixdeg_edge_t *m, const sd_row_t *row) {
     m->tick = (int32_t)row->tick;
     m->crank_health = (int8_t)row->health[SD_OWNER_CRANK];
-    m->crank_why = (int8_t)row->why[SD_OWNER_CRANK];
+    m->crank_why = (int16_t)row->why[SD_OWNER_CRANK];
     m->torque_health = (int8_t)row->health[SD_OWNER_TORQUE];
-    m->torque_why = (int8_t)row->why[SD_OWNER_TORQUE];
+    m->torque_why = (int16_t)row->why[SD_OWNER_TORQUE];
     m->firing_health = (int8_t)row->health[SD_OWNER_FIRING];
-    m->firing_why = (int8_t)row->why[SD_OWNER_FIRING];
+    m->firing_why = (int16_t)row->why[SD_OWNER_FIRING];
     m->crank_edge_class = row->value[0];
     m->crank_tooth = row->value[1];
     m->crank_angle = row->value[2];
@@ -29,9 +29,9 @@ static inline void sd_lcm_edge_from_row(sixdeg_edge_t *m, const sd_row_t *row) {
 
 static inline void sd_lcm_edge_to_row(sd_row_t *row, const sixdeg_edge_t *m) {
     sd_row_begin(row, (uint32_t)m->tick, SD_RATE_EDGE);
-    sd_row_status(row, SD_OWNER_CRANK, (uint8_t)m->crank_health, (uint8_t)m->crank_why);
-    sd_row_status(row, SD_OWNER_TORQUE, (uint8_t)m->torque_health, (uint8_t)m->torque_why);
-    sd_row_status(row, SD_OWNER_FIRING, (uint8_t)m->firing_health, (uint8_t)m->firing_why);
+    sd_row_status(row, SD_OWNER_CRANK, (uint8_t)m->crank_health, (uint16_t)m->crank_why);
+    sd_row_status(row, SD_OWNER_TORQUE, (uint8_t)m->torque_health, (uint16_t)m->torque_why);
+    sd_row_status(row, SD_OWNER_FIRING, (uint8_t)m->firing_health, (uint16_t)m->firing_why);
     sd_row_put(row, 0, m->crank_edge_class);
     sd_row_put(row, 1, m->crank_tooth);
     sd_row_put(row, 2, m->crank_angle);
@@ -46,15 +46,15 @@ static inline void sd_lcm_edge_to_row(sd_row_t *row, const sixdeg_edge_t *m) {
 static inline void sd_lcm_cycle_from_row(sixdeg_cycle_t *m, const sd_row_t *row) {
     m->tick = (int32_t)row->tick;
     m->crank_health = (int8_t)row->health[SD_OWNER_CRANK];
-    m->crank_why = (int8_t)row->why[SD_OWNER_CRANK];
+    m->crank_why = (int16_t)row->why[SD_OWNER_CRANK];
     m->cylinder_health = (int8_t)row->health[SD_OWNER_CYLINDER];
-    m->cylinder_why = (int8_t)row->why[SD_OWNER_CYLINDER];
+    m->cylinder_why = (int16_t)row->why[SD_OWNER_CYLINDER];
     m->afr_health = (int8_t)row->health[SD_OWNER_AFR];
-    m->afr_why = (int8_t)row->why[SD_OWNER_AFR];
+    m->afr_why = (int16_t)row->why[SD_OWNER_AFR];
     m->balance_health = (int8_t)row->health[SD_OWNER_BALANCE];
-    m->balance_why = (int8_t)row->why[SD_OWNER_BALANCE];
+    m->balance_why = (int16_t)row->why[SD_OWNER_BALANCE];
     m->misfire_health = (int8_t)row->health[SD_OWNER_MISFIRE];
-    m->misfire_why = (int8_t)row->why[SD_OWNER_MISFIRE];
+    m->misfire_why = (int16_t)row->why[SD_OWNER_MISFIRE];
     m->cycle_speed = row->value[8];
     m->cycle_cylinder_torque_1 = row->value[9];
     m->cycle_cylinder_torque_2 = row->value[10];
@@ -128,11 +128,11 @@ static inline void sd_lcm_cycle_from_row(sixdeg_cycle_t *m, const sd_row_t *row)
 
 static inline void sd_lcm_cycle_to_row(sd_row_t *row, const sixdeg_cycle_t *m) {
     sd_row_begin(row, (uint32_t)m->tick, SD_RATE_CYCLE);
-    sd_row_status(row, SD_OWNER_CRANK, (uint8_t)m->crank_health, (uint8_t)m->crank_why);
-    sd_row_status(row, SD_OWNER_CYLINDER, (uint8_t)m->cylinder_health, (uint8_t)m->cylinder_why);
-    sd_row_status(row, SD_OWNER_AFR, (uint8_t)m->afr_health, (uint8_t)m->afr_why);
-    sd_row_status(row, SD_OWNER_BALANCE, (uint8_t)m->balance_health, (uint8_t)m->balance_why);
-    sd_row_status(row, SD_OWNER_MISFIRE, (uint8_t)m->misfire_health, (uint8_t)m->misfire_why);
+    sd_row_status(row, SD_OWNER_CRANK, (uint8_t)m->crank_health, (uint16_t)m->crank_why);
+    sd_row_status(row, SD_OWNER_CYLINDER, (uint8_t)m->cylinder_health, (uint16_t)m->cylinder_why);
+    sd_row_status(row, SD_OWNER_AFR, (uint8_t)m->afr_health, (uint16_t)m->afr_why);
+    sd_row_status(row, SD_OWNER_BALANCE, (uint8_t)m->balance_health, (uint16_t)m->balance_why);
+    sd_row_status(row, SD_OWNER_MISFIRE, (uint8_t)m->misfire_health, (uint16_t)m->misfire_why);
     sd_row_put(row, 8, m->cycle_speed);
     sd_row_put(row, 9, m->cycle_cylinder_torque_1);
     sd_row_put(row, 10, m->cycle_cylinder_torque_2);
@@ -207,9 +207,9 @@ static inline void sd_lcm_cycle_to_row(sd_row_t *row, const sixdeg_cycle_t *m) {
 static inline void sd_lcm_firing_from_row(sixdeg_firing_t *m, const sd_row_t *row) {
     m->tick = (int32_t)row->tick;
     m->firing_health = (int8_t)row->health[SD_OWNER_FIRING];
-    m->firing_why = (int8_t)row->why[SD_OWNER_FIRING];
+    m->firing_why = (int16_t)row->why[SD_OWNER_FIRING];
     m->misfire_health = (int8_t)row->health[SD_OWNER_MISFIRE];
-    m->misfire_why = (int8_t)row->why[SD_OWNER_MISFIRE];
+    m->misfire_why = (int16_t)row->why[SD_OWNER_MISFIRE];
     m->firing_cylinder = row->value[28];
     m->firing_torque = row->value[29];
     m->firing_sd = row->value[30];
@@ -226,8 +226,8 @@ static inline void sd_lcm_firing_from_row(sixdeg_firing_t *m, const sd_row_t *ro
 
 static inline void sd_lcm_firing_to_row(sd_row_t *row, const sixdeg_firing_t *m) {
     sd_row_begin(row, (uint32_t)m->tick, SD_RATE_FIRING);
-    sd_row_status(row, SD_OWNER_FIRING, (uint8_t)m->firing_health, (uint8_t)m->firing_why);
-    sd_row_status(row, SD_OWNER_MISFIRE, (uint8_t)m->misfire_health, (uint8_t)m->misfire_why);
+    sd_row_status(row, SD_OWNER_FIRING, (uint8_t)m->firing_health, (uint16_t)m->firing_why);
+    sd_row_status(row, SD_OWNER_MISFIRE, (uint8_t)m->misfire_health, (uint16_t)m->misfire_why);
     sd_row_put(row, 28, m->firing_cylinder);
     sd_row_put(row, 29, m->firing_torque);
     sd_row_put(row, 30, m->firing_sd);

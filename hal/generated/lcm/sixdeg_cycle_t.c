@@ -23,18 +23,18 @@ uint64_t __sixdeg_cycle_t_hash_recursive(const __lcm_hash_ptr *p)
     cp.v = (void*)__sixdeg_cycle_t_get_hash;
     (void) cp;
 
-    uint64_t hash = (uint64_t)0x108b0ffbfea771fcLL
+    uint64_t hash = (uint64_t)0x84f04bdef5da901eLL
          + __int32_t_hash_recursive(&cp)
          + __int8_t_hash_recursive(&cp)
+         + __int16_t_hash_recursive(&cp)
          + __int8_t_hash_recursive(&cp)
+         + __int16_t_hash_recursive(&cp)
          + __int8_t_hash_recursive(&cp)
+         + __int16_t_hash_recursive(&cp)
          + __int8_t_hash_recursive(&cp)
+         + __int16_t_hash_recursive(&cp)
          + __int8_t_hash_recursive(&cp)
-         + __int8_t_hash_recursive(&cp)
-         + __int8_t_hash_recursive(&cp)
-         + __int8_t_hash_recursive(&cp)
-         + __int8_t_hash_recursive(&cp)
-         + __int8_t_hash_recursive(&cp)
+         + __int16_t_hash_recursive(&cp)
          + __float_hash_recursive(&cp)
          + __float_hash_recursive(&cp)
          + __float_hash_recursive(&cp)
@@ -132,31 +132,31 @@ int __sixdeg_cycle_t_encode_array(void *buf, int offset, int maxlen, const sixde
         thislen = __int8_t_encode_array(buf, offset + pos, maxlen - pos, &(p[element].crank_health), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
-        thislen = __int8_t_encode_array(buf, offset + pos, maxlen - pos, &(p[element].crank_why), 1);
+        thislen = __int16_t_encode_array(buf, offset + pos, maxlen - pos, &(p[element].crank_why), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
         thislen = __int8_t_encode_array(buf, offset + pos, maxlen - pos, &(p[element].cylinder_health), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
-        thislen = __int8_t_encode_array(buf, offset + pos, maxlen - pos, &(p[element].cylinder_why), 1);
+        thislen = __int16_t_encode_array(buf, offset + pos, maxlen - pos, &(p[element].cylinder_why), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
         thislen = __int8_t_encode_array(buf, offset + pos, maxlen - pos, &(p[element].afr_health), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
-        thislen = __int8_t_encode_array(buf, offset + pos, maxlen - pos, &(p[element].afr_why), 1);
+        thislen = __int16_t_encode_array(buf, offset + pos, maxlen - pos, &(p[element].afr_why), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
         thislen = __int8_t_encode_array(buf, offset + pos, maxlen - pos, &(p[element].balance_health), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
-        thislen = __int8_t_encode_array(buf, offset + pos, maxlen - pos, &(p[element].balance_why), 1);
+        thislen = __int16_t_encode_array(buf, offset + pos, maxlen - pos, &(p[element].balance_why), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
         thislen = __int8_t_encode_array(buf, offset + pos, maxlen - pos, &(p[element].misfire_health), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
-        thislen = __int8_t_encode_array(buf, offset + pos, maxlen - pos, &(p[element].misfire_why), 1);
+        thislen = __int16_t_encode_array(buf, offset + pos, maxlen - pos, &(p[element].misfire_why), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
         thislen = __float_encode_array(buf, offset + pos, maxlen - pos, &(p[element].cycle_speed), 1);
@@ -393,23 +393,23 @@ int __sixdeg_cycle_t_encoded_array_size(const sixdeg_cycle_t *p, int elements)
 
         size += __int8_t_encoded_array_size(&(p[element].crank_health), 1);
 
-        size += __int8_t_encoded_array_size(&(p[element].crank_why), 1);
+        size += __int16_t_encoded_array_size(&(p[element].crank_why), 1);
 
         size += __int8_t_encoded_array_size(&(p[element].cylinder_health), 1);
 
-        size += __int8_t_encoded_array_size(&(p[element].cylinder_why), 1);
+        size += __int16_t_encoded_array_size(&(p[element].cylinder_why), 1);
 
         size += __int8_t_encoded_array_size(&(p[element].afr_health), 1);
 
-        size += __int8_t_encoded_array_size(&(p[element].afr_why), 1);
+        size += __int16_t_encoded_array_size(&(p[element].afr_why), 1);
 
         size += __int8_t_encoded_array_size(&(p[element].balance_health), 1);
 
-        size += __int8_t_encoded_array_size(&(p[element].balance_why), 1);
+        size += __int16_t_encoded_array_size(&(p[element].balance_why), 1);
 
         size += __int8_t_encoded_array_size(&(p[element].misfire_health), 1);
 
-        size += __int8_t_encoded_array_size(&(p[element].misfire_why), 1);
+        size += __int16_t_encoded_array_size(&(p[element].misfire_why), 1);
 
         size += __float_encoded_array_size(&(p[element].cycle_speed), 1);
 
@@ -570,31 +570,31 @@ int __sixdeg_cycle_t_decode_array(const void *buf, int offset, int maxlen, sixde
         thislen = __int8_t_decode_array(buf, offset + pos, maxlen - pos, &(p[element].crank_health), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
-        thislen = __int8_t_decode_array(buf, offset + pos, maxlen - pos, &(p[element].crank_why), 1);
+        thislen = __int16_t_decode_array(buf, offset + pos, maxlen - pos, &(p[element].crank_why), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
         thislen = __int8_t_decode_array(buf, offset + pos, maxlen - pos, &(p[element].cylinder_health), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
-        thislen = __int8_t_decode_array(buf, offset + pos, maxlen - pos, &(p[element].cylinder_why), 1);
+        thislen = __int16_t_decode_array(buf, offset + pos, maxlen - pos, &(p[element].cylinder_why), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
         thislen = __int8_t_decode_array(buf, offset + pos, maxlen - pos, &(p[element].afr_health), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
-        thislen = __int8_t_decode_array(buf, offset + pos, maxlen - pos, &(p[element].afr_why), 1);
+        thislen = __int16_t_decode_array(buf, offset + pos, maxlen - pos, &(p[element].afr_why), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
         thislen = __int8_t_decode_array(buf, offset + pos, maxlen - pos, &(p[element].balance_health), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
-        thislen = __int8_t_decode_array(buf, offset + pos, maxlen - pos, &(p[element].balance_why), 1);
+        thislen = __int16_t_decode_array(buf, offset + pos, maxlen - pos, &(p[element].balance_why), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
         thislen = __int8_t_decode_array(buf, offset + pos, maxlen - pos, &(p[element].misfire_health), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
-        thislen = __int8_t_decode_array(buf, offset + pos, maxlen - pos, &(p[element].misfire_why), 1);
+        thislen = __int16_t_decode_array(buf, offset + pos, maxlen - pos, &(p[element].misfire_why), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
         thislen = __float_decode_array(buf, offset + pos, maxlen - pos, &(p[element].cycle_speed), 1);
@@ -817,23 +817,23 @@ int __sixdeg_cycle_t_decode_array_cleanup(sixdeg_cycle_t *p, int elements)
 
         __int8_t_decode_array_cleanup(&(p[element].crank_health), 1);
 
-        __int8_t_decode_array_cleanup(&(p[element].crank_why), 1);
+        __int16_t_decode_array_cleanup(&(p[element].crank_why), 1);
 
         __int8_t_decode_array_cleanup(&(p[element].cylinder_health), 1);
 
-        __int8_t_decode_array_cleanup(&(p[element].cylinder_why), 1);
+        __int16_t_decode_array_cleanup(&(p[element].cylinder_why), 1);
 
         __int8_t_decode_array_cleanup(&(p[element].afr_health), 1);
 
-        __int8_t_decode_array_cleanup(&(p[element].afr_why), 1);
+        __int16_t_decode_array_cleanup(&(p[element].afr_why), 1);
 
         __int8_t_decode_array_cleanup(&(p[element].balance_health), 1);
 
-        __int8_t_decode_array_cleanup(&(p[element].balance_why), 1);
+        __int16_t_decode_array_cleanup(&(p[element].balance_why), 1);
 
         __int8_t_decode_array_cleanup(&(p[element].misfire_health), 1);
 
-        __int8_t_decode_array_cleanup(&(p[element].misfire_why), 1);
+        __int16_t_decode_array_cleanup(&(p[element].misfire_why), 1);
 
         __float_decode_array_cleanup(&(p[element].cycle_speed), 1);
 
@@ -1007,23 +1007,23 @@ int __sixdeg_cycle_t_clone_array(const sixdeg_cycle_t *p, sixdeg_cycle_t *q, int
 
         __int8_t_clone_array(&(p[element].crank_health), &(q[element].crank_health), 1);
 
-        __int8_t_clone_array(&(p[element].crank_why), &(q[element].crank_why), 1);
+        __int16_t_clone_array(&(p[element].crank_why), &(q[element].crank_why), 1);
 
         __int8_t_clone_array(&(p[element].cylinder_health), &(q[element].cylinder_health), 1);
 
-        __int8_t_clone_array(&(p[element].cylinder_why), &(q[element].cylinder_why), 1);
+        __int16_t_clone_array(&(p[element].cylinder_why), &(q[element].cylinder_why), 1);
 
         __int8_t_clone_array(&(p[element].afr_health), &(q[element].afr_health), 1);
 
-        __int8_t_clone_array(&(p[element].afr_why), &(q[element].afr_why), 1);
+        __int16_t_clone_array(&(p[element].afr_why), &(q[element].afr_why), 1);
 
         __int8_t_clone_array(&(p[element].balance_health), &(q[element].balance_health), 1);
 
-        __int8_t_clone_array(&(p[element].balance_why), &(q[element].balance_why), 1);
+        __int16_t_clone_array(&(p[element].balance_why), &(q[element].balance_why), 1);
 
         __int8_t_clone_array(&(p[element].misfire_health), &(q[element].misfire_health), 1);
 
-        __int8_t_clone_array(&(p[element].misfire_why), &(q[element].misfire_why), 1);
+        __int16_t_clone_array(&(p[element].misfire_why), &(q[element].misfire_why), 1);
 
         __float_clone_array(&(p[element].cycle_speed), &(q[element].cycle_speed), 1);
 

@@ -22,15 +22,15 @@ struct _sixdeg_cycle_t
 {
     int32_t    tick;
     int8_t     crank_health;
-    int8_t     crank_why;
+    int16_t    crank_why;
     int8_t     cylinder_health;
-    int8_t     cylinder_why;
+    int16_t    cylinder_why;
     int8_t     afr_health;
-    int8_t     afr_why;
+    int16_t    afr_why;
     int8_t     balance_health;
-    int8_t     balance_why;
+    int16_t    balance_why;
     int8_t     misfire_health;
-    int8_t     misfire_why;
+    int16_t    misfire_why;
     float      cycle_speed;
     float      cycle_cylinder_torque_1;
     float      cycle_cylinder_torque_2;

@@ -23,14 +23,14 @@ uint64_t __sixdeg_edge_t_hash_recursive(const __lcm_hash_ptr *p)
     cp.v = (void*)__sixdeg_edge_t_get_hash;
     (void) cp;
 
-    uint64_t hash = (uint64_t)0xa5b7a854958ff1d7LL
+    uint64_t hash = (uint64_t)0x12350f5b1fe2169dLL
          + __int32_t_hash_recursive(&cp)
          + __int8_t_hash_recursive(&cp)
+         + __int16_t_hash_recursive(&cp)
          + __int8_t_hash_recursive(&cp)
+         + __int16_t_hash_recursive(&cp)
          + __int8_t_hash_recursive(&cp)
-         + __int8_t_hash_recursive(&cp)
-         + __int8_t_hash_recursive(&cp)
-         + __int8_t_hash_recursive(&cp)
+         + __int16_t_hash_recursive(&cp)
          + __float_hash_recursive(&cp)
          + __float_hash_recursive(&cp)
          + __float_hash_recursive(&cp)
@@ -68,19 +68,19 @@ int __sixdeg_edge_t_encode_array(void *buf, int offset, int maxlen, const sixdeg
         thislen = __int8_t_encode_array(buf, offset + pos, maxlen - pos, &(p[element].crank_health), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
-        thislen = __int8_t_encode_array(buf, offset + pos, maxlen - pos, &(p[element].crank_why), 1);
+        thislen = __int16_t_encode_array(buf, offset + pos, maxlen - pos, &(p[element].crank_why), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
         thislen = __int8_t_encode_array(buf, offset + pos, maxlen - pos, &(p[element].torque_health), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
-        thislen = __int8_t_encode_array(buf, offset + pos, maxlen - pos, &(p[element].torque_why), 1);
+        thislen = __int16_t_encode_array(buf, offset + pos, maxlen - pos, &(p[element].torque_why), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
         thislen = __int8_t_encode_array(buf, offset + pos, maxlen - pos, &(p[element].firing_health), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
-        thislen = __int8_t_encode_array(buf, offset + pos, maxlen - pos, &(p[element].firing_why), 1);
+        thislen = __int16_t_encode_array(buf, offset + pos, maxlen - pos, &(p[element].firing_why), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
         thislen = __float_encode_array(buf, offset + pos, maxlen - pos, &(p[element].crank_edge_class), 1);
@@ -137,15 +137,15 @@ int __sixdeg_edge_t_encoded_array_size(const sixdeg_edge_t *p, int elements)
 
         size += __int8_t_encoded_array_size(&(p[element].crank_health), 1);
 
-        size += __int8_t_encoded_array_size(&(p[element].crank_why), 1);
+        size += __int16_t_encoded_array_size(&(p[element].crank_why), 1);
 
         size += __int8_t_encoded_array_size(&(p[element].torque_health), 1);
 
-        size += __int8_t_encoded_array_size(&(p[element].torque_why), 1);
+        size += __int16_t_encoded_array_size(&(p[element].torque_why), 1);
 
         size += __int8_t_encoded_array_size(&(p[element].firing_health), 1);
 
-        size += __int8_t_encoded_array_size(&(p[element].firing_why), 1);
+        size += __int16_t_encoded_array_size(&(p[element].firing_why), 1);
 
         size += __float_encoded_array_size(&(p[element].crank_edge_class), 1);
 
@@ -186,19 +186,19 @@ int __sixdeg_edge_t_decode_array(const void *buf, int offset, int maxlen, sixdeg
         thislen = __int8_t_decode_array(buf, offset + pos, maxlen - pos, &(p[element].crank_health), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
-        thislen = __int8_t_decode_array(buf, offset + pos, maxlen - pos, &(p[element].crank_why), 1);
+        thislen = __int16_t_decode_array(buf, offset + pos, maxlen - pos, &(p[element].crank_why), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
         thislen = __int8_t_decode_array(buf, offset + pos, maxlen - pos, &(p[element].torque_health), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
-        thislen = __int8_t_decode_array(buf, offset + pos, maxlen - pos, &(p[element].torque_why), 1);
+        thislen = __int16_t_decode_array(buf, offset + pos, maxlen - pos, &(p[element].torque_why), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
         thislen = __int8_t_decode_array(buf, offset + pos, maxlen - pos, &(p[element].firing_health), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
-        thislen = __int8_t_decode_array(buf, offset + pos, maxlen - pos, &(p[element].firing_why), 1);
+        thislen = __int16_t_decode_array(buf, offset + pos, maxlen - pos, &(p[element].firing_why), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
         thislen = __float_decode_array(buf, offset + pos, maxlen - pos, &(p[element].crank_edge_class), 1);
@@ -241,15 +241,15 @@ int __sixdeg_edge_t_decode_array_cleanup(sixdeg_edge_t *p, int elements)
 
         __int8_t_decode_array_cleanup(&(p[element].crank_health), 1);
 
-        __int8_t_decode_array_cleanup(&(p[element].crank_why), 1);
+        __int16_t_decode_array_cleanup(&(p[element].crank_why), 1);
 
         __int8_t_decode_array_cleanup(&(p[element].torque_health), 1);
 
-        __int8_t_decode_array_cleanup(&(p[element].torque_why), 1);
+        __int16_t_decode_array_cleanup(&(p[element].torque_why), 1);
 
         __int8_t_decode_array_cleanup(&(p[element].firing_health), 1);
 
-        __int8_t_decode_array_cleanup(&(p[element].firing_why), 1);
+        __int16_t_decode_array_cleanup(&(p[element].firing_why), 1);
 
         __float_decode_array_cleanup(&(p[element].crank_edge_class), 1);
 
@@ -303,15 +303,15 @@ int __sixdeg_edge_t_clone_array(const sixdeg_edge_t *p, sixdeg_edge_t *q, int el
 
         __int8_t_clone_array(&(p[element].crank_health), &(q[element].crank_health), 1);
 
-        __int8_t_clone_array(&(p[element].crank_why), &(q[element].crank_why), 1);
+        __int16_t_clone_array(&(p[element].crank_why), &(q[element].crank_why), 1);
 
         __int8_t_clone_array(&(p[element].torque_health), &(q[element].torque_health), 1);
 
-        __int8_t_clone_array(&(p[element].torque_why), &(q[element].torque_why), 1);
+        __int16_t_clone_array(&(p[element].torque_why), &(q[element].torque_why), 1);
 
         __int8_t_clone_array(&(p[element].firing_health), &(q[element].firing_health), 1);
 
-        __int8_t_clone_array(&(p[element].firing_why), &(q[element].firing_why), 1);
+        __int16_t_clone_array(&(p[element].firing_why), &(q[element].firing_why), 1);
 
         __float_clone_array(&(p[element].crank_edge_class), &(q[element].crank_edge_class), 1);
 

@@ -22,11 +22,11 @@ struct _sixdeg_edge_t
 {
     int32_t    tick;
     int8_t     crank_health;
-    int8_t     crank_why;
+    int16_t    crank_why;
     int8_t     torque_health;
-    int8_t     torque_why;
+    int16_t    torque_why;
     int8_t     firing_health;
-    int8_t     firing_why;
+    int16_t    firing_why;
     float      crank_edge_class;
     float      crank_tooth;
     float      crank_angle;

@@ -23,12 +23,12 @@ uint64_t __sixdeg_firing_t_hash_recursive(const __lcm_hash_ptr *p)
     cp.v = (void*)__sixdeg_firing_t_get_hash;
     (void) cp;
 
-    uint64_t hash = (uint64_t)0x7a0a6196c4f71d5bLL
+    uint64_t hash = (uint64_t)0xb42ddc94cd858058LL
          + __int32_t_hash_recursive(&cp)
          + __int8_t_hash_recursive(&cp)
+         + __int16_t_hash_recursive(&cp)
          + __int8_t_hash_recursive(&cp)
-         + __int8_t_hash_recursive(&cp)
-         + __int8_t_hash_recursive(&cp)
+         + __int16_t_hash_recursive(&cp)
          + __float_hash_recursive(&cp)
          + __float_hash_recursive(&cp)
          + __float_hash_recursive(&cp)
@@ -69,13 +69,13 @@ int __sixdeg_firing_t_encode_array(void *buf, int offset, int maxlen, const sixd
         thislen = __int8_t_encode_array(buf, offset + pos, maxlen - pos, &(p[element].firing_health), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
-        thislen = __int8_t_encode_array(buf, offset + pos, maxlen - pos, &(p[element].firing_why), 1);
+        thislen = __int16_t_encode_array(buf, offset + pos, maxlen - pos, &(p[element].firing_why), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
         thislen = __int8_t_encode_array(buf, offset + pos, maxlen - pos, &(p[element].misfire_health), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
-        thislen = __int8_t_encode_array(buf, offset + pos, maxlen - pos, &(p[element].misfire_why), 1);
+        thislen = __int16_t_encode_array(buf, offset + pos, maxlen - pos, &(p[element].misfire_why), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
         thislen = __float_encode_array(buf, offset + pos, maxlen - pos, &(p[element].firing_cylinder), 1);
@@ -141,11 +141,11 @@ int __sixdeg_firing_t_encoded_array_size(const sixdeg_firing_t *p, int elements)
 
         size += __int8_t_encoded_array_size(&(p[element].firing_health), 1);
 
-        size += __int8_t_encoded_array_size(&(p[element].firing_why), 1);
+        size += __int16_t_encoded_array_size(&(p[element].firing_why), 1);
 
         size += __int8_t_encoded_array_size(&(p[element].misfire_health), 1);
 
-        size += __int8_t_encoded_array_size(&(p[element].misfire_why), 1);
+        size += __int16_t_encoded_array_size(&(p[element].misfire_why), 1);
 
         size += __float_encoded_array_size(&(p[element].firing_cylinder), 1);
 
@@ -192,13 +192,13 @@ int __sixdeg_firing_t_decode_array(const void *buf, int offset, int maxlen, sixd
         thislen = __int8_t_decode_array(buf, offset + pos, maxlen - pos, &(p[element].firing_health), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
-        thislen = __int8_t_decode_array(buf, offset + pos, maxlen - pos, &(p[element].firing_why), 1);
+        thislen = __int16_t_decode_array(buf, offset + pos, maxlen - pos, &(p[element].firing_why), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
         thislen = __int8_t_decode_array(buf, offset + pos, maxlen - pos, &(p[element].misfire_health), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
-        thislen = __int8_t_decode_array(buf, offset + pos, maxlen - pos, &(p[element].misfire_why), 1);
+        thislen = __int16_t_decode_array(buf, offset + pos, maxlen - pos, &(p[element].misfire_why), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
         thislen = __float_decode_array(buf, offset + pos, maxlen - pos, &(p[element].firing_cylinder), 1);
@@ -250,11 +250,11 @@ int __sixdeg_firing_t_decode_array_cleanup(sixdeg_firing_t *p, int elements)
 
         __int8_t_decode_array_cleanup(&(p[element].firing_health), 1);
 
-        __int8_t_decode_array_cleanup(&(p[element].firing_why), 1);
+        __int16_t_decode_array_cleanup(&(p[element].firing_why), 1);
 
         __int8_t_decode_array_cleanup(&(p[element].misfire_health), 1);
 
-        __int8_t_decode_array_cleanup(&(p[element].misfire_why), 1);
+        __int16_t_decode_array_cleanup(&(p[element].misfire_why), 1);
 
         __float_decode_array_cleanup(&(p[element].firing_cylinder), 1);
 
@@ -314,11 +314,11 @@ int __sixdeg_firing_t_clone_array(const sixdeg_firing_t *p, sixdeg_firing_t *q, 
 
         __int8_t_clone_array(&(p[element].firing_health), &(q[element].firing_health), 1);
 
-        __int8_t_clone_array(&(p[element].firing_why), &(q[element].firing_why), 1);
+        __int16_t_clone_array(&(p[element].firing_why), &(q[element].firing_why), 1);
 
         __int8_t_clone_array(&(p[element].misfire_health), &(q[element].misfire_health), 1);
 
-        __int8_t_clone_array(&(p[element].misfire_why), &(q[element].misfire_why), 1);
+        __int16_t_clone_array(&(p[element].misfire_why), &(q[element].misfire_why), 1);
 
         __float_clone_array(&(p[element].firing_cylinder), &(q[element].firing_cylinder), 1);
 

@@ -22,9 +22,9 @@ struct _sixdeg_firing_t
 {
     int32_t    tick;
     int8_t     firing_health;
-    int8_t     firing_why;
+    int16_t    firing_why;
     int8_t     misfire_health;
-    int8_t     misfire_why;
+    int16_t    misfire_why;
     float      firing_cylinder;
     float      firing_torque;
     float      firing_sd;

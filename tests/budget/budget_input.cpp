@@ -12,7 +12,7 @@
 #include "common/files.hpp"
 #include "golden_run.hpp"
 #include "output_hash.h"
-#include "replay/ecu_bench.hpp"
+#include "loop/ecu_bench.hpp"
 
 namespace sixdeg {
 namespace {

@@ -38,10 +38,7 @@ static void walk_kalman(sd_page_walk_t *walk, sd_kalman_tables_t *t) {
     for (uint32_t i = 0; i < SD_KALMAN_FIRINGS_MAX; ++i) { sd_page_u16(walk, &t->read_position[i]); }
     for (uint32_t i = 0; i < SD_KALMAN_FIRINGS_MAX; ++i) { sd_page_u16(walk, &t->close_position[i]); }
     sd_page_32(walk, &t->tick_hz);
-    sd_page_32(walk, &t->torque_base_nm);
     sd_page_32(walk, &t->shape_min_nm);
-    sd_page_32(walk, &t->reject_rad);
-    sd_page_u16(walk, &t->settle_teeth);
     sd_page_32(walk, &t->inertia_mean_kgm2);
     walk_floats(walk, t->inertia_tooth_kgm2, t->positions);
     walk_floats(walk, t->inertia_interval_kgm2, t->positions);
@@ -170,13 +167,4 @@ sd_misfire_config_t sd_calibration_misfire(const sd_calibration_t *calibration) 
                                    .catalyst_exceedances = (uint16_t)p->misfire_catalyst_windows };
     memcpy(config.firing_order, calibration->firing_order, sizeof config.firing_order);
     return config;
-}
-
-void sd_calibration_choose_filter(sd_calibration_t *calibration) {
-    const sd_parameters_t *p = &calibration->parameters;
-    const sd_kalman_choice_t choice = { .torque_base_nm = p->torque_torque_base_nm,
-                                        .reject_deg = p->firing_reject_deg,
-                                        .settle_cycles = p->firing_settle_cycles,
-                                        .teeth = (uint8_t)(calibration->positions - calibration->missing_count) };
-    if (calibration->kalman.positions != 0u) { sd_kalman_choose(&calibration->kalman, &choice); }
 }

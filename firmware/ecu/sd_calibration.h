@@ -44,7 +44,4 @@ sd_crank_config_t   sd_calibration_crank(const sd_calibration_t *calibration);
 sd_fourier_config_t sd_calibration_torque(const sd_calibration_t *calibration);
 sd_misfire_config_t sd_calibration_misfire(const sd_calibration_t *calibration);
 
-/// Takes over into `kalman` what is no table but a parameter; between two teeth as well.
-void sd_calibration_choose_filter(sd_calibration_t *calibration);
-
 #endif

@@ -81,7 +81,6 @@ sd_result_t sd_ecu_init(sd_ecu_t *self, const sd_calibration_t *calibration) {
     const sd_fourier_config_t torque_config = sd_calibration_torque(calibration);
     sd_crank_t crank;
     sd_torque_t torque;
-    sd_kalman_t filter;
     sd_misfire_t misfire;
     sd_afr_t afr;
     sd_afr_delay_t afr_delay;
@@ -95,7 +94,9 @@ sd_result_t sd_ecu_init(sd_ecu_t *self, const sd_calibration_t *calibration) {
     if (sd_misfire_init(&misfire, &misfire_config) != SD_OK) { return SD_ERR_CONFIG; }
     const bool has_filter = calibration->kalman.positions != 0u;
     if (has_filter && (calibration->kalman.positions != calibration->positions)) { return SD_ERR_CONFIG; }
-    if (has_filter && (sd_kalman_init(&filter, &calibration->kalman) != SD_OK)) { return SD_ERR_CONFIG; }
+    const sd_firings_config_t firings_config = sd_ecu_firings_config(calibration);
+    sd_firings_t firings;
+    if (sd_firings_init(&firings, &firings_config, &calibration->kalman) != SD_OK) { return SD_ERR_CONFIG; }
     if ((sd_ecu_afr_init(&afr, calibration) != SD_OK) || (sd_ecu_delay_init(&afr_delay, calibration) != SD_OK) ||
         (sd_ecu_balance_init(&balance, calibration) != SD_OK)) { return SD_ERR_CONFIG; }
     memset(self, 0, sizeof *self); /* from here on nothing fails; the struct is too large to be built aside */
@@ -110,12 +111,7 @@ sd_result_t sd_ecu_init(sd_ecu_t *self, const sd_calibration_t *calibration) {
     self->afr = afr;
     self->afr_delay = afr_delay;
     self->balance = balance;
-    if (has_filter) {
-        self->filter = filter;
-        self->rough = filter;
-        self->rough.set = 1;
-        sd_pattern_init(&self->pattern, &self->calibration.kalman);
-    }
+    self->firings = firings;
     return SD_OK;
 }
 

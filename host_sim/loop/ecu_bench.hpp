@@ -33,7 +33,7 @@ class EcuBench : public EcuFeed {
     std::uint8_t health(sd_owner_t owner) const { return said_.health(owner); }
     const sd_crank_t &crank() const { return ecu_.crank; }
     /// Tooth pattern as learned so far, and learning that goes on from one kept. False: it is of another wheel.
-    const sd_pattern_t &pattern() const { return ecu_.pattern; }
+    const sd_pattern_t &pattern() const { return ecu_.firings.pattern; }
     bool resume(const sd_pattern_sums_t &learned) { return sd_ecu_resume(&ecu_, &learned) == SD_OK; }
 
   private:

@@ -147,9 +147,6 @@ sd_kalman_tables_t sizes(const EngineFile &engine, const KnownTorque &torque, co
     t.shapes = torque.shape.empty() ? 0 : 1;
     t.shape_min_nm = float(kShapeFromPa * engine.displaced_m3() / M_PI);
     t.tick_hz = float(engine.tick_hz);
-    const sd_kalman_choice_t choice{float(tune.torque_base_nm), float(tune.reject_deg),
-                                    float(tune.settle_cycles), std::uint8_t(engine.wheel.teeth())};
-    sd_kalman_choose(&t, &choice);
     t.inertia_mean_kgm2 = float(mean_inertia_kgm2(engine));
     // Cranks that twist have gains at so many speeds that a second set finds no room.
     t.sets = t.firings > 0 && tune.rough_walk_nm > 0 ? 2 : 1;

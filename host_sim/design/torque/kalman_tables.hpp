@@ -33,9 +33,6 @@ struct KalmanTune {
     double firing_change_nm = 10; ///< Change of a firing's torque from one cycle to the next.
     double rough_walk_nm = 3;     ///< load_walk_nm of the second set of gains, for rough roads; 0: no second set.
     double basis_walk_nm = 0.2;   ///< Change of other coefficients from tooth to tooth, and of shape times mean torque.
-    double torque_base_nm = 1500;
-    double reject_deg = 1.5;
-    double settle_cycles = 3;
     std::vector<double> speeds_rpm{1000, 2000, 4000, 6500};
 };
 

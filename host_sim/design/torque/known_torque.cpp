@@ -43,10 +43,7 @@ KalmanTune kalman_tune(const EngineFile &engine, const sd_parameters_t &p) {
     tune.load_walk_nm = double(p.firing_load_walk_nm);
     tune.rough_walk_nm = double(p.firing_rough_walk_nm);
     tune.firing_change_nm = double(p.firing_change_nm);
-    tune.torque_base_nm = double(p.torque_torque_base_nm);
-    tune.reject_deg = double(p.firing_reject_deg);
     if (p.firing_harmonics == 0) tune.basis_walk_nm = double(p.firing_shape_walk_nm);
-    tune.settle_cycles = double(p.firing_settle_cycles);
     if (engine.torsion) {
         // A mode near an engine order wants gains of its own within a few percent of speed. And what all cylinders share shows
         // in their differences, by each one's place in the mode: a common torque that settles slowly would spoil them. It may

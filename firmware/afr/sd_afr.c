@@ -3,6 +3,8 @@
 
 #include <string.h>
 
+#include "sd_math.h"
+
 enum { SETTLE = 8, SETTLE_SLOW = 200 }; /* cycles */
 
 #define START_LAMBDA 0.5f
@@ -119,7 +121,7 @@ void sd_afr_cycle(sd_afr_t *self, const sd_afr_grid_t *grid, float speed_radps, 
     if (is_running(self)) { self->mean_lambda = sum / (float)self->config.cylinders; }
     sd_afr_node_t node;
     interpolate(self, grid, speed_radps, intake_bar, &node);
-    const float step_s = 12.566371f / (speed_radps * (float)self->config.cycle_positions);
+    const float step_s = (2.0f * SD_TWO_PI) / (speed_radps * (float)self->config.cycle_positions);
     const float charge_kg = grid->air_kg_per_bar * intake_bar + 1e-6f * fuel_mg;
     const sd_exhaust_point_t point = { .share = self->share, .charge_kg = charge_kg, .rate_hz = node.rate_hz, .z0_kg = node.z0_kg,
                                        .pipe_kg = node.transport_kg, .delay_positions = (grid->dead_s + self->known.late_s) / step_s + LAG_LEAD };
@@ -195,7 +197,7 @@ float sd_afr_deviation_sd(const sd_afr_t *self, uint32_t cylinder) {
         square += deviation * deviation / (float)self->config.cylinders;
     }
     const float variance = noise + self->doubt * square + 1e-12f;
-    return variance * sd_rsqrt_f32(variance);
+    return sd_root(variance);
 }
 
 sd_status_t sd_afr_status(const sd_afr_t *self) {

@@ -3,6 +3,8 @@
 
 #include <string.h>
 
+#include "sd_math.h"
+
 enum { CYCLES_MIN = 20,  /* in a fit */
        CYCLES_MAX = 400,
        PROBE_MAX = 600,
@@ -23,9 +25,6 @@ enum { CYCLES_MIN = 20,  /* in a fit */
 #define AGEING         1.1f           /* of a variance, with each fit */
 #define LATE_MAX_S     0.05f
 #define LAG_MAX        0.5f
-#define TWO_PI         6.2831853f
-
-static bool within(float x, float low, float high) { return (x >= low) && (x <= high); }
 
 /* Sine and cosine of a small angle. */
 static void unit(float x, float *cosine, float *sine) {
@@ -39,19 +38,19 @@ static float angle_of(float re, float im) {
     const float a = (re < 0.0f) ? -re : re, b = (im < 0.0f) ? -im : im;
     const float t = ((a > b) ? b : a) / ((a > b) ? a : b), s = t * t;
     float angle = t * (0.995354f - s * (0.288679f - s * 0.079331f));
-    if (b > a) { angle = 0.25f * TWO_PI - angle; }
-    if (re < 0.0f) { angle = 0.5f * TWO_PI - angle; }
+    if (b > a) { angle = 0.25f * SD_TWO_PI - angle; }
+    if (re < 0.0f) { angle = 0.5f * SD_TWO_PI - angle; }
     return (im < 0.0f) ? -angle : angle;
 }
 
 sd_result_t sd_afr_delay_init(sd_afr_delay_t *self, const sd_afr_delay_config_t *c) {
     const bool ok = (c->cycle_positions >= 24u) && (c->cycle_positions <= SD_AFR_POSITIONS_MAX) && (c->cylinders >= 2u) &&
-                    (c->cylinders <= SD_AFR_CYLINDERS_MAX) && within(c->tau1_s, 1e-4f, 1.0f) && within(c->tau2_s, 1e-4f, 1.0f);
+                    (c->cylinders <= SD_AFR_CYLINDERS_MAX) && sd_within(c->tau1_s, 1e-4f, 1.0f) && sd_within(c->tau2_s, 1e-4f, 1.0f);
     if (!ok) { return SD_ERR_CONFIG; }
     memset(self, 0, sizeof *self);
     self->config = *c;
     self->learned = (sd_afr_learned_t){ .late_sd_s = LATE_SD_S, .lag_sd = LAG_SD };
-    unit(TWO_PI / (float)c->cycle_positions, &self->turn[0], &self->turn[1]);
+    unit(SD_TWO_PI / (float)c->cycle_positions, &self->turn[0], &self->turn[1]);
     return SD_OK;
 }
 
@@ -142,8 +141,8 @@ float sd_afr_delay_doubt(const sd_afr_learned_t *known, float speed_radps, float
 static void weigh(float *value, float *sd, float reading_off, float noise_var, float model_var, float most) {
     const float known = AGEING * *sd * *sd, gain = known / (known + noise_var + model_var), left = known - gain * known;
     const float moved = *value + gain * reading_off, var = (left > model_var) ? left : model_var;
-    *value = (moved > most) ? most : (moved < -most) ? -most : moved;
-    *sd = var * sd_rsqrt_f32(var);
+    *value = sd_clamp(moved, -most, most);
+    *sd = sd_root(var);
 }
 
 /* Takes the fit over once it is sharp enough. */
@@ -155,12 +154,12 @@ static bool learn(sd_afr_delay_t *self, float speed_radps) {
     const float variance = ((left > 0.0f) ? left : 0.0f) / (2.0f * (float)self->cycles * square); /* of arg R and of ln|R| */
     const float limit = (probing && (self->probed < PROBE_MAX - PROBE_END)) ? SD_PROBE_RAD : SD_PASSIVE_RAD;
     const float off = probing ? OFF_PROBE_RAD : OFF_PASSIVE_RAD, model = off * off, angle = angle_of(re, im);
-    if (!(variance < limit * limit) || !within(square, SQUARE_LOW, SQUARE_HIGH)) { return false; }
+    if (!(variance < limit * limit) || !sd_within(square, SQUARE_LOW, SQUARE_HIGH)) { return false; }
     if (!probing && (angle * angle < CLEAR * (variance + model))) { return false; }
     const float longer_by = 1.0f + self->learned.lag;
     float shrinks, turns;
     sensor(0.5f * speed_radps * self->config.tau1_s * longer_by, 0.5f * speed_radps * self->config.tau2_s * longer_by, &shrinks, &turns);
-    const float before = self->learned.lag, size = square * sd_rsqrt_f32(square);
+    const float before = self->learned.lag, size = sd_root(square);
     if (probing) {
         const float longer = -2.0f * (size - 1.0f) / ((size + 1.0f) * shrinks); /* -ln|R|/A */
         weigh(&self->learned.lag, &self->learned.lag_sd, longer, variance / (shrinks * shrinks), model / (shrinks * shrinks), LAG_MAX);
@@ -178,26 +177,24 @@ static bool take_trims(sd_afr_delay_t *self, const sd_afr_trims_t *now) {
     bool stepped = false;
     for (uint32_t i = 0; i < self->config.cylinders; ++i) {
         const float trim = now->trim[i] * now->mean_lambda, most = STEP * now->mean_lambda;
-        stepped = stepped || !within(trim - self->trim[i], -most, most);
+        stepped = stepped || !sd_within(trim - self->trim[i], -most, most);
         self->trim[i] = trim;
     }
     return stepped;
 }
 
-static float move_of(float x) { return x / (1.0f + 0.5f * x + x * x * (1.0f / 12.0f)); } /* 1 - exp(-x) */
-
 static void set_pace(sd_afr_delay_t *self, float speed_radps) {
-    const float step_s = 2.0f * TWO_PI / (speed_radps * (float)self->config.cycle_positions), longer = 1.0f + self->learned.lag;
-    const float lags = (self->config.tau1_s + self->config.tau2_s) * speed_radps * (1.0f / (2.0f * TWO_PI)); /* cycles */
-    self->move2 = move_of(step_s / (self->config.tau2_s * longer));
-    self->move1 = move_of(step_s / (self->config.tau1_s * longer));
+    const float step_s = 2.0f * SD_TWO_PI / (speed_radps * (float)self->config.cycle_positions), longer = 1.0f + self->learned.lag;
+    const float lags = (self->config.tau1_s + self->config.tau2_s) * speed_radps * (1.0f / (2.0f * SD_TWO_PI)); /* cycles */
+    self->move2 = sd_lag_move(step_s / (self->config.tau2_s * longer));
+    self->move1 = sd_lag_move(step_s / (self->config.tau1_s * longer));
     self->settles = (uint16_t)(SKIP_MIN + (uint32_t)(SETTLED_LAGS * lags));
     self->set = 1;
 }
 
 static bool usable(const sd_afr_delay_t *self, const sd_afr_trims_t *cycle) {
-    bool ok = within(cycle->speed_radps, 1.0f, 2000.0f) && within(cycle->mean_lambda, 0.02f, 2.0f);
-    for (uint32_t i = 0; i < self->config.cylinders; ++i) { ok = ok && within(cycle->trim[i], -1.0f, 1.0f); }
+    bool ok = sd_within(cycle->speed_radps, 1.0f, 2000.0f) && sd_within(cycle->mean_lambda, 0.02f, 2.0f);
+    for (uint32_t i = 0; i < self->config.cylinders; ++i) { ok = ok && sd_within(cycle->trim[i], -1.0f, 1.0f); }
     return ok;
 }
 

@@ -3,6 +3,8 @@
 
 #include <string.h>
 
+#include "sd_math.h"
+
 enum { REJECTED_IN_ROW_MAX = 60, /* samples left out in a row after which the estimate must be wrong */
        JUMP_HOLD = 120,          /* samples, about a cycle, until the next jump may be seen */
        X = 0 };
@@ -16,12 +18,10 @@ static float *entry(sd_afr_joint_t *self, uint32_t i, uint32_t j) {
     return &self->covariance[(i >= j) ? i * (i + 1u) / 2u + j : j * (j + 1u) / 2u + i];
 }
 
-static bool within(float x, float low, float high) { return (x >= low) && (x <= high); }
-
 sd_result_t sd_afr_joint_init(sd_afr_joint_t *self, const sd_afr_joint_config_t *c) {
-    const bool ok = (c->cylinders >= 1u) && (c->cylinders <= SD_AFR_CYLINDERS_MAX) && within(c->tau1_s, 1e-4f, 1.0f) &&
-                    within(c->tau2_s, 1e-4f, 1.0f) && within(c->noise_per_rthz, 1e-7f, 0.1f) &&
-                    within(c->drift, 1e-6f, 1.0f) && within(c->start_sd, 1e-3f, 1.0f) && within(c->reject, 3.0f, 1e3f);
+    const bool ok = (c->cylinders >= 1u) && (c->cylinders <= SD_AFR_CYLINDERS_MAX) && sd_within(c->tau1_s, 1e-4f, 1.0f) &&
+                    sd_within(c->tau2_s, 1e-4f, 1.0f) && sd_within(c->noise_per_rthz, 1e-7f, 0.1f) &&
+                    sd_within(c->drift, 1e-6f, 1.0f) && sd_within(c->start_sd, 1e-3f, 1.0f) && sd_within(c->reject, 3.0f, 1e3f);
     if (!ok) { return SD_ERR_CONFIG; }
     memset(self, 0, sizeof *self);
     self->config = *c;
@@ -29,13 +29,10 @@ sd_result_t sd_afr_joint_init(sd_afr_joint_t *self, const sd_afr_joint_config_t 
     return SD_OK;
 }
 
-/* 1 - exp(-x), Pade (2, 2) */
-static float move_of(float x) { return x / (1.0f + 0.5f * x + x * x * (1.0f / 12.0f)); }
-
 void sd_afr_joint_set(sd_afr_joint_t *self, float step_s, float drift, float jump) {
-    if (!(step_s > 0.0f) || !(step_s <= 0.1f) || !within(drift, 1e-6f, 1.0f) || !within(jump, 0.0f, 1.0f)) { return; }
-    self->move2 = move_of(step_s / self->config.tau2_s);
-    self->move1 = move_of(step_s / self->config.tau1_s);
+    if (!(step_s > 0.0f) || !(step_s <= 0.1f) || !sd_within(drift, 1e-6f, 1.0f) || !sd_within(jump, 0.0f, 1.0f)) { return; }
+    self->move2 = sd_lag_move(step_s / self->config.tau2_s);
+    self->move1 = sd_lag_move(step_s / self->config.tau1_s);
     self->noise_var = self->config.noise_per_rthz * self->config.noise_per_rthz / (2.0f * step_s);
     self->drift_var = drift * drift;
     self->jump_var = jump * jump;
@@ -156,7 +153,7 @@ void sd_afr_joint_step(sd_afr_joint_t *self, const sd_exhaust_now_f32_t *now, fl
 }
 
 void sd_afr_joint_move(sd_afr_joint_t *self, uint32_t cylinder, float lambda_change) {
-    if ((self->running == 0u) || (cylinder >= self->config.cylinders) || !within(lambda_change, -1.0f, 1.0f)) { return; }
+    if ((self->running == 0u) || (cylinder >= self->config.cylinders) || !sd_within(lambda_change, -1.0f, 1.0f)) { return; }
     self->air_fraction[cylinder] -= lambda_change;
 }
 
@@ -201,9 +198,9 @@ static void invert(float m[][SD_AFR_CYLINDERS_MAX], uint32_t n) {
 sd_afr_blame_t sd_afr_joint_blame(const sd_afr_joint_t *self, const sd_afr_usual_t *usual) {
     const uint32_t n = self->config.cylinders;
     sd_afr_blame_t blame = { 0, 0.0f, 0.0f };
-    if ((self->running == 0u) || (n < 2u) || !within(usual->sd, 1e-6f, 1.0f)) { return blame; }
+    if ((self->running == 0u) || (n < 2u) || !sd_within(usual->sd, 1e-6f, 1.0f)) { return blame; }
     sd_afr_joint_t *s = (sd_afr_joint_t *)self; /* entry() only reads here */
-    const bool mean_known = within(usual->lambda, -2.0f, 2.0f) && within(usual->lambda_sd, 1e-6f, 1.0f);
+    const bool mean_known = sd_within(usual->lambda, -2.0f, 2.0f) && sd_within(usual->lambda_sd, 1e-6f, 1.0f);
     const float lambda = mean_known ? usual->lambda : sd_afr_joint_lambda(self, 0);
     float w[SD_AFR_CYLINDERS_MAX][SD_AFR_CYLINDERS_MAX], row[SD_AFR_CYLINDERS_MAX], common = 0.0f;
     float sum = mean_known ? 1.0f / (usual->lambda_sd * usual->lambda_sd) : 0.0f;

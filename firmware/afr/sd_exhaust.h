@@ -17,10 +17,11 @@
 /// cycle, it divides); step for every wheel position, missing ones included. One writer per state.
 #ifndef SD_EXHAUST_H
 #define SD_EXHAUST_H
+#include "sd_limits.h"
 #include "sd_num.h"
 #include "sd_status.h"
 
-#define SD_AFR_CYLINDERS_MAX 8
+#define SD_AFR_CYLINDERS_MAX SD_CYLINDERS_MAX
 #define SD_AFR_POSITIONS_MAX 240 /* of a cycle */
 #define SD_EXHAUST_RING      64  /* positions, a power of two: the longest delay is one less */
 #define SD_EXHAUST_PSI       32  /* intervals of psi over z from 1 to 2 */

@@ -3,16 +3,16 @@
 
 #include <string.h>
 
+#include "sd_math.h"
+
 #define SMOOTH     0.25f /* a cycle */
 #define GAIN_LEAST 0.5f  /* of the gain, where noise explains all that deviates */
 
 enum { SMOOTH_FROM = 3 }; /* cycles; before, the mean of all so far */
 
-static bool above_to(float x, float above, float to) { return (x > above) && (x <= to); }
-
 static bool config_ok(const sd_balance_config_t *c) {
-    return (c->cylinders >= 2u) && (c->cylinders <= SD_BALANCE_CYLINDERS_MAX) && above_to(c->gain, 0.0f, 1.0f) &&
-           above_to(c->rate, 0.0f, 1.0f) && above_to(c->limit, 0.0f, 0.5f) && above_to(c->sd_max, 0.0f, 1.0f);
+    return (c->cylinders >= 2u) && (c->cylinders <= SD_BALANCE_CYLINDERS_MAX) && sd_above_to(c->gain, 0.0f, 1.0f) &&
+           sd_above_to(c->rate, 0.0f, 1.0f) && sd_above_to(c->limit, 0.0f, 0.5f) && sd_above_to(c->sd_max, 0.0f, 1.0f);
 }
 
 sd_result_t sd_balance_init(sd_balance_t *self, const sd_balance_config_t *c) {
@@ -38,18 +38,19 @@ void sd_balance_resume(sd_balance_t *self) {
     self->hold = self->config.hold_cycles;
 }
 
-static float clamp(float x, float limit) { return (x > limit) ? limit : (x < -limit) ? -limit : x; }
+/* To what is as far on either side. */
+static float limited(float x, float limit) { return sd_clamp(x, -limit, limit); }
 
 sd_result_t sd_balance_configure(sd_balance_t *self, const sd_balance_config_t *c) {
     if (!config_ok(c) || (c->cylinders != self->config.cylinders)) { return SD_ERR_CONFIG; }
     self->config = *c;
-    for (uint32_t i = 0; i < c->cylinders; ++i) { self->trim[i] = clamp(self->trim[i], c->limit); }
+    for (uint32_t i = 0; i < c->cylinders; ++i) { self->trim[i] = limited(self->trim[i], c->limit); }
     return SD_OK;
 }
 
 /* Finite, plausible, and trusted enough. */
 static bool usable(const sd_balance_t *self, const sd_balance_input_t *in) {
-    bool ok = (in->health == SD_VALID) && above_to(in->follow, 0.0f, 1.0f);
+    bool ok = (in->health == SD_VALID) && sd_above_to(in->follow, 0.0f, 1.0f);
     for (uint32_t i = 0; i < self->config.cylinders; ++i) {
         ok = ok && (in->deviation[i] > -2.0f) && (in->deviation[i] < 2.0f) && (in->sd[i] >= 0.0f) && (in->sd[i] <= self->config.sd_max);
     }
@@ -76,19 +77,19 @@ static void learn(sd_balance_t *self, const float *deviation) {
     const float gain = self->config.gain * (GAIN_LEAST + (1.0f - GAIN_LEAST) * real);
     float mean = 0.0f;
     for (uint32_t i = 0; i < n; ++i) {
-        self->trim[i] -= clamp(gain * deviation[i], self->config.rate);
+        self->trim[i] -= limited(gain * deviation[i], self->config.rate);
         mean += self->trim[i] / (float)n;
     }
     self->at_limit = 0;
     for (uint32_t i = 0; i < n; ++i) {
         const float wanted = self->trim[i] - mean;
-        self->trim[i] = clamp(wanted, self->config.limit);
+        self->trim[i] = limited(wanted, self->config.limit);
         if (self->trim[i] != wanted) { self->at_limit = 1; }
     }
 }
 
 static void retreat(sd_balance_t *self) {
-    for (uint32_t i = 0; i < self->config.cylinders; ++i) { self->trim[i] -= clamp(self->trim[i], self->config.rate); }
+    for (uint32_t i = 0; i < self->config.cylinders; ++i) { self->trim[i] -= limited(self->trim[i], self->config.rate); }
     self->at_limit = 0;
 }
 

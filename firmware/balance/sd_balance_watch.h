@@ -13,9 +13,10 @@
 /// Float only, no heap, no I/O, no libm; some passes over cylinders times patterns. One writer per state.
 #ifndef SD_BALANCE_WATCH_H
 #define SD_BALANCE_WATCH_H
+#include "sd_limits.h"
 #include "sd_num.h"
 
-#define SD_BALANCE_CYLINDERS_MAX 8
+#define SD_BALANCE_CYLINDERS_MAX SD_CYLINDERS_MAX
 #define SD_WATCH_LIMIT           5.0f
 
 typedef struct sd_watch {

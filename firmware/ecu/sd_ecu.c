@@ -18,9 +18,10 @@ static bool fixed_point(const sd_ecu_t *self) { return self->calibration.paramet
 
 static float torque_step(sd_ecu_t *self, const sd_tooth_t *tooth) {
     const uint8_t trusted = (tooth->health == SD_VALID) ? 1u : 0u;
-    return fixed_point(self) ? sd_fourier_step_q31(&self->torque.q31, tooth->cycle_position, tooth->advance,
+    const sd_fourier_tables_t *tables = &self->calibration.fourier;
+    return fixed_point(self) ? sd_fourier_step_q31(&self->torque.q31, tables, tooth->cycle_position, tooth->advance,
                                                    tooth->period_ticks, trusted)
-                             : sd_fourier_step_f32(&self->torque.f32, tooth->cycle_position, tooth->advance,
+                             : sd_fourier_step_f32(&self->torque.f32, tables, tooth->cycle_position, tooth->advance,
                                                    tooth->period_ticks, trusted);
 }
 
@@ -34,6 +35,10 @@ static void torque_shift(sd_ecu_t *self) {
     } else {
         sd_fourier_shift_revolution_f32(&self->torque.f32);
     }
+}
+
+static sd_status_t torque_status(const sd_ecu_t *self) {
+    return fixed_point(self) ? sd_fourier_status_q31(&self->torque.q31) : sd_fourier_status_f32(&self->torque.f32);
 }
 
 static sd_fourier_estimate_t torque_estimate(const sd_ecu_t *self) {
@@ -81,7 +86,6 @@ sd_result_t sd_ecu_init(sd_ecu_t *self, const sd_calibration_t *calibration) {
     const sd_fourier_config_t torque_config = sd_calibration_torque(calibration);
     sd_crank_t crank;
     sd_torque_t torque;
-    sd_kalman_t filter;
     sd_misfire_t misfire;
     sd_afr_t afr;
     sd_afr_delay_t afr_delay;
@@ -89,13 +93,15 @@ sd_result_t sd_ecu_init(sd_ecu_t *self, const sd_calibration_t *calibration) {
     const sd_misfire_config_t misfire_config = sd_calibration_misfire(calibration);
     if (sd_crank_init(&crank, &crank_config) != SD_OK) { return SD_ERR_CONFIG; }
     const sd_result_t result = (calibration->parameters.torque_fixed_point > 0.5f)
-                                   ? sd_fourier_init_q31(&torque.q31, &torque_config)
-                                   : sd_fourier_init_f32(&torque.f32, &torque_config);
+                                   ? sd_fourier_init_q31(&torque.q31, &torque_config, &calibration->fourier)
+                                   : sd_fourier_init_f32(&torque.f32, &torque_config, &calibration->fourier);
     if (result != SD_OK) { return result; }
     if (sd_misfire_init(&misfire, &misfire_config) != SD_OK) { return SD_ERR_CONFIG; }
     const bool has_filter = calibration->kalman.positions != 0u;
     if (has_filter && (calibration->kalman.positions != calibration->positions)) { return SD_ERR_CONFIG; }
-    if (has_filter && (sd_kalman_init(&filter, &calibration->kalman) != SD_OK)) { return SD_ERR_CONFIG; }
+    const sd_firings_config_t firings_config = sd_ecu_firings_config(calibration);
+    sd_firings_t firings;
+    if (sd_firings_init(&firings, &firings_config, &calibration->kalman) != SD_OK) { return SD_ERR_CONFIG; }
     if ((sd_ecu_afr_init(&afr, calibration) != SD_OK) || (sd_ecu_delay_init(&afr_delay, calibration) != SD_OK) ||
         (sd_ecu_balance_init(&balance, calibration) != SD_OK)) { return SD_ERR_CONFIG; }
     memset(self, 0, sizeof *self); /* from here on nothing fails; the struct is too large to be built aside */
@@ -110,12 +116,7 @@ sd_result_t sd_ecu_init(sd_ecu_t *self, const sd_calibration_t *calibration) {
     self->afr = afr;
     self->afr_delay = afr_delay;
     self->balance = balance;
-    if (has_filter) {
-        self->filter = filter;
-        self->rough = filter;
-        self->rough.set = 1;
-        sd_pattern_init(&self->pattern, &self->calibration.kalman);
-    }
+    self->firings = firings;
     return SD_OK;
 }
 
@@ -225,7 +226,7 @@ static void on_tooth(sd_ecu_t *self, const sd_port_t *port, const sd_tooth_t *to
     self->signals.torque_mass_nm = torque_step(self, tooth);
     self->cycle_position = tooth->cycle_position;
     sd_status_t *status = &self->status[SD_OWNER_TORQUE];
-    *status = torque_estimate(self).status;
+    *status = torque_status(self);
     sd_ecu_worst_of(status, tooth->health, tooth->why);
     self->signals.torque_innovation_j = status->innovation;
     add_to_cycle(self, tooth);

@@ -20,8 +20,8 @@
 #include "hal.h"
 #include "sd_balance.h"
 #include "sd_calibration.h"
+#include "sd_firings.h"
 #include "sd_learned.h"
-#include "sd_road.h"
 
 /// Latest reading of a sampled sensor.
 typedef struct sd_sample {
@@ -49,15 +49,9 @@ typedef struct sd_ecu {
     sd_parameters_t  reference;   ///< The page as it came.
     sd_crank_t       crank;
     sd_torque_t      torque;      ///< Which one: torque.fixed_point.
-    sd_kalman_t      filter;      ///< On tooth times; runs when the page has its tables.
-    sd_kalman_t      rough;       ///< The same with the gains for rough roads, where the page has them.
-    sd_road_t        road;
-    uint8_t          on_rough;    ///< 1: what is said of firings comes from `rough`.
-    sd_pattern_t     pattern;     ///< Of the wheel, learned in fuel cut.
+    sd_firings_t     firings;     ///< On tooth times; runs when the page has its tables.
     sd_misfire_t     misfire;
     float    fuel_mg[SD_CYLINDERS_MAX]; ///< Commanded at the last TDC of each firing; below 0: unknown.
-    uint16_t firing_doubt;        ///< Positions until no firing under way holds a tooth that was not trusted.
-    uint16_t motored;             ///< Positions since the fuel was cut, saturating.
     sd_afr_t     afr;             ///< Idle without an exhaust in the calibration.
     sd_afr_delay_t afr_delay;     ///< Idle as afr is; what it learned survives a loss of sync.
     sd_balance_t balance;

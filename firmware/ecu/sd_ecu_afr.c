@@ -3,12 +3,17 @@
 
 #include <string.h>
 
-#define RADPS_PER_RPM   0.10471976f
+#include "sd_math.h"
+
 #define TRANSIENT_SPEED 0.02f /* share by which a cycle may differ from the last and still be steady */
 #define TRANSIENT_FUEL  0.05f
 #define TORQUE_FOLLOWS  0.5f   /* a cycle: half of the firings that a cycle reads were injected before it began */
 #define FOLLOW_LEAST    0.001f
 #define CHAIN_FOLLOWS   0.3f   /* a cycle: it settles to a tenth in some 4 */
+
+_Static_assert((SD_AFR_CYLINDERS_MAX == SD_CYLINDERS_MAX) && (SD_BALANCE_CYLINDERS_MAX == SD_CYLINDERS_MAX) &&
+               (SD_MISFIRE_CYLINDERS_MAX == SD_CYLINDERS_MAX) && (SD_KALMAN_FIRINGS_MAX == SD_CYLINDERS_MAX),
+               "blocks that hold the same engine hold as many cylinders");
 
 static bool ready(const sd_ecu_t *self) { return self->afr.config.cylinders != 0u; }
 
@@ -27,7 +32,7 @@ sd_result_t sd_ecu_afr_init(sd_afr_t *afr, const sd_calibration_t *c) {
                                .noise_per_rthz = p->afr_noise, .drift = p->afr_drift, .drift_slow = p->afr_drift_slow,
                                .jump = p->afr_jump, .slow_above = p->afr_slow_above };
     for (uint32_t i = 0; i < c->cylinders; ++i) { config.firing_position[i] = c->firing_position[i]; }
-    return sd_afr_init(afr, &config, &c->afr, c->sine_q31);
+    return sd_afr_init(afr, &config, &c->afr, c->fourier.sine_q31);
 }
 
 sd_balance_config_t sd_ecu_balance_config(const sd_calibration_t *c) {
@@ -176,7 +181,7 @@ static void tell_trims(sd_ecu_t *self) {
 }
 
 void sd_ecu_afr_cycle(sd_ecu_t *self) {
-    const float speed = self->signals.cycle_speed_rpm * RADPS_PER_RPM, fuel = self->sample[SD_INPUT_FUEL_INJECTED].value;
+    const float speed = self->signals.cycle_speed_rpm * SD_RADPS_PER_RPM, fuel = self->sample[SD_INPUT_FUEL_INJECTED].value;
     const bool moves = (changed(speed, self->last_speed_radps) > TRANSIENT_SPEED) || (changed(fuel, self->last_fuel_mg) > TRANSIENT_FUEL);
     tell_trims(self);
     /* What has not burned is no mixture to be trimmed, or to be learned from. */

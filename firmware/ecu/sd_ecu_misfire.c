@@ -26,8 +26,6 @@ static uint8_t inhibits(const sd_ecu_t *self, uint32_t tick, float fuel_mg) {
     return (uint8_t)why;
 }
 
-static float root(float x) { return (x > 0.0f) ? x * sd_rsqrt_f32(x) : 0.0f; }
-
 static void show(sd_ecu_t *self, const sd_misfire_verdict_t *v) {
     sd_signals_t *s = &self->signals;
     s->misfire_index = v->index;
@@ -55,7 +53,8 @@ static void report(sd_ecu_t *self) {
     self->status[SD_OWNER_MISFIRE] = r.status;
 }
 
-void sd_ecu_misfire_firing(sd_ecu_t *self, const sd_firing_t *firing, uint32_t tick) {
+void sd_ecu_misfire_firing(sd_ecu_t *self, const sd_firings_out_t *out, uint32_t tick) {
+    const sd_firing_t *firing = &out->firing;
     const sd_status_t *estimate = &self->status[SD_OWNER_FIRING];
     const float fuel_mg = self->fuel_mg[firing->index];
     const sd_misfire_firing_t seen = {
@@ -65,8 +64,8 @@ void sd_ecu_misfire_firing(sd_ecu_t *self, const sd_firing_t *firing, uint32_t t
         .torque_nm = firing->torque_nm,
         .torque_sd_nm = firing->sd_nm,
         .fuel_mg = fuel_mg,
-        .speed_radps = root(2.0f * sd_ecu_filter(self)->energy_j / self->calibration.kalman.inertia_mean_kgm2),
-        .energy_j = sd_ecu_filter(self)->energy_j,
+        .speed_radps = out->speed_radps,
+        .energy_j = out->energy_j,
     };
     const sd_misfire_verdict_t verdict = sd_misfire_judge(&self->misfire, &seen);
     if (verdict.verdict == (uint8_t)SD_MISFIRE) { self->cycle_firings.misfired = 1; }

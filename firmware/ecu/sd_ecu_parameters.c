@@ -11,22 +11,27 @@
 static float *working(sd_ecu_t *self) { return (float *)&self->calibration.parameters; }
 static const float *reference(const sd_ecu_t *self) { return (const float *)&self->reference; }
 
+static sd_result_t configure_firings(sd_ecu_t *self) {
+    const sd_firings_config_t config = sd_ecu_firings_config(&self->calibration);
+    return sd_firings_configure(&self->firings, &config, &self->calibration.kalman);
+}
+
 static sd_result_t apply_torque(sd_ecu_t *self, uint32_t index) {
     const sd_fourier_config_t config = sd_calibration_torque(&self->calibration);
     if (index == INDEX_OF(torque_tooth_sd_deg)) { return SD_OK; } /* read at the end of each cycle */
     const sd_result_t result = (self->calibration.parameters.torque_fixed_point > 0.5f)
-                                   ? sd_fourier_init_q31(&self->torque.q31, &config)
-                                   : sd_fourier_init_f32(&self->torque.f32, &config);
-    if (result == SD_OK) { sd_calibration_choose_filter(&self->calibration); }
-    return result;
+                                   ? sd_fourier_init_q31(&self->torque.q31, &config, &self->calibration.fourier)
+                                   : sd_fourier_init_f32(&self->torque.f32, &config, &self->calibration.fourier);
+    return (result == SD_OK) ? configure_firings(self) : result;
 }
 
 static sd_result_t apply_firing(sd_ecu_t *self, uint32_t index) {
     if (index == INDEX_OF(firing_enabled)) {
         if ((self->calibration.kalman.positions == 0u) && (self->calibration.parameters.firing_enabled > 0.5f)) { return SD_ERR_CONFIG; }
-        sd_ecu_firing_restart(self);
     }
-    sd_calibration_choose_filter(&self->calibration);
+    const bool rested = self->firings.enabled == 0u;
+    if (configure_firings(self) != SD_OK) { return SD_ERR_CONFIG; }
+    if (rested) { sd_ecu_firing_restart(self); }
     return SD_OK;
 }
 

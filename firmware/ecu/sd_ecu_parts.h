@@ -19,15 +19,15 @@ void sd_ecu_firing_tooth(sd_ecu_t *self, const sd_port_t *port, const sd_tooth_t
 /// Reads or changes a parameter and sends the answer.
 void sd_ecu_parameter(sd_ecu_t *self, const sd_port_t *port, const sd_event_t *request);
 
-/// The filter that firings are taken from.
-const sd_kalman_t *sd_ecu_filter(const sd_ecu_t *self);
+/// What the block of single firings is configured with.
+sd_firings_config_t sd_ecu_firings_config(const sd_calibration_t *calibration);
 
 /// Latest reading of a sensor that spoke lately; NULL when it did not.
 const sd_sample_t *sd_ecu_recent(const sd_ecu_t *self, sd_input_t input, uint32_t tick);
 
 /// Keeps the fuel that each firing was commanded.
 void sd_ecu_misfire_tooth(sd_ecu_t *self, const sd_tooth_t *tooth);
-/// Judges a firing that was read at `tick` and sets its signals.
-void sd_ecu_misfire_firing(sd_ecu_t *self, const sd_firing_t *firing, uint32_t tick);
+/// Judges the firing that was completed at `tick` and sets its signals.
+void sd_ecu_misfire_firing(sd_ecu_t *self, const sd_firings_out_t *out, uint32_t tick);
 
 #endif

@@ -3,9 +3,9 @@
 
 #include <string.h>
 
-enum { REJECTED_IN_ROW_MAX = 12 };
+#include "sd_math.h"
 
-static float root(float x) { return (x > 1e-30f) ? x * sd_rsqrt_f32(x) : 0.0f; }
+enum { REJECTED_IN_ROW_MAX = 12 };
 
 static uint32_t states(const sd_input_observer_t *self) { return 2u + self->cylinders; }
 
@@ -47,7 +47,7 @@ static void correct(sd_input_observer_t *self, float y, const float *input, uint
     const float variance = self->covariance[0][0] + self->noise_variance;
     self->innovation = y - self->state[0];
     const float squared = self->innovation * self->innovation / variance;
-    self->test_ratio = root(squared / self->alarm_squared);
+    self->test_ratio = sd_root(squared / self->alarm_squared);
     watch(self, squared, input, active);
     float gain[SD_INPUT_STATES_MAX], seen[SD_INPUT_STATES_MAX];
     for (uint32_t i = 0; i < n; ++i) {
@@ -137,10 +137,10 @@ void sd_input_read(const sd_input_observer_t *self, sd_input_estimate_t *estimat
     }
     estimate->speed_mps = self->state[0];
     estimate->accel_mps2 = self->state[1];
-    estimate->accel_sd_mps2 = root(self->covariance[1][1]);
+    estimate->accel_sd_mps2 = sd_root(self->covariance[1][1]);
     for (uint32_t n = 0; n < self->cylinders; ++n) {
         estimate->strength[n] = self->state[n + 2u];
-        estimate->strength_sd[n] = root(self->covariance[n + 2u][n + 2u]);
+        estimate->strength_sd[n] = sd_root(self->covariance[n + 2u][n + 2u]);
     }
     status->innovation = self->innovation;
     status->test_ratio = self->test_ratio;
@@ -153,13 +153,10 @@ void sd_input_read(const sd_input_observer_t *self, sd_input_estimate_t *estimat
     }
 }
 
-/* Written so that NaN is out of range. */
-static bool within(float x, float above, float to) { return (x > above) && (x <= to); }
-
 sd_result_t sd_input_init(sd_input_observer_t *self, const sd_input_config_t *config) {
     bool fine = (config->cylinders >= 1u) && (config->cylinders <= SD_INPUT_CYLINDERS_MAX) &&
-                within(config->noise_mps, 0.0f, 100.0f) && within(config->start_speed_mps, 0.0f, 1e3f) &&
-                within(config->start_accel_mps2, 0.0f, 1e5f) && within(config->start_strength, 0.0f, 1.0f) &&
+                sd_above_to(config->noise_mps, 0.0f, 100.0f) && sd_above_to(config->start_speed_mps, 0.0f, 1e3f) &&
+                sd_above_to(config->start_accel_mps2, 0.0f, 1e5f) && sd_above_to(config->start_strength, 0.0f, 1.0f) &&
                 (config->walk_strength >= 0.0f) && (config->walk_strength <= 1.0f) && (config->alarm_sd >= 3.0f) &&
                 (config->alarm_sd <= 100.0f);
     for (uint32_t i = 0; i < 2u; ++i) {

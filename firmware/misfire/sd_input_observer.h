@@ -15,11 +15,12 @@
 /// One writer per state. Call order: init; start; step for every sample; read.
 #ifndef SD_INPUT_OBSERVER_H
 #define SD_INPUT_OBSERVER_H
+#include "sd_limits.h"
 #include "sd_num.h"
 #include "sd_plant_step.h"
 #include "sd_status.h"
 
-#define SD_INPUT_CYLINDERS_MAX 8
+#define SD_INPUT_CYLINDERS_MAX SD_CYLINDERS_MAX
 #define SD_INPUT_STATES_MAX    (SD_INPUT_CYLINDERS_MAX + 2)
 
 /// SI units; read by init only, need not outlive it.

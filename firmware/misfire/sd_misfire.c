@@ -3,7 +3,8 @@
 
 #include <string.h>
 
-#define PI 3.14159265f
+#include "sd_math.h"
+
 #define FACTOR_MIN 0.6f    /* the expectation may learn no further than this, or a misfire could become normal */
 #define FACTOR_MAX 1.5f
 #define SCATTER_START 1.0f
@@ -18,8 +19,6 @@
 #define SCATTER_MARGIN 1.05f /* that its deviation, learned, may be short of the true one */
 #define LEARNED_ENOUGH 16u /* firings of a cylinder before its scatter says anything */
 
-static float root(float x) { return (x > 1e-30f) ? x * sd_rsqrt_f32(x) : 0.0f; }
-static float clamp(float x, float low, float high) { return (x < low) ? low : (x > high) ? high : x; }
 static float larger(float a, float b) { return (a > b) ? a : b; }
 static uint32_t count_up(uint32_t x) { return (x < UINT32_MAX) ? x + 1u : x; }
 
@@ -34,7 +33,7 @@ static bool estimate_fit(const sd_misfire_t *self, const sd_misfire_firing_t *f)
 }
 
 static float expected_torque(const sd_misfire_t *self, const sd_misfire_firing_t *f) {
-    return f->fuel_mg * self->config.work_per_fuel_jpmg / PI * self->factor[f->index];
+    return f->fuel_mg * self->config.work_per_fuel_jpmg / SD_PI * self->factor[f->index];
 }
 
 static bool fuelled(const sd_misfire_t *self, const sd_misfire_firing_t *f) {
@@ -46,8 +45,8 @@ static bool fuelled(const sd_misfire_t *self, const sd_misfire_firing_t *f) {
 static bool shifting(const sd_misfire_t *self, const sd_misfire_firing_t *f) {
     const float change = f->speed_radps - self->last_speed_radps;
     /* One firing more or less, of work W, changes the speed by W / 2 E of itself. */
-    const float of_firing = (f->energy_j > 0.0f) ? 0.5f * PI * expected_torque(self, f) / f->energy_j : 0.0f;
-    const float limit = (self->config.speed_change + clamp(of_firing, 0.0f, 1.0f)) * f->speed_radps;
+    const float of_firing = (f->energy_j > 0.0f) ? 0.5f * SD_PI * expected_torque(self, f) / f->energy_j : 0.0f;
+    const float limit = (self->config.speed_change + sd_clamp(of_firing, 0.0f, 1.0f)) * f->speed_radps;
     return (self->last_speed_radps > 0.0f) && ((change > limit) || (change < -limit));
 }
 
@@ -79,14 +78,14 @@ typedef struct sd_spread { float healthy, missed; } sd_spread_t; /* sd_0, sd_1 *
 
 static sd_spread_t spread_of(const sd_misfire_t *self, float relative_sd) {
     const float cyclic = self->config.cyclic * self->config.cyclic, noise = relative_sd * relative_sd;
-    return (sd_spread_t){ root(self->scatter * cyclic + noise), root(larger(self->scatter - 1.0f, 0.0f) * cyclic + noise) };
+    return (sd_spread_t){ sd_root(self->scatter * cyclic + noise), sd_root(larger(self->scatter - 1.0f, 0.0f) * cyclic + noise) };
 }
 
 static float limit_of(sd_misfire_t *self, sd_spread_t spread) {
     const float low = self->config.z_missed * spread.missed, gap = SCATTER_MARGIN * self->config.z_false * spread.healthy;
     self->test_ratio = low + gap;
     if (self->test_ratio > 1.0f) { return low / (low + gap); }
-    return clamp(self->config.definition, low, 1.0f - gap);
+    return sd_clamp(self->config.definition, low, 1.0f - gap);
 }
 
 static uint8_t verdict_of(const sd_misfire_t *self, float index, float limit, sd_spread_t spread) {
@@ -102,12 +101,12 @@ static float carried(const sd_misfire_t *self) {
     const float square = self->off_square * self->off_square, product = self->off_product * self->off_product;
     if (!(product > RHO_CHANCE * RHO_CHANCE * square)) { return 0.0f; }
     const float sure = 1.0f - RHO_CHANCE * RHO_CHANCE * square / product;
-    return clamp(self->off_product / self->off_square * sure, -RHO_MAX, RHO_MAX) * self->last_off;
+    return sd_clamp(self->off_product / self->off_square * sure, -RHO_MAX, RHO_MAX) * self->last_off;
 }
 
 static void learn_carry(sd_misfire_t *self, const sd_misfire_verdict_t *v, float off) {
     const bool healthy = v->verdict == (uint8_t)SD_HEALTHY, misfire = v->verdict == (uint8_t)SD_MISFIRE;
-    const float here = clamp(misfire ? off + 1.0f : off, -OFF_MAX, OFF_MAX);
+    const float here = sd_clamp(misfire ? off + 1.0f : off, -OFF_MAX, OFF_MAX);
     if (healthy && (self->last_off != 0.0f)) {
         const float weight = 1.0f / RHO_LEARN;
         self->off_square += weight * (0.5f * (here * here + self->last_off * self->last_off) - self->off_square);
@@ -121,9 +120,9 @@ static void learn_scatter(sd_misfire_t *self, const sd_misfire_verdict_t *v, flo
     const float off = v->index - 1.0f;
     self->innovation = off;
     if (!(off > 0.0f) || (self->learned[v->firing] < LEARNED_ENOUGH)) { return; }
-    const float size = clamp(off, 0.0f, 10.0f * spread.healthy), cyclic = self->config.cyclic;
+    const float size = sd_clamp(off, 0.0f, 10.0f * spread.healthy), cyclic = self->config.cyclic;
     const float seen = (size * size - relative_sd * relative_sd) / (cyclic * cyclic);
-    self->scatter = clamp(self->scatter + weight_of(self->scatter_seen) * (seen - self->scatter), SCATTER_MIN, SCATTER_MAX);
+    self->scatter = sd_clamp(self->scatter + weight_of(self->scatter_seen) * (seen - self->scatter), SCATTER_MIN, SCATTER_MAX);
     if (self->scatter_seen < LEARN_SCATTER) { self->scatter_seen++; }
 }
 
@@ -135,9 +134,9 @@ static void learn_factor(sd_misfire_t *self, const sd_misfire_verdict_t *v, floa
     const float near = larger(0.25f, 2.0f * spread.healthy); /* an overlooked misfire is not */
     const bool teaches = (off > -near) && (off < near) && (v->verdict == (uint8_t)SD_HEALTHY);
     if (teaches || (unknown && (v->verdict != (uint8_t)SD_MISFIRE))) {
-        const float factor = self->factor[firing] * (1.0f + weight_of(self->learned[firing]) * clamp(off, -0.5f, 0.5f));
+        const float factor = self->factor[firing] * (1.0f + weight_of(self->learned[firing]) * sd_clamp(off, -0.5f, 0.5f));
         if (self->learned[firing] < LEARN_FIRINGS) { self->learned[firing]++; }
-        self->factor[firing] = clamp(factor, FACTOR_MIN, FACTOR_MAX);
+        self->factor[firing] = sd_clamp(factor, FACTOR_MIN, FACTOR_MAX);
     }
 }
 
@@ -226,10 +225,10 @@ sd_misfire_verdict_t sd_misfire_judge(sd_misfire_t *self, const sd_misfire_firin
     }
     if (v.inhibit == 0u) {
         const float expected = expected_torque(self, f);
-        const float relative_sd = clamp(f->torque_sd_nm / expected, 0.0f, 10.0f);
+        const float relative_sd = sd_clamp(f->torque_sd_nm / expected, 0.0f, 10.0f);
         const sd_spread_t spread = spread_of(self, relative_sd);
-        const float found = clamp(f->torque_nm / expected, -10.0f, 10.0f);
-        v.index = clamp(found - carried(self), -10.0f, 10.0f);
+        const float found = sd_clamp(f->torque_nm / expected, -10.0f, 10.0f);
+        v.index = sd_clamp(found - carried(self), -10.0f, 10.0f);
         v.index_sd = spread.healthy;
         v.limit = limit_of(self, spread);
         v.verdict = verdict_of(self, v.index, v.limit, spread);

@@ -27,10 +27,11 @@
 /// Call order: init; start whenever the engine or the estimator started; firing for each; read.
 #ifndef SD_MISFIRE_H
 #define SD_MISFIRE_H
+#include "sd_limits.h"
 #include "sd_num.h"
 #include "sd_status.h"
 
-#define SD_MISFIRE_CYLINDERS_MAX 8
+#define SD_MISFIRE_CYLINDERS_MAX SD_CYLINDERS_MAX
 
 /// SI units but for fuel; read by init only, need not outlive it.
 typedef struct sd_misfire_config {

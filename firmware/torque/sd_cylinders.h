@@ -11,8 +11,7 @@
 #ifndef SD_CYLINDERS_H
 #define SD_CYLINDERS_H
 #include "sd_fourier.h"
-
-#define SD_CYLINDERS_MAX 8
+#include "sd_limits.h"
 
 typedef struct sd_cylinder_map {
     uint8_t cylinders; ///< 1 to SD_CYLINDERS_MAX; 0: the harmonics are too few to tell the cylinders apart.

@@ -8,7 +8,7 @@
 
 static const float INVERSE[6] = { 1.0f, 0.5f, 1.0f / 3.0f, 0.25f, 0.2f, 1.0f / 6.0f };
 
-_Static_assert(sizeof(sd_kalman_t) == 572, "without pointers, the same size on every target");
+_Static_assert(sizeof(sd_kalman_t) == 584, "without pointers, the same size on every target");
 
 enum { REJECTED_IN_ROW_MAX = 12, /* teeth left out in a row after which the estimate itself must be wrong */
        SPEED_MIN_RADPS = 5 };
@@ -161,8 +161,8 @@ static float root(float x) { return (x > 0.0f) ? x * sd_rsqrt_f32(x) : 0.0f; }
  * the innovation as met, and a firing that comes or fails; its peak is some 4 times its mean. */
 static float limit_rad(const sd_kalman_t *self, const sd_kalman_tables_t *t, sd_between_t at, float scale) {
     const float mark = 3.0f * pitch_of(t);
-    float jitter = t->reject_rad, torque = t->torque_base_nm;
-    if (self->teeth >= t->settle_teeth) {
+    float jitter = self->choice.reject_rad, torque = self->choice.torque_base_nm;
+    if (self->teeth >= self->choice.settle_teeth) {
         jitter = 8.0f * blend(t->noise_rad, at) * blend(t->innovation, at) * root(self->noise_ratio);
         torque *= 0.05f;
         for (uint32_t j = 0; j < t->coefficients; ++j) {
@@ -229,7 +229,7 @@ static void correct(sd_kalman_t *self, const sd_kalman_tables_t *t, const sd_kal
     self->innovation_rad = late_rad(self, t, speed, slowness) - tooth->late_rad;
     /* Without modes the normalised map is the same at every speed, so every table is stable at any. That of half the speed
      * trusts the state less, which is right while there is little to trust. */
-    const bool settled = self->teeth >= t->settle_teeth;
+    const bool settled = self->teeth >= self->choice.settle_teeth;
     const sd_between_t at = find_speed(self, t, (settled || (t->modes > 0u)) ? speed : 0.5f * speed);
     if (!plausible(self, t, at, scale)) { return; }
     if (settled) { watch_noise(self, t, at); }
@@ -264,7 +264,7 @@ static void begin(sd_kalman_t *self, const sd_kalman_tables_t *t, const sd_kalma
 static bool in_range(const sd_kalman_t *self, const sd_kalman_tables_t *t) {
     for (uint32_t j = 0; j < t->coefficients; ++j) {
         const float x = self->coefficient_nm[j];
-        if (!((x > -t->torque_base_nm) && (x < t->torque_base_nm))) { return false; }
+        if (!((x > -self->choice.torque_base_nm) && (x < self->choice.torque_base_nm))) { return false; }
     }
     for (uint32_t m = 0; m < t->modes; ++m) {
         const float q = self->twist_rad[m], v = self->swing_rad[m];
@@ -377,11 +377,13 @@ void sd_kalman_restart(sd_kalman_t *self) {
     const float intake_bar = self->intake_bar, shape = self->shape;
     const uint8_t held = self->intake_held, set = self->set;
     const sd_kalman_tuning_t tuning = self->tuning;
+    const sd_kalman_choice_t choice = self->choice;
     float zero[SD_KALMAN_FIRINGS_MAX];
     memcpy(zero, self->zero_nm_per_bar, sizeof zero);
     memset(self, 0, sizeof *self);
     memcpy(self->zero_nm_per_bar, zero, sizeof zero);
     self->tuning = tuning;
+    self->choice = choice;
     self->noise_ratio = 1.0f;
     self->shape = shape;
     self->rejected = rejected;
@@ -390,22 +392,24 @@ void sd_kalman_restart(sd_kalman_t *self) {
     self->set = set;
 }
 
-sd_status_t sd_kalman_status(const sd_kalman_t *self, const sd_kalman_tables_t *t) {
+sd_status_t sd_kalman_status(const sd_kalman_t *self) {
     sd_status_t status = { .rejected = self->rejected, .innovation = self->innovation_rad, .test_ratio = self->test_ratio };
     if (self->running == 0u) {
         status.health = SD_INVALID;
         status.why = SD_WHY_CONVERGING;
         return status;
     }
-    if (self->teeth < t->settle_teeth) { status.why |= SD_WHY_CONVERGING; }
+    if (self->teeth < self->choice.settle_teeth) { status.why |= SD_WHY_CONVERGING; }
     if ((self->rejected_in_row > 0u) || (self->intake_held != 0u)) { status.why |= SD_WHY_REJECTED; }
     if (status.why != 0u) { status.health = SD_DEGRADED; }
     return status;
 }
 
-sd_result_t sd_kalman_init(sd_kalman_t *self, const sd_kalman_tables_t *tables) {
-    if (!sd_kalman_tables_ok(tables)) { return SD_ERR_CONFIG; }
+sd_result_t sd_kalman_init(sd_kalman_t *self, const sd_kalman_tables_t *tables, const sd_kalman_choice_t *choice) {
+    if (!sd_kalman_tables_ok(tables) || !sd_kalman_choice_ok(choice)) { return SD_ERR_CONFIG; }
+    const sd_kalman_choice_t chosen = *choice; /* it may stand in *self */
     memset(self, 0, sizeof *self);
+    self->choice = chosen;
     self->tuning = (sd_kalman_tuning_t){ 1.0f, 1.0f, 1.0f };
     sd_kalman_set_intake(self, 1.0f);
     sd_kalman_restart(self);

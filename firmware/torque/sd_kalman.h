@@ -33,13 +33,14 @@
 /// read only and may be shared. Call order: init; step for every placed tooth; restart after lost sync or a stall.
 #ifndef SD_KALMAN_H
 #define SD_KALMAN_H
+#include "sd_limits.h"
 #include "sd_num.h"
 #include "sd_status.h"
 
 #define SD_KALMAN_COEFFICIENTS_MAX 25
 #define SD_KALMAN_POSITIONS_MAX    120
 #define SD_KALMAN_SPEEDS_MAX       12
-#define SD_KALMAN_FIRINGS_MAX      8
+#define SD_KALMAN_FIRINGS_MAX      SD_CYLINDERS_MAX
 #define SD_KALMAN_SETS_MAX         2    ///< Of gains.
 #define SD_KALMAN_GAINS_MAX        (SD_KALMAN_SETS_MAX * SD_KALMAN_SPEEDS_MAX)
 #define SD_KALMAN_MODES_MAX        2
@@ -73,11 +74,7 @@ typedef struct sd_kalman_tables {
     uint16_t read_position[SD_KALMAN_FIRINGS_MAX];  ///< Cycle position at which firing i is read, [0, 2 N).
     uint16_t close_position[SD_KALMAN_FIRINGS_MAX]; ///< Cycle position at which cylinder i's intake valve closes, [0, 2 N).
     float    tick_hz;        ///< Capture ticks a second, [1e5, 2e8].
-    float    torque_base_nm; ///< Highest |coefficient|, (0, 20000]; beyond it the filter starts anew.
     float    shape_min_nm;   ///< Mean torque of all cylinders below which the shape is not learned, [0, 20000].
-    float    reject_rad;     ///< Lateness beyond which a tooth is left out, besides what a torque explains, > 0; once settled
-                             ///< 8 times the innovation as met.
-    uint16_t settle_teeth;   ///< Until the estimate counts as converged.
     float    inertia_mean_kgm2;                             ///< (0, 10].
     float    inertia_tooth_kgm2[SD_KALMAN_POSITIONS_MAX];   ///< At position k, (0, 10].
     float    inertia_interval_kgm2[SD_KALMAN_POSITIONS_MAX];///< J_interval: what takes as long as J(alpha) does, (0, 10].
@@ -101,6 +98,14 @@ typedef struct sd_kalman_tables {
 #define SD_KALMAN_SHAPE_MIN (-1.0f)
 #define SD_KALMAN_SHAPE_MAX 3.0f
 #define SD_KALMAN_MEAN 10 ///< Cycles that a cylinder's mean torque is taken over.
+
+/// What may change while the filter runs, and needs no restart then. It stands in the state, because tables are constant.
+typedef struct sd_kalman_choice {
+    float    torque_base_nm; ///< Highest |coefficient|, [1e-3, 20000]; beyond it the filter starts anew.
+    float    reject_rad;     ///< Lateness beyond which a tooth is left out, besides what a torque explains, [1e-6, 1]; once
+                             ///< settled it is 8 times the innovation as met.
+    uint16_t settle_teeth;   ///< Teeth until the estimate counts as converged.
+} sd_kalman_choice_t;
 
 /// A placed tooth.
 typedef struct sd_kalman_tooth {
@@ -147,6 +152,7 @@ typedef struct sd_kalman {
     float    shape;       ///< [SD_KALMAN_SHAPE_MIN, SD_KALMAN_SHAPE_MAX], kept by restart.
     float    zero_nm_per_bar[SD_KALMAN_FIRINGS_MAX]; ///< What a cylinder reads without combustion, of its charge; 0: not learned; kept by restart.
     sd_kalman_tuning_t tuning; ///< Kept by restart.
+    sd_kalman_choice_t choice; ///< Kept by restart; may be changed between two steps to another that sd_kalman_choice_ok takes.
     float    ring_nm[SD_KALMAN_FIRINGS_MAX][SD_KALMAN_MEAN];
     uint8_t  kept[SD_KALMAN_FIRINGS_MAX]; ///< Filled places of each ring.
     uint8_t  next[SD_KALMAN_FIRINGS_MAX]; ///< Where the next firing goes.
@@ -157,16 +163,8 @@ typedef struct sd_kalman {
     uint8_t  set;         ///< Of gains, below tables.sets; 0 after init, the caller's to change between two steps.
 } sd_kalman_t;
 
-/// What the tables hold beside tables. None of it needs a restart.
-typedef struct sd_kalman_choice {
-    float   torque_base_nm; ///< As in sd_kalman_tables_t.
-    float   reject_deg;
-    float   settle_cycles; ///< [0, 200].
-    uint8_t teeth;         ///< That are there, a revolution.
-} sd_kalman_choice_t;
-
-/// Writes them into *tables. What is out of range there, init refuses.
-void sd_kalman_choose(sd_kalman_tables_t *tables, const sd_kalman_choice_t *choice);
+/// Whether every field is in its range; false for NaN.
+bool sd_kalman_choice_ok(const sd_kalman_choice_t *choice);
 
 /// Whether every field is in its range, so that init takes them.
 bool sd_kalman_tables_ok(const sd_kalman_tables_t *tables);
@@ -174,8 +172,8 @@ bool sd_kalman_tables_ok(const sd_kalman_tables_t *tables);
 /// Floats of `pool` that such tables use.
 uint32_t sd_kalman_pool_used(const sd_kalman_tables_t *tables);
 
-/// SD_OK, or SD_ERR_CONFIG with the state untouched: a field of *tables is outside its range. Starts not running.
-sd_result_t sd_kalman_init(sd_kalman_t *self, const sd_kalman_tables_t *tables);
+/// SD_OK, or SD_ERR_CONFIG with the state untouched: a field of *tables or *choice is outside its range. Starts not running.
+sd_result_t sd_kalman_init(sd_kalman_t *self, const sd_kalman_tables_t *tables, const sd_kalman_choice_t *choice);
 
 /// The next step begins anew from its own speed, with zero torque.
 void sd_kalman_restart(sd_kalman_t *self);
@@ -197,6 +195,6 @@ bool sd_kalman_has_tooth(const sd_kalman_tables_t *tables, uint32_t position);
 void sd_kalman_set_intake(sd_kalman_t *self, float intake_bar);
 
 /// innovation in rad; health invalid while not running, degraded until settled.
-sd_status_t sd_kalman_status(const sd_kalman_t *self, const sd_kalman_tables_t *tables);
+sd_status_t sd_kalman_status(const sd_kalman_t *self);
 
 #endif

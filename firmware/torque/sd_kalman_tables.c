@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The tables of the filter on tooth times: what init takes, and what may be chosen beside them. */
+/* What the filter on tooth times takes for tables and for choices. */
 #include "sd_kalman.h"
-
-#define RAD_PER_DEG 0.017453293f
 
 static bool all_within(const float *values, uint32_t count, float from, float to) {
     for (uint32_t i = 0; i < count; ++i) {
@@ -37,8 +35,8 @@ static bool mode_ok(const sd_kalman_mode_t *mode) {
 bool sd_kalman_tables_ok(const sd_kalman_tables_t *t) {
     if (!sizes_ok(t)) { return false; }
     const uint32_t n = t->positions, gains = (uint32_t)t->sets * t->speeds;
-    bool ok = all_within(&t->tick_hz, 1u, 1e5f, 2e8f) && all_within(&t->torque_base_nm, 1u, 1e-3f, 2e4f) &&
-              all_within(&t->shape_min_nm, 1u, 0.0f, 2e4f) && all_within(&t->reject_rad, 1u, 1e-6f, 1.0f) && all_within(&t->inertia_mean_kgm2, 1u, 1e-6f, 10.0f) &&
+    bool ok = all_within(&t->tick_hz, 1u, 1e5f, 2e8f) &&
+              all_within(&t->shape_min_nm, 1u, 0.0f, 2e4f) && all_within(&t->inertia_mean_kgm2, 1u, 1e-6f, 10.0f) &&
               all_within(t->inertia_tooth_kgm2, n, 1e-6f, 10.0f) && all_within(t->inertia_interval_kgm2, n, 1e-6f, 10.0f) &&
               all_within(t->speed_radps, t->speeds, 1.0f, 2000.0f) && all_within(t->noise_rad, gains, 1e-7f, 1.0f) &&
               all_within(t->innovation, gains, 1.0f, 1e3f) && all_within(t->single_sd, gains, 0.0f, 1e6f) &&
@@ -51,8 +49,6 @@ bool sd_kalman_tables_ok(const sd_kalman_tables_t *t) {
     return ok && all_within(t->pool, sd_kalman_pool_used(t), -1e6f, 1e6f);
 }
 
-void sd_kalman_choose(sd_kalman_tables_t *tables, const sd_kalman_choice_t *choice) {
-    tables->torque_base_nm = choice->torque_base_nm;
-    tables->reject_rad = choice->reject_deg * RAD_PER_DEG;
-    tables->settle_teeth = (uint16_t)(choice->settle_cycles * 2.0f * (float)choice->teeth + 0.5f);
+bool sd_kalman_choice_ok(const sd_kalman_choice_t *choice) {
+    return all_within(&choice->torque_base_nm, 1u, 1e-3f, 2e4f) && all_within(&choice->reject_rad, 1u, 1e-6f, 1.0f);
 }

@@ -11,7 +11,7 @@
 #define SPREAD_MIN  0.05f  /* of u, relative: below it one speed only was seen */
 #define MOTORED_SD  0.03f  /* of the motored torque, relative, while the speeds do not tell */
 
-_Static_assert(sizeof(sd_pattern_t) == 4144, "without pointers, the same size on every target");
+_Static_assert(sizeof(sd_pattern_t) == 4168, "without pointers, the same size on every target");
 
 static void remove_mean(const sd_kalman_tables_t *t, float *values) {
     float sum = 0.0f, count = 0.0f;
@@ -187,10 +187,10 @@ void sd_pattern_pause(sd_pattern_t *self) {
     self->guessed = 0;
 }
 
-void sd_pattern_init(sd_pattern_t *self, const sd_kalman_tables_t *tables) {
+void sd_pattern_init(sd_pattern_t *self, const sd_kalman_tables_t *tables, const sd_kalman_choice_t *choice) {
     memset(self, 0, sizeof *self);
-    sd_kalman_init(&self->free, tables);
-    sd_twist_init(&self->twist, tables, &self->sums.twist);
+    (void)sd_kalman_init(&self->free, tables, choice);
+    sd_twist_init(&self->twist, tables, choice, &self->sums.twist);
 }
 
 sd_result_t sd_pattern_resume(sd_pattern_t *self, const sd_kalman_tables_t *tables, const sd_pattern_sums_t *sums) {

@@ -48,8 +48,8 @@ typedef struct sd_pattern {
     uint8_t guessed;      ///< Cycles since the guess began anew, saturating.
 } sd_pattern_t;
 
-/// Forgets everything. *tables has passed sd_kalman_init.
-void sd_pattern_init(sd_pattern_t *self, const sd_kalman_tables_t *tables);
+/// Forgets everything. *tables and *choice have passed sd_kalman_init.
+void sd_pattern_init(sd_pattern_t *self, const sd_kalman_tables_t *tables, const sd_kalman_choice_t *choice);
 /// Goes on from kept sums. SD_ERR_CONFIG, and nothing changed, when they are not finite or not of such a wheel.
 sd_result_t sd_pattern_resume(sd_pattern_t *self, const sd_kalman_tables_t *tables, const sd_pattern_sums_t *sums);
 /// A tooth without fuel in any cylinder; late_rad and pattern_rad are not used. Returns true when the pattern changed.

@@ -93,9 +93,9 @@ bool sd_twist_known(const sd_twist_t *self, const sd_kalman_tables_t *t) {
     return (t->modes == 0u) || ((self->unknown_rad > 0.0f) && (self->unknown_rad < KNOWN_RAD));
 }
 
-void sd_twist_init(sd_twist_t *self, const sd_kalman_tables_t *t, sd_twist_sums_t *sums) {
+void sd_twist_init(sd_twist_t *self, const sd_kalman_tables_t *t, const sd_kalman_choice_t *choice, sd_twist_sums_t *sums) {
     memset(self, 0, sizeof *self);
-    sd_kalman_init(&self->trial, t);
+    (void)sd_kalman_init(&self->trial, t, choice);
     sums->deviation = sums->bias = 0.0f;
     sums->variance = (t->modes > 0u) ? PRIOR_SD * PRIOR_SD : 0.0f;
 }

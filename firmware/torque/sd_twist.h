@@ -30,8 +30,8 @@ typedef struct sd_twist {
     float unknown_rad; ///< Rms that the deviation's variance gives the differences of the last cycle; 0: none yet.
 } sd_twist_t;
 
-/// Forgets everything. *tables has passed sd_kalman_init.
-void sd_twist_init(sd_twist_t *self, const sd_kalman_tables_t *tables, sd_twist_sums_t *sums);
+/// Forgets everything. *tables and *choice have passed sd_kalman_init.
+void sd_twist_init(sd_twist_t *self, const sd_kalman_tables_t *tables, const sd_kalman_choice_t *choice, sd_twist_sums_t *sums);
 /// Whether they are in range, and of such a crank; false for NaN.
 bool sd_twist_sums_ok(const sd_twist_sums_t *sums, const sd_kalman_tables_t *tables);
 /// Standard deviation of the deviation, both together; 0 without modes.

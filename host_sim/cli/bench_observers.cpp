@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "bench_observers/observer_bench.hpp"
+#include "studies/observers/observer_bench.hpp"
 #include "cli/commands.hpp"
 #include "common/files.hpp"
 

@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "calibration/calibration.hpp"
+#include "design/calibration.hpp"
 #include "cli/commands.hpp"
 #include "common/files.hpp"
 #include "cli/tune_options.hpp"

@@ -5,14 +5,14 @@
 #include <CLI/Formatter.hpp>
 #include <optional>
 
-#include "bus/ecu_process.hpp"
-#include "calibration/calibration.hpp"
+#include "loop/ecu_process.hpp"
+#include "design/calibration.hpp"
 #include "cli/commands.hpp"
 #include "cli/tune_options.hpp"
 #include "common/error.hpp"
 #include "common/files.hpp"
 #include "common/stop.hpp"
-#include "log/event_log.hpp"
+#include "io/log/event_log.hpp"
 
 namespace sixdeg {
 namespace {

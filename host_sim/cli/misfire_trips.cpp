@@ -9,11 +9,11 @@
 
 #include "cli/commands.hpp"
 #include "cli/tune_options.hpp"
-#include "calibration/calibration.hpp"
+#include "design/calibration.hpp"
 #include "common/error.hpp"
 #include "common/files.hpp"
-#include "run/misfire_score.hpp"
-#include "run/misfire_trips.hpp"
+#include "score/misfire_score.hpp"
+#include "studies/trips/misfire_trips.hpp"
 
 namespace sixdeg {
 namespace {

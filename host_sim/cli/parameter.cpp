@@ -7,7 +7,7 @@
 #include <cstring>
 #include <fmt/format.h>
 
-#include "bus/bus.hpp"
+#include "io/bus/bus.hpp"
 #include "cli/commands.hpp"
 #include "common/error.hpp"
 

@@ -9,13 +9,13 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
-#include "calibration/calibration.hpp"
+#include "design/calibration.hpp"
 #include "cli/commands.hpp"
 #include "cli/tune_options.hpp"
 #include "common/error.hpp"
 #include "common/files.hpp"
-#include "log/event_log.hpp"
-#include "recording/guess.hpp"
+#include "io/log/event_log.hpp"
+#include "io/recording/guess.hpp"
 
 namespace sixdeg {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "replay/replay.hpp"
+#include "loop/replay.hpp"
 
 namespace sixdeg {
 

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: MIT
 // sixdeg replay of an event log: what went into the ecu once goes into a fresh one.
-#include "replay/replay_log.hpp"
+#include "loop/replay_log.hpp"
 
 #include <fmt/format.h>
 
-#include "calibration/calibration.hpp"
+#include "design/calibration.hpp"
 #include "cli/replay_command.hpp"
 #include "cli/tune_options.hpp"
 #include "common/error.hpp"
 #include "common/files.hpp"
-#include "run/truth_folder.hpp"
+#include "loop/truth_folder.hpp"
 
 namespace sixdeg {
 namespace {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // sixdeg run, sixdeg plant: a scenario's engine and the firmware, in one process or over a bus; summary.json, teeth.csv,
 // cycles.csv.
-#include "bus/bus_run.hpp"
-#include "run/firing_report.hpp"
-#include "run/misfire_report.hpp"
+#include "loop/bus_run.hpp"
+#include "cli/firing_report.hpp"
+#include "cli/misfire_report.hpp"
 
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
@@ -13,14 +13,14 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "calibration/calibration.hpp"
+#include "design/calibration.hpp"
 #include "cli/commands.hpp"
 #include "cli/run_figures.hpp"
 #include "cli/tune_options.hpp"
 #include "common/error.hpp"
 #include "common/files.hpp"
 #include "common/stop.hpp"
-#include "log/event_log.hpp"
+#include "io/log/event_log.hpp"
 
 namespace sixdeg {
 namespace {

@@ -4,8 +4,8 @@
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 
-#include "calibration/perturbation.hpp"
-#include "run/bench_run.hpp"
+#include "design/perturbation.hpp"
+#include "loop/bench_run.hpp"
 
 namespace sixdeg {
 

@@ -9,7 +9,7 @@
 #include "cli/commands.hpp"
 #include "common/error.hpp"
 #include "common/files.hpp"
-#include "observability/report.hpp"
+#include "studies/sensor_sets/report.hpp"
 
 namespace sixdeg {
 namespace {
@@ -96,7 +96,7 @@ void add_sensors(CLI::App &app) {
     auto *command =
         app.add_subcommand("sensors", "rank sensor sets by how soon they reveal the wanted states");
     command
-        ->add_option("MODEL", options->model, "model structure, for example host_sim/models/turbo_si_13.toml")
+        ->add_option("MODEL", options->model, "model structure, for example host_sim/data/models/turbo_si_13.toml")
         ->required();
     command
         ->add_option("--target", options->targets,

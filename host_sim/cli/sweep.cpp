@@ -14,10 +14,10 @@
 #include "common/error.hpp"
 #include "common/files.hpp"
 #include "common/stop.hpp"
-#include "scenario/scenario.hpp"
-#include "sweep/grid.hpp"
-#include "sweep/processes.hpp"
-#include "sweep/sweep_table.hpp"
+#include "plant/scenario/scenario.hpp"
+#include "studies/sweep/grid.hpp"
+#include "studies/sweep/processes.hpp"
+#include "studies/sweep/sweep_table.hpp"
 
 namespace sixdeg {
 namespace {

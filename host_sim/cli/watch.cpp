@@ -7,9 +7,9 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include "bus/bus.hpp"
-#include "bus/collector.hpp"
-#include "bus/live_view.hpp"
+#include "io/bus/bus.hpp"
+#include "io/bus/collector.hpp"
+#include "io/bus/live_view.hpp"
 #include "cli/commands.hpp"
 #include "common/error.hpp"
 #include "common/files.hpp"

@@ -32,7 +32,7 @@ struct HeatPulse {
 };
 
 /// How far the file may be off: the largest error of a value, any within being as likely. What `sixdeg calibrate` makes of it:
-/// calibration/model_error.hpp.
+/// design/torque/model_error.hpp.
 struct Tolerance {
     double inertia_percent = 0, compression_percent = 0, trapped_mass_percent = 0; ///< The last two of each cylinder by itself.
     double wheel_offset_deg = 0;

@@ -10,7 +10,7 @@
 #include "common/error.hpp"
 #include "common/files.hpp"
 #include "golden_run.hpp"
-#include "replay/ecu_bench.hpp"
+#include "loop/ecu_bench.hpp"
 
 namespace sixdeg {
 namespace {

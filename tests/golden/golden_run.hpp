@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "calibration/calibration.hpp"
+#include "design/calibration.hpp"
 extern "C" {
 #include "hal.h"
 }

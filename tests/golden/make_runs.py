@@ -20,7 +20,7 @@ from event_log import EventLog  # noqa: E402  the path comes first
 
 HERE = pathlib.Path(__file__).resolve().parent
 SIXDEG = ROOT / "build" / "host" / "sixdeg"
-SCENARIOS = ROOT / "host_sim" / "scenarios"
+SCENARIOS = ROOT / "host_sim" / "data" / "scenarios"
 ENGINES = "../engines/"  # as scenarios name them
 LETTER = {1: "c", 2: "k", 3: "t", 8: "g"}  # crank edge, cam edge, clock, gap
 SAMPLE = 4

@@ -3,7 +3,7 @@
 #pragma once
 #include <cmath>
 
-#include "run/afr_blocks.hpp"
+#include "studies/afr/afr_blocks.hpp"
 
 namespace sixdeg {
 

@@ -9,7 +9,7 @@
 #include <functional>
 #include <random>
 
-#include "calibration/kalman_tables.hpp"
+#include "design/torque/kalman_tables.hpp"
 #include "support/torque_signal.hpp"
 
 namespace sixdeg::test {
@@ -27,6 +27,9 @@ inline EngineFile engine_file() {
     engine.tick_hz = 1e8; // as good as ideal; tests of noise bring their own
     return engine;
 }
+
+/// As a page's parameters have it by default.
+inline const sd_kalman_choice_t kChoice{1500, float(1.5 * M_PI / 180), 3 * 2 * 58};
 
 /// Torque of one firing of a signal whose others do not burn, and how much of it is the mean over its half turn.
 inline double pulse_of(std::size_t lane, double alpha) {
@@ -88,7 +91,7 @@ struct Firing {
 /// Filter and edges together.
 struct Bench {
     Bench(const sd_kalman_tables_t &with, Edges from) : tables(with), edges(std::move(from)) {
-        EXPECT_EQ(sd_kalman_init(&filter, &tables), SD_OK);
+        EXPECT_EQ(sd_kalman_init(&filter, &tables, &kChoice), SD_OK);
         tooth.trusted = 1, tooth.intake_bar = 1;
     }
     /// Teeth up to the end of a number of cycles from the start.

@@ -7,7 +7,7 @@
 #include <cstdio>
 
 #include "common/error.hpp"
-#include "run/afr_blocks.hpp"
+#include "studies/afr/afr_blocks.hpp"
 
 using namespace sixdeg;
 

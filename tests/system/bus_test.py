@@ -26,7 +26,7 @@ from event_log import SIGNAL, EventLog
 
 SIXDEG = os.environ["SIXDEG"]
 LONG = bool(os.environ.get("SD_FULL"))
-ENGINE = ROOT / "host_sim" / "engines" / "diesel_22.toml"
+ENGINE = ROOT / "host_sim" / "data" / "engines" / "diesel_22.toml"
 FUEL = "fuel_percent = [10, 0, 0, -20]"
 MIXTURE = "[control]\nbalance_on_s = [0, 1000]\n[uego]\nnoise_per_rthz = 1.83e-4\n"
 SETTLED_CYCLES = 10

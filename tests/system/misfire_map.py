@@ -20,7 +20,7 @@ import sys
 import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-ENGINES = ROOT / "host_sim" / "engines"
+ENGINES = ROOT / "host_sim" / "data" / "engines"
 FULL = os.environ.get("SD_FULL") == "1"
 EDGE_CELLS = [(rpm, bar) for rpm in (900, 1500, 3000, 4500, 6000) for bar in (1, 3, 10)]
 Z_FALSE, Z_MISSED = 3.54, 2.58  # 2 in 10,000, 5 in 1000

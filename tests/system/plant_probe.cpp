@@ -7,7 +7,7 @@
 #include <cstring>
 
 #include "common/error.hpp"
-#include "engine/engine_model.hpp"
+#include "plant/engine/engine_model.hpp"
 
 using namespace sixdeg;
 

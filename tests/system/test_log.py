@@ -13,7 +13,7 @@ from sixdeg_test import Folder, table
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 SIXDEG = os.environ["SIXDEG"]
-DIESEL = ROOT / "host_sim" / "engines" / "diesel_22.toml"
+DIESEL = ROOT / "host_sim" / "data" / "engines" / "diesel_22.toml"
 
 
 class LogFolder(Folder):

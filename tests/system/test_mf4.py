@@ -27,7 +27,7 @@ class Mf4(Folder):
     def setUp(self):
         super().setUp()
         scenario = self.folder / "scenario.toml"
-        scenario.write_text(f'engine = "{ROOT}/host_sim/engines/diesel_22.toml"\n[run]\ncycles = 20\n[speed]\nrpm = 1000\n'
+        scenario.write_text(f'engine = "{ROOT}/host_sim/data/engines/diesel_22.toml"\n[run]\ncycles = 20\n[speed]\nrpm = 1000\n'
                             "[load]\nbmep_bar = 5\n[encoder]\nextra_rate = 0.002\n")
         self.log = self.folder / "a.sdlog"
         self.run_scenario(scenario)

@@ -11,7 +11,7 @@ import unittest
 from sixdeg_test import Folder, table
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-DIESEL = ROOT / "host_sim" / "engines" / "diesel_22.toml"
+DIESEL = ROOT / "host_sim" / "data" / "engines" / "diesel_22.toml"
 HEALTHY, PARTIAL, MISFIRE, NOT_JUDGED = "0", "1", "2", "3"
 
 

@@ -12,7 +12,7 @@ from sixdeg_test import Folder, table
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 SIXDEG = os.environ["SIXDEG"]
-ENGINES = ROOT / "host_sim" / "engines"
+ENGINES = ROOT / "host_sim" / "data" / "engines"
 RECORDINGS = ROOT.parent / "shared" / "data"
 
 

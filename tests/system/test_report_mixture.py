@@ -83,8 +83,8 @@ class MixtureReport(ReportFolder):
 
     def test_what_sixdeg_writes_is_drawn(self):
         scenario = self.folder / "scenario.toml"
-        text = (ROOT / "host_sim/scenarios/figure16_1500rpm_9bar.toml").read_text()
-        scenario.write_text(text.replace("../engines", str(ROOT / "host_sim/engines")).replace("duration_s = 45", "duration_s = 7")
+        text = (ROOT / "host_sim/data/scenarios/figure16_1500rpm_9bar.toml").read_text()
+        scenario.write_text(text.replace("../engines", str(ROOT / "host_sim/data/engines")).replace("duration_s = 45", "duration_s = 7")
                             .replace("at_s = 19", "at_s = 2").replace("[0, 7.5, 36, 1000]", "[0, 1, 3, 1000]"))
         subprocess.run([os.environ["SIXDEG"], "run", scenario, "--nominal", "--out", self.runs[0]], check=True, capture_output=True)
         balance = json.loads((self.runs[0] / "summary.json").read_text())["balance"]

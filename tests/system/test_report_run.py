@@ -138,8 +138,8 @@ class RunReport(ReportFolder):
 
     def test_figures_are_those_of_sixdeg(self):
         scenario = self.folder / "scenario.toml"
-        text = (ROOT / "host_sim/scenarios/balance_1000rpm_5bar.toml").read_text()
-        scenario.write_text(text.replace("../engines", str(ROOT / "host_sim/engines")).replace("cycles = 100", "cycles = 45"))
+        text = (ROOT / "host_sim/data/scenarios/balance_1000rpm_5bar.toml").read_text()
+        scenario.write_text(text.replace("../engines", str(ROOT / "host_sim/data/engines")).replace("cycles = 100", "cycles = 45"))
         subprocess.run([os.environ["SIXDEG"], "run", scenario, "--out", self.run_folder], check=True, capture_output=True)
         torque = json.loads((self.run_folder / "summary.json").read_text())["torque"]
         page = self.drawn("--figure-6", self.run_folder, "--figure-5", self.run_folder)

@@ -15,7 +15,7 @@ from sixdeg_test import Folder, table
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 SIXDEG = os.environ["SIXDEG"]
-DIESEL = ROOT / "host_sim" / "engines" / "diesel_22.toml"
+DIESEL = ROOT / "host_sim" / "data" / "engines" / "diesel_22.toml"
 TDC_DEG = {1: 0, 3: 180, 4: 360, 2: 540}  # firing, of that engine
 POSITION_0_DEG = 270
 FUEL = "fuel_percent = [10, 0, 0, -20]"
@@ -81,7 +81,7 @@ class Torque(RunFolder):
         """Uneven and even firing, three to eight cylinders on a rigid crank: a weak one must stand out by what it is."""
         for engine, load in (("triple_10", 6), ("vee6_uneven", 6), ("eight_diesel", 8), ("vw_aba", 6)):
             with self.subTest(engine=engine):
-                text = (ROOT / "host_sim" / "engines" / f"{engine}.toml").read_text()
+                text = (ROOT / "host_sim" / "data" / "engines" / f"{engine}.toml").read_text()
                 order = tomllib.loads(text)["cylinders"]["firing_order"]
                 path = self.folder / "rigid.toml"
                 path.write_text(re.sub(r"\[(dual_mass|(plant\.)?torsion)\][^\[]*", "", text))
@@ -110,7 +110,7 @@ class Firing(RunFolder):
     def test_single_firings_after_learning_in_fuel_cut(self):
         """The goals of imbalance, of one firing and of the waveform, on one learned wheel."""
         learned = self.folder / "learned.bin"
-        cut = ROOT / "host_sim" / "scenarios" / "learn_pattern.toml"
+        cut = ROOT / "host_sim" / "data" / "scenarios" / "learn_pattern.toml"
         self.summary(cut, "--nominal", "--learn", learned)
         for rpm, imbalance, single in ((1000, 0.25, 0.4), (3000, 0.6, 2.5)):
             with self.subTest(rpm=rpm):
@@ -125,7 +125,7 @@ class Firing(RunFolder):
 
     def test_a_wrong_calibration_after_learning_in_fuel_cut(self):
         """Cylinders' zeros, learned by each calibration for itself, are most of what it has wrong."""
-        lesson = ROOT / "host_sim" / "scenarios" / "learn_pattern.toml"
+        lesson = ROOT / "host_sim" / "data" / "scenarios" / "learn_pattern.toml"
         for seed in (1, 4):
             scenario = self.scenario("cycles = 60", "rpm = 1000", cylinders=FUEL, more=self.ENCODER)
             f = self.summary(scenario, "--learned", lesson, "--seed", seed)["firing"]
@@ -140,7 +140,7 @@ class Firing(RunFolder):
         for engine, weak, stiffness, limit in (("triple_10", "-25, 0, 0", 0, 0.5), ("triple_10", "-25, 0, 0", 10, 0.5),
                                                ("eight_diesel", "-25, 0, 0, 0, 0, 0, 0, 0", 0, 3)):
             with self.subTest(engine=engine, stiffness=stiffness):
-                path = ROOT / "host_sim" / "engines" / f"{engine}.toml"
+                path = ROOT / "host_sim" / "data" / "engines" / f"{engine}.toml"
                 scenario = self.scenario("cycles = 80", "rpm = 3000", cylinders=f"fuel_percent = [{weak}]", engine=path,
                                          more=f"[encoder]\njitter_deg = 0.01\n[elastic]\nstiffness_percent = {stiffness}\n")
                 f = self.summary(scenario, "--nominal", "--set", "firing.pattern=0")["firing"]
@@ -148,10 +148,10 @@ class Firing(RunFolder):
                 self.assertLess(f["waveform_rms_percent"], 5)
 
     def test_half_more_fuel_from_one_cycle_to_the_next(self):
-        step = ROOT / "host_sim" / "scenarios" / "fuel_step_5bar.toml"
+        step = ROOT / "host_sim" / "data" / "scenarios" / "fuel_step_5bar.toml"
         for rpm in (1000, 3000):
             f = self.summary(step, "--nominal", "--set", f"speed.rpm={rpm}", "--learned",
-                             ROOT / "host_sim" / "scenarios" / "learn_pattern.toml")["firing"]
+                             ROOT / "host_sim" / "data" / "scenarios" / "learn_pattern.toml")["firing"]
             self.assertLess(f["single_max_percent"], 2.5)
             self.assertLess(f["imbalance_max_percent"], 1.5)
 

@@ -15,7 +15,7 @@ from sixdeg_test import Folder
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 SIXDEG = os.environ["SIXDEG"]
-DIESEL = ROOT / "host_sim" / "engines" / "diesel_22.toml"
+DIESEL = ROOT / "host_sim" / "data" / "engines" / "diesel_22.toml"
 GRID = ("--over", "speed.rpm=1000,1500", "--over", "load.bmep_bar=3,5,8")
 
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "common/error.hpp"
-#include "scenario/plant.hpp"
+#include "plant/scenario/plant.hpp"
 
 namespace plant_test {
 

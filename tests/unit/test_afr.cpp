@@ -4,7 +4,7 @@
 #include <functional>
 #include <gtest/gtest.h>
 
-#include "calibration/calibration.hpp"
+#include "design/calibration.hpp"
 #include "common/random.hpp"
 #include "support/afr_step.hpp"
 

@@ -5,8 +5,8 @@
 #include <functional>
 #include <gtest/gtest.h>
 
-#include "calibration/calibration.hpp"
-#include "calibration/chain_map.hpp"
+#include "design/calibration.hpp"
+#include "design/afr/chain_map.hpp"
 #include "common/error.hpp"
 #include "common/random.hpp"
 #include "support/afr_step.hpp"

@@ -11,8 +11,8 @@
 #include <numeric>
 #include <random>
 
-#include "calibration/calibration.hpp"
-#include "run/loop_case.hpp"
+#include "design/calibration.hpp"
+#include "studies/loop/loop_case.hpp"
 
 using namespace sixdeg;
 

@@ -9,8 +9,8 @@
 #include <memory>
 #include <random>
 
-#include "calibration/calibration.hpp"
-#include "replay/ecu_feed.hpp"
+#include "design/calibration.hpp"
+#include "io/events/ecu_feed.hpp"
 extern "C" {
 #include "sd_can_codec.h"
 #include "sd_ecu.h"

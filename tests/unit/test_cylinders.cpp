@@ -4,13 +4,13 @@
 #include <cmath>
 #include <gtest/gtest.h>
 
-#include "calibration/calibration.hpp"
-#include "calibration/cylinder_map.hpp"
-#include "calibration/known_torque.hpp"
-#include "calibration/observer_map.hpp"
-#include "calibration/perturbation.hpp"
-#include "calibration/pulse.hpp"
-#include "scenario/plant.hpp"
+#include "design/calibration.hpp"
+#include "design/torque/cylinder_map.hpp"
+#include "design/torque/known_torque.hpp"
+#include "design/torque/observer_map.hpp"
+#include "design/perturbation.hpp"
+#include "design/torque/pulse.hpp"
+#include "plant/scenario/plant.hpp"
 
 using namespace sixdeg;
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The event log: what is written comes back, what was touched does not; and the clock that unwraps its ticks.
-#include "log/event_log.hpp"
+#include "io/log/event_log.hpp"
 
 #include <cmath>
 #include <cstring>
@@ -8,10 +8,10 @@
 #include <gtest/gtest.h>
 #include <random>
 
-#include "calibration/calibration.hpp"
+#include "design/calibration.hpp"
 #include "common/error.hpp"
 #include "common/files.hpp"
-#include "replay/replay_log.hpp"
+#include "loop/replay_log.hpp"
 
 using namespace sixdeg;
 namespace fs = std::filesystem;

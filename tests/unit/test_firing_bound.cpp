@@ -2,7 +2,7 @@
 // The Cramer-Rao bound against a least-squares problem written out, and against the filter it bounds.
 #include <Eigen/Cholesky>
 
-#include "limits/firing_bound.hpp"
+#include "studies/limits/firing_bound.hpp"
 #include "support/kalman_bench.hpp"
 
 namespace sixdeg {

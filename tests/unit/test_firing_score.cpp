@@ -3,7 +3,7 @@
 #include <cmath>
 #include <gtest/gtest.h>
 
-#include "run/firing_score.hpp"
+#include "score/firing_score.hpp"
 
 namespace sixdeg {
 namespace {

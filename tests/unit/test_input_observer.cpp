@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 #include <limits>
 
-#include "bench_observers/observer_bench.hpp"
-#include "calibration/switched_design.hpp"
+#include "studies/observers/observer_bench.hpp"
+#include "design/misfire/switched_design.hpp"
 #include "common/random.hpp"
 extern "C" {
 #include "sd_input_observer.h"

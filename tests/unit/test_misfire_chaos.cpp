@@ -8,9 +8,9 @@
 #include <memory>
 #include <vector>
 
-#include "calibration/calibration.hpp"
+#include "design/calibration.hpp"
 #include "common/random.hpp"
-#include "scenario/plant.hpp"
+#include "plant/scenario/plant.hpp"
 extern "C" {
 #include "sd_ecu.h"
 #include "sd_inproc.h"

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <gtest/gtest.h>
 
-#include "run/misfire_score.hpp"
+#include "score/misfire_score.hpp"
 extern "C" {
 #include "sd_misfire.h"
 }

@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "run/misfire_score.hpp"
-#include "run/misfire_trips.hpp"
+#include "score/misfire_score.hpp"
+#include "studies/trips/misfire_trips.hpp"
 
 using namespace sixdeg;
 

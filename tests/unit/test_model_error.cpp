@@ -2,8 +2,8 @@
 // Pulses whose shape the calibration has wrong: what the filter reads then, what it learns of it, and what it states.
 #include <array>
 
-#include "calibration/known_torque.hpp"
-#include "calibration/model_error.hpp"
+#include "design/torque/known_torque.hpp"
+#include "design/torque/model_error.hpp"
 #include "support/kalman_bench.hpp"
 
 namespace sixdeg {

@@ -4,9 +4,9 @@
 #include <gtest/gtest.h>
 #include <random>
 
-#include "observability/generic_index.hpp"
-#include "observability/modular.hpp"
-#include "observability/structural.hpp"
+#include "studies/sensor_sets/generic_index.hpp"
+#include "studies/sensor_sets/modular.hpp"
+#include "studies/sensor_sets/structural.hpp"
 
 using namespace sixdeg;
 

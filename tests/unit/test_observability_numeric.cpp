@@ -4,10 +4,10 @@
 #include <gtest/gtest.h>
 
 #include "common/error.hpp"
-#include "observability/kalman.hpp"
-#include "observability/numeric_study.hpp"
-#include "observability/structural.hpp"
-#include "observability/turbo_si.hpp"
+#include "studies/sensor_sets/kalman.hpp"
+#include "studies/sensor_sets/numeric_study.hpp"
+#include "studies/sensor_sets/structural.hpp"
+#include "studies/sensor_sets/turbo_si.hpp"
 
 using namespace sixdeg;
 

@@ -41,7 +41,7 @@ double rms_error_deg(const sd_pattern_t &pattern, const std::vector<double> &tru
 
 sd_pattern_t fresh() {
     sd_pattern_t pattern;
-    sd_pattern_init(&pattern, &pulse_tables().tables);
+    sd_pattern_init(&pattern, &pulse_tables().tables, &kChoice);
     return pattern;
 }
 

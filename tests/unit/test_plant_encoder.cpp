@@ -4,7 +4,7 @@
 #include <set>
 
 #include "plant_fixture.hpp"
-#include "sensors/edge_generator.hpp"
+#include "plant/sensors/edge_generator.hpp"
 
 using namespace plant_test;
 

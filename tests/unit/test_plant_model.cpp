@@ -2,8 +2,8 @@
 // The cylinders and the crank against closed forms and balances that the integrator does not use.
 #include <gtest/gtest.h>
 
-#include "engine/gas.hpp"
-#include "engine/torsion.hpp"
+#include "plant/engine/gas.hpp"
+#include "plant/engine/torsion.hpp"
 #include "plant_fixture.hpp"
 
 using namespace plant_test;

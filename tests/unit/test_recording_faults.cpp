@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "common/error.hpp"
-#include "recording/guess.hpp"
+#include "io/recording/guess.hpp"
 #include "unit/crank_trace.hpp"
 
 using namespace sixdeg;

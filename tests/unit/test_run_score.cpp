@@ -3,9 +3,9 @@
 #include <cmath>
 #include <gtest/gtest.h>
 
-#include "engine/units.hpp"
-#include "run/run_tables.hpp"
-#include "run/torque_score.hpp"
+#include "plant/engine/units.hpp"
+#include "io/tables/run_tables.hpp"
+#include "score/torque_score.hpp"
 
 using namespace sixdeg;
 

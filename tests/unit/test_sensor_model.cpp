@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "common/error.hpp"
-#include "observability/sensor_model.hpp"
+#include "studies/sensor_sets/sensor_model.hpp"
 
 using namespace sixdeg;
 

@@ -2,7 +2,7 @@
 // Which set is best, and how long it takes to know.
 #include <gtest/gtest.h>
 
-#include "observability/ranking.hpp"
+#include "studies/sensor_sets/ranking.hpp"
 
 using namespace sixdeg;
 

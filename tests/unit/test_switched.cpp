@@ -7,7 +7,7 @@
 #include <limits>
 #include <vector>
 
-#include "calibration/switched_design.hpp"
+#include "design/misfire/switched_design.hpp"
 extern "C" {
 #include "sd_switched.h"
 }

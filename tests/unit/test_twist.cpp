@@ -2,7 +2,7 @@
 // A crank that twists: its modes against closed forms, and the filter on tooth times on a wheel that swings.
 #include <complex>
 
-#include "calibration/crank_modes.hpp"
+#include "design/crank/crank_modes.hpp"
 #include "support/kalman_bench.hpp"
 extern "C" {
 #include "sd_pattern.h"
@@ -84,7 +84,7 @@ TEST(Twist, SwingsAsTheClosedForm) {
         const KalmanTables made = kalman_tables(engine, none, {});
         const sd_kalman_mode_t &mode = made.tables.mode[0];
         sd_kalman_t filter;
-        ASSERT_EQ(sd_kalman_init(&filter, &made.tables), SD_OK);
+        ASSERT_EQ(sd_kalman_init(&filter, &made.tables, &kChoice), SD_OK);
         const double w = 20; // slow: a pitch is a long time
         filter.running = 1, filter.energy_j = float(0.5 * double(made.tables.inertia_mean_kgm2) * w * w);
         filter.twist_rad[0] = 0.1f;
@@ -218,7 +218,7 @@ const sd_kalman_tables_t &twisting_tables() {
 TEST(Twist, FrequencyIsLearnedWhileMotored) {
     for (double ratio : {0.95, 0.985, 1.0, 1.05}) {
         sd_pattern_t pattern;
-        sd_pattern_init(&pattern, &twisting_tables());
+        sd_pattern_init(&pattern, &twisting_tables(), &kChoice);
         for (double rpm : {4060.0, 3160.0}) motor(pattern, twisting_tables(), ratio, rpm, 60, 0.02);
         const double error = double(pattern.sums.twist.deviation) - (ratio - 1), stated = double(sd_twist_sd(&pattern.sums.twist));
         EXPECT_LT(std::abs(error), 0.0025) << ratio;
@@ -238,7 +238,7 @@ TEST(Twist, AFasterModeIsTheSameModeAtALowerSpeed) {
     }
     // And so the firmware takes the gains, the frequencies and the twist that a torque holds.
     sd_kalman_t filter;
-    ASSERT_EQ(sd_kalman_init(&filter, &twisting_tables()), SD_OK);
+    ASSERT_EQ(sd_kalman_init(&filter, &twisting_tables(), &kChoice), SD_OK);
     const sd_twist_sums_t sums{0.04f, 1e-6f, 0};
     sd_twist_tune(&sums, &filter);
     EXPECT_FLOAT_EQ(filter.tuning.frequency, 1.04f);
@@ -250,7 +250,7 @@ TEST(Twist, AFasterModeIsTheSameModeAtALowerSpeed) {
 
 TEST(Twist, KeptFrequencyGoesOnAndAWrongOneIsRefused) {
     sd_pattern_t pattern;
-    sd_pattern_init(&pattern, &twisting_tables());
+    sd_pattern_init(&pattern, &twisting_tables(), &kChoice);
     sd_pattern_sums_t sums = pattern.sums;
     sums.twist = {0.03f, 1e-7f, 1e-4f};
     ASSERT_EQ(sd_pattern_resume(&pattern, &twisting_tables(), &sums), SD_OK);
@@ -273,11 +273,11 @@ TEST(Twist, BadTeethNeverGiveNan) {
     const KalmanTables made = kalman_tables(with_torsion(true), known_torque(), {});
     ASSERT_EQ(made.tables.modes, 2);
     sd_kalman_t filter;
-    ASSERT_EQ(sd_kalman_init(&filter, &made.tables), SD_OK);
+    ASSERT_EQ(sd_kalman_init(&filter, &made.tables, &kChoice), SD_OK);
     std::mt19937 random(7);
     sd_firing_t firing{};
     sd_pattern_t pattern;
-    sd_pattern_init(&pattern, &made.tables);
+    sd_pattern_init(&pattern, &made.tables, &kChoice);
     for (int i = 0; i < 20000; ++i) {
         sd_kalman_tooth_t tooth{};
         tooth.cycle_position = std::uint16_t(i % 300 < 200 ? i % 120 : random() % 130);
@@ -300,7 +300,7 @@ TEST(Twist, ModesOutOfRangeAreRefused) {
     const auto refused = [&](auto change) {
         sd_kalman_tables_t tables = made.tables;
         change(tables);
-        return sd_kalman_init(&filter, &tables) == SD_ERR_CONFIG;
+        return sd_kalman_init(&filter, &tables, &kChoice) == SD_ERR_CONFIG;
     };
     EXPECT_TRUE(refused([](auto &t) { t.modes = 3; }));
     EXPECT_TRUE(refused([](auto &t) { t.firings = 0; }));

@@ -8,7 +8,7 @@ Overlap: whether a set of sensors makes the whole state structurally observable.
 All must agree for every set, on the files named and on seeded random models. Prints one line a model; exit 1 on a
 difference.
 
-  build/venv/bin/python tools/sensors/cross_check.py --sixdeg build/host/sixdeg host_sim/models/*.toml
+  build/venv/bin/python tools/sensors/cross_check.py --sixdeg build/host/sixdeg host_sim/data/models/*.toml
 """
 import argparse
 import json

@@ -1,0 +1,190 @@
+/* SPDX-License-Identifier: MIT */
+#include "sd_firings.h"
+
+#include <string.h>
+
+#define RAD_PER_DEG 0.017453293f
+#define ZERO_REVOLUTIONS 40u /* without fuel before a cylinder's zero is read: burnt gas is gone, the pattern known, the filter at rest */
+
+static const sd_kalman_t *believed(const sd_firings_t *self) { return (self->on_rough != 0u) ? &self->rough : &self->smooth; }
+
+static void worst_of(sd_status_t *status, uint8_t health, uint32_t why) {
+    if (health > status->health) { status->health = health; }
+    status->why = (uint8_t)(status->why | why);
+}
+
+/* ---- configuration --------------------------------------------------------------------------------------------- */
+
+static bool config_ok(const sd_firings_config_t *config, const sd_kalman_choice_t *choice) {
+    return sd_kalman_choice_ok(choice) && (config->settle_cycles >= 0.0f) && (config->settle_cycles <= 200.0f) &&
+           (config->pattern_deg >= 0.0f) && (config->pattern_deg <= 10.0f) && (config->teeth >= 1u) &&
+           (config->teeth <= SD_KALMAN_POSITIONS_MAX);
+}
+
+/* settle_cycles is out of range where the sum does not fit, and refused by config_ok. */
+static sd_kalman_choice_t choice_of(const sd_firings_config_t *config) {
+    const float teeth = config->settle_cycles * 2.0f * (float)config->teeth + 0.5f;
+    return (sd_kalman_choice_t){ .torque_base_nm = config->torque_base_nm,
+                                 .reject_rad = config->reject_deg * RAD_PER_DEG,
+                                 .settle_teeth = ((teeth >= 0.0f) && (teeth < 65535.0f)) ? (uint16_t)teeth : 0u };
+}
+
+static void take_config(sd_firings_t *self, const sd_firings_config_t *config, const sd_kalman_choice_t *choice) {
+    self->smooth.choice = self->rough.choice = self->pattern.free.choice = *choice;
+    self->unlearned_rad = config->pattern_deg * RAD_PER_DEG;
+    self->enabled = (config->enabled != 0u) ? 1u : 0u;
+}
+
+sd_result_t sd_firings_init(sd_firings_t *self, const sd_firings_config_t *config, const sd_kalman_tables_t *tables) {
+    const sd_kalman_choice_t choice = choice_of(config);
+    const bool present = tables->positions != 0u;
+    if (present && (!config_ok(config, &choice) || !sd_kalman_tables_ok(tables))) { return SD_ERR_CONFIG; }
+    memset(self, 0, sizeof *self);
+    if (!present) { return SD_OK; }
+    (void)sd_kalman_init(&self->smooth, tables, &choice);
+    self->rough = self->smooth;
+    self->rough.set = 1;
+    sd_pattern_init(&self->pattern, tables, &choice);
+    take_config(self, config, &choice);
+    return SD_OK;
+}
+
+sd_result_t sd_firings_configure(sd_firings_t *self, const sd_firings_config_t *config, const sd_kalman_tables_t *tables) {
+    const sd_kalman_choice_t choice = choice_of(config);
+    if (tables->positions == 0u) { return SD_OK; }
+    if (!config_ok(config, &choice)) { return SD_ERR_CONFIG; }
+    const bool begins = (self->enabled == 0u) && (config->enabled != 0u);
+    take_config(self, config, &choice);
+    if (begins) { sd_firings_restart(self); }
+    return SD_OK;
+}
+
+/* ---- learning in fuel cut -------------------------------------------------------------------------------------- */
+
+/* At what frequencies the crank twists. */
+static void take_twist(sd_firings_t *self) {
+    sd_twist_tune(&self->pattern.sums.twist, &self->smooth);
+    self->rough.tuning = self->smooth.tuning;
+}
+
+static void take_zeros(sd_firings_t *self, const sd_kalman_tables_t *tables) {
+    sd_pattern_zeros(&self->pattern, tables, self->smooth.zero_nm_per_bar);
+    memcpy(self->rough.zero_nm_per_bar, self->smooth.zero_nm_per_bar, sizeof self->rough.zero_nm_per_bar);
+}
+
+/* Motored for so long that no cylinder of the cycle to come holds burnt gas. */
+static bool is_motored(sd_firings_t *self, const sd_kalman_tables_t *tables, const sd_firings_tooth_t *tooth) {
+    const uint32_t since = (uint32_t)self->motored + tooth->advance;
+    self->motored = (uint16_t)((tooth->fuel_cut == 0u) ? 0u : (since > UINT16_MAX) ? UINT16_MAX : since);
+    return self->motored > 4u * tables->positions;
+}
+
+/* Returns whether the pattern changed. */
+static bool learn(sd_firings_t *self, const sd_kalman_tables_t *tables, const sd_firings_tooth_t *tooth, const sd_kalman_tooth_t *seen) {
+    const bool known = (tooth->phase_known != 0u) && (tooth->intake_known != 0u);
+    if (!is_motored(self, tables, tooth) || !known) {
+        sd_pattern_pause(&self->pattern);
+        return false;
+    }
+    if (!sd_pattern_step(&self->pattern, tables, seen)) { return false; }
+    take_twist(self);
+    return true;
+}
+
+/* What cylinders read without fuel is their zero. */
+static void learn_zero(sd_firings_t *self, const sd_kalman_tables_t *tables, const sd_firings_tooth_t *tooth, const sd_firing_t *firing) {
+    const bool rests = (self->motored > ZERO_REVOLUTIONS * tables->positions) && sd_twist_known(&self->pattern.twist, tables);
+    if (!rests) { return; }
+    if (sd_pattern_take_zero(&self->pattern, tables, firing, self->smooth.charge_bar[firing->index], tooth->speed_radps)) {
+        take_zeros(self, tables);
+    }
+}
+
+/* ---- a tooth --------------------------------------------------------------------------------------------------- */
+
+static sd_kalman_tooth_t filter_tooth(const sd_firings_t *self, const sd_kalman_tables_t *tables, const sd_firings_tooth_t *tooth) {
+    const sd_pattern_t *pattern = &self->pattern;
+    const bool learned = (pattern->sd_rad > 0.0f) && (pattern->sd_rad < self->unlearned_rad) && (tooth->position < tables->positions);
+    return (sd_kalman_tooth_t){ .cycle_position = tooth->cycle_position,
+                                .advance = tooth->advance,
+                                .period_ticks = tooth->period_ticks,
+                                .trusted = (tooth->health == (uint8_t)SD_VALID) ? 1u : 0u,
+                                .late_rad = learned ? pattern->late_rad[tooth->position] : 0.0f,
+                                .pattern_rad = learned ? pattern->sd_rad : self->unlearned_rad,
+                                .intake_bar = tooth->intake_bar };
+}
+
+/* Both filters take the tooth. The road chooses between them, unless one of them had to begin anew. */
+static bool step_filters(sd_firings_t *self, const sd_kalman_tables_t *tables, const sd_kalman_tooth_t *seen, sd_firing_t *firing) {
+    const bool complete = sd_kalman_step(&self->smooth, tables, seen, firing);
+    if (tables->sets < 2u) { return complete; }
+    sd_firing_t other;
+    const bool other_complete = sd_kalman_step(&self->rough, tables, seen, &other);
+    const uint8_t smooth = sd_kalman_status(&self->smooth).health, rough = sd_kalman_status(&self->rough).health;
+    const bool settled = (smooth == (uint8_t)SD_VALID) && (rough == (uint8_t)SD_VALID);
+    if (!settled) {
+        sd_road_restart(&self->road);
+    } else if (complete && other_complete) {
+        (void)sd_road_step(&self->road, firing, &other);
+    }
+    self->on_rough = (smooth != rough) ? (smooth > rough) : self->road.rough;
+    /* The pulses' shape is learned by the one that is believed. */
+    *((self->on_rough != 0u) ? &self->smooth.shape : &self->rough.shape) = believed(self)->shape;
+    if (self->on_rough == 0u) { return complete; }
+    *firing = other;
+    return other_complete;
+}
+
+/* A tooth left out, or not sure, spoils the firings under way. */
+static void watch_teeth(sd_firings_t *self, const sd_kalman_tables_t *tables, const sd_firings_tooth_t *tooth) {
+    const bool bad = (tooth->health != (uint8_t)SD_VALID) || (believed(self)->rejected_in_row != 0u);
+    self->doubt = (self->doubt > tooth->advance) ? (uint16_t)(self->doubt - tooth->advance) : 0u;
+    if (bad && (self->doubt < tables->positions)) { self->doubt = tables->positions; }
+}
+
+void sd_firings_spurious(sd_firings_t *self, const sd_kalman_tables_t *tables) { self->doubt = (uint16_t)(4u * tables->positions); }
+
+static sd_status_t judge(const sd_firings_t *self, const sd_firings_tooth_t *tooth) {
+    sd_status_t status = sd_kalman_status(believed(self));
+    if (tooth->phase_known == 0u) { worst_of(&status, SD_INVALID, SD_WHY_NO_PHASE); }
+    if (self->doubt > 0u) { worst_of(&status, SD_DEGRADED, SD_WHY_FAULT); }
+    if (tooth->intake_known == 0u) { worst_of(&status, SD_DEGRADED, SD_WHY_NO_INPUT); }
+    return status;
+}
+
+void sd_firings_restart(sd_firings_t *self) {
+    if (self->enabled == 0u) { return; }
+    sd_kalman_restart(&self->smooth);
+    sd_kalman_restart(&self->rough);
+    sd_road_restart(&self->road);
+    sd_pattern_pause(&self->pattern);
+    self->motored = 0;
+}
+
+void sd_firings_step(sd_firings_t *self, const sd_kalman_tables_t *tables, const sd_firings_tooth_t *tooth, sd_firings_out_t *out) {
+    memset(out, 0, sizeof *out);
+    if (self->enabled == 0u) {
+        out->status = (sd_status_t){ .health = SD_INVALID, .why = SD_WHY_UNCALIBRATED };
+        return;
+    }
+    const sd_kalman_tooth_t seen = filter_tooth(self, tables, tooth);
+    out->complete = step_filters(self, tables, &seen, &out->firing) ? 1u : 0u;
+    watch_teeth(self, tables, tooth);
+    const sd_kalman_t *filter = believed(self);
+    out->rough = self->on_rough;
+    out->restarted = ((self->smooth.teeth == 0u) || (filter->teeth == 0u)) ? 1u : 0u;
+    out->status = judge(self, tooth);
+    out->waveform_nm = filter->torque_nm;
+    out->energy_j = filter->energy_j;
+    const float square = 2.0f * filter->energy_j / tables->inertia_mean_kgm2;
+    out->speed_radps = (square > 0.0f) ? square * sd_rsqrt_f32(square) : 0.0f;
+    out->learned = learn(self, tables, tooth, &seen) ? 1u : 0u;
+    if ((out->complete != 0u) && (out->status.health == (uint8_t)SD_VALID)) { learn_zero(self, tables, tooth, &out->firing); }
+}
+
+sd_result_t sd_firings_resume(sd_firings_t *self, const sd_kalman_tables_t *tables, const sd_pattern_sums_t *learned) {
+    if ((self->enabled == 0u) || (sd_pattern_resume(&self->pattern, tables, learned) != SD_OK)) { return SD_ERR_CONFIG; }
+    take_zeros(self, tables);
+    take_twist(self);
+    return SD_OK;
+}

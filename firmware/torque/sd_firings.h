@@ -1,0 +1,93 @@
+/* SPDX-License-Identifier: MIT */
+/// sd_firings.h - torque of each single firing from crank teeth: all that belongs to it in one block.
+///
+///   tooth -> two filters on tooth times (sd_kalman.h), one for smooth and one for rough roads -> the road chooses (sd_road.h)
+///         -> a firing, its deviation, and how far it may be trusted
+///   tooth without fuel -> tooth pattern (sd_pattern.h) and frequencies of the crank's twist (sd_twist.h), which correct the
+///         teeth to come; firings read without fuel -> zero of each cylinder
+///
+/// A firing may be trusted when the filter has settled, the phase and the intake pressure are known, and no tooth since
+/// its pulse began was doubtful.
+///
+/// Real-time contract: no heap, no globals, no I/O, no libm in a step. One writer per state, which is plain data without
+/// pointers. Tables are read only and may stand in flash. Call order: init; step for every placed tooth; restart when the
+/// angle was lost or moved; spurious for an edge that is no tooth.
+#ifndef SD_FIRINGS_H
+#define SD_FIRINGS_H
+#include "sd_pattern.h"
+#include "sd_road.h"
+
+/// What may change while the engine runs, SI but where a name says otherwise.
+typedef struct sd_firings_config {
+    float   torque_base_nm; ///< Highest |torque| of a firing, [1e-3, 20000] N m; beyond it the filter starts anew.
+    float   reject_deg;     ///< Lateness of a tooth, [6e-5, 57] deg, beyond which it is left out while the filter settles.
+    float   settle_cycles;  ///< Cycles until the filter counts as converged, [0, 200].
+    float   pattern_deg;    ///< Standard deviation of a tooth's place while its pattern is not learned, [0, 10] deg.
+    uint8_t teeth;          ///< Teeth that are there, a revolution, 1 to 120.
+    uint8_t enabled;        ///< 0: the block rests, and says uncalibrated.
+} sd_firings_config_t;
+
+/// A placed tooth, and the inputs as they stand at it.
+typedef struct sd_firings_tooth {
+    uint16_t cycle_position; ///< Position over the cycle, [0, 2 N) for a wheel of N positions.
+    uint16_t position;       ///< The same over a revolution, [0, N).
+    uint16_t advance;        ///< Positions since the last placed tooth, 1 to 2 N.
+    uint32_t period_ticks;   ///< Time since the last placed tooth, capture ticks.
+    uint8_t  health;         ///< sd_health_t of the tooth; only teeth that are SD_VALID correct the filters.
+    uint8_t  phase_known;    ///< 1: which of the two revolutions this is has been confirmed.
+    uint8_t  intake_known;   ///< 0: intake_bar is a usual value that stands for a sensor that does not speak.
+    uint8_t  fuel_cut;       ///< 1: it is known that no cylinder is given fuel now.
+    float    intake_bar;     ///< Intake pressure, [0, 10] bar; anything else, NaN included: the last good one is held.
+    float    speed_radps;    ///< Crank speed at the tooth, rad/s; weighs what is learned of the cylinders' zeros.
+} sd_firings_tooth_t;
+
+/// What the block says at a tooth.
+typedef struct sd_firings_out {
+    uint8_t     complete;    ///< 1: `firing` has just been completed; 0: `firing` is not set.
+    uint8_t     rough;       ///< 1: the road is rough, and all that is said comes from the filter for rough roads.
+    uint8_t     restarted;   ///< 1: a filter began anew at this tooth, so that what follows has no past.
+    uint8_t     learned;     ///< 1: the tooth pattern changed: sums.cycles and sd_rad of `pattern` have new values.
+    sd_firing_t firing;      ///< Torque and deviation of one firing.
+    sd_status_t status;      ///< Of the block; innovation in rad. Invalid and uncalibrated while it rests.
+    float       waveform_nm; ///< Torque of the whole engine at the tooth, N m, friction and load taken off; 0 while resting.
+    float       energy_j;    ///< Kinetic energy at the tooth, J; 0 while no filter runs.
+    float       speed_radps; ///< Speed that belongs to it by the mean inertia, rad/s.
+} sd_firings_out_t;
+
+/// State. What is public to read: `pattern` and whether `on_rough`.
+typedef struct sd_firings {
+    sd_kalman_t  smooth;   ///< Filter for smooth roads.
+    sd_kalman_t  rough;    ///< The same with the gains for rough roads; it rests where the tables have one set.
+    sd_road_t    road;     ///< Which of them to believe.
+    sd_pattern_t pattern;  ///< Of the wheel, learned in fuel cut, with the crank's twist and the cylinders' zeros.
+    float        unlearned_rad; ///< Standard deviation of a tooth's place while its pattern is not learned.
+    uint16_t     doubt;    ///< Positions until no firing under way holds a tooth that was not trusted.
+    uint16_t     motored;  ///< Positions since the fuel was cut, saturating.
+    uint8_t      on_rough; ///< 1: what is said of firings comes from `rough`.
+    uint8_t      enabled;  ///< The block runs; 0 without tables.
+} sd_firings_t;
+
+/// Forgets everything, learned values included. Tables with positions 0 are none: the block rests. SD_OK, or
+/// SD_ERR_CONFIG with the state untouched: a field of *config or *tables is out of range.
+sd_result_t sd_firings_init(sd_firings_t *self, const sd_firings_config_t *config, const sd_kalman_tables_t *tables);
+
+/// Takes another configuration, between two teeth; nothing is forgotten, but the filters begin anew when `enabled`
+/// becomes 1. SD_OK, or SD_ERR_CONFIG with nothing changed: a field is out of range. Without
+/// tables it rests whatever *config says.
+sd_result_t sd_firings_configure(sd_firings_t *self, const sd_firings_config_t *config, const sd_kalman_tables_t *tables);
+
+/// The angle was lost or moved: the filters begin anew. What was learned stays.
+void sd_firings_restart(sd_firings_t *self);
+
+/// An edge that stands for no tooth was seen. Which of two near each other is the tooth may have been decided wrongly, so the
+/// firings of the next two revolutions are in doubt.
+void sd_firings_spurious(sd_firings_t *self, const sd_kalman_tables_t *tables);
+
+/// Takes a placed tooth and fills *out.
+void sd_firings_step(sd_firings_t *self, const sd_kalman_tables_t *tables, const sd_firings_tooth_t *tooth, sd_firings_out_t *out);
+
+/// Goes on with what was learned before. SD_OK, or SD_ERR_CONFIG with nothing changed: it is of another wheel or crank, or the
+/// block rests.
+sd_result_t sd_firings_resume(sd_firings_t *self, const sd_kalman_tables_t *tables, const sd_pattern_sums_t *learned);
+
+#endif

@@ -1,0 +1,288 @@
+// SPDX-License-Identifier: MIT
+#include "design/torque/kalman_tables.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+
+#include "design/calibration.hpp"
+#include "design/crank/crank_modes.hpp"
+#include "design/torque/model_error.hpp"
+#include "common/error.hpp"
+
+namespace sixdeg {
+namespace {
+
+constexpr double kRadPerDeg = M_PI / 180, kRadpsPerRpm = M_PI / 30;
+/// A firing's coefficient is free from here on, and read where its pulse is long over.
+constexpr double kInjectDeg = -12, kReadDeg = 300;
+/// On rough roads a firing may change by this much more: what it lacks must not be taken for load, which may change too.
+constexpr double kRoughChange = 4;
+/// Cylinders' zeros are learned here: fuel cut, and of its speeds the lowest counts most.
+constexpr double kLearnedRpm = 1500;
+/// Indicated mean effective pressure below which the pulses' shape is not learned.
+constexpr double kShapeFromPa = 0.5e5;
+
+struct Interval {
+    double mean = 0, moment = 0, point = 0;
+};
+
+double tooth_angle(const EngineFile &engine, double k) {
+    return engine.position_0_deg * kRadPerDeg + 2 * M_PI * k / engine.wheel.positions;
+}
+
+/// Simpson's rule over the interval that ends at tooth k, fine enough for the kink where combustion begins.
+Interval over_interval(const EngineFile &engine, const TorqueOverAngle &torque, int k) {
+    constexpr int kSteps = 24;
+    Interval out;
+    for (int i = 0; i <= kSteps; ++i) {
+        const double s = double(i) / kSteps, value = torque(tooth_angle(engine, k - 1 + s));
+        const double weight = (i == 0 || i == kSteps ? 1.0 : i % 2 ? 4.0 : 2.0) / (3 * kSteps);
+        out.mean += weight * value;
+        out.moment += weight * (1 - s) * value;
+        out.point = value;
+    }
+    return out;
+}
+
+/// First cycle position at or after `deg` past the TDC of a firing.
+int position_after(const EngineFile &engine, std::size_t firing, double deg) {
+    const int cycle = 2 * engine.wheel.positions;
+    const double off = (engine.firing_tdc_deg[firing] + deg - engine.position_0_deg) / 360 * engine.wheel.positions;
+    const int k = int(std::ceil(off - 1e-9)) % cycle;
+    return k < 0 ? k + cycle : k;
+}
+
+/// The constant inertia that takes as long over the interval before tooth k. Its difference from J in the middle is a
+/// few parts in 1e5, which at 3000 rpm is as much energy as 0.4 Nm give in a firing interval.
+double interval_inertia(const EngineFile &engine, int k) {
+    const auto root = [&](double s) { return std::sqrt(turning_inertia_kgm2(engine, tooth_angle(engine, k - 1 + s))); };
+    return std::pow((root(0) + 4 * root(0.5) + root(1)) / 6, 2);
+}
+
+void fill_angles(const EngineFile &engine, const KnownTorque &torque, sd_kalman_tables_t &t) {
+    for (int k = 0; k < t.positions; ++k) {
+        t.inertia_tooth_kgm2[k] = float(turning_inertia_kgm2(engine, tooth_angle(engine, k)));
+        t.inertia_interval_kgm2[k] = float(interval_inertia(engine, k));
+    }
+    for (int k = 0; k < 2 * t.positions; ++k) {
+        Interval sum;
+        for (const TorqueOverAngle &known : torque.motored) {
+            const Interval at = over_interval(engine, known, k);
+            sum.mean += at.mean, sum.moment += at.moment, sum.point += at.point;
+        }
+        t.known[0][k] = float(sum.mean), t.known[1][k] = float(sum.moment), t.known[2][k] = float(sum.point);
+    }
+    for (std::size_t i = 0; i < t.cylinders; ++i) {
+        t.read_position[i] = std::uint16_t(position_after(engine, i, kReadDeg));
+        t.close_position[i] = std::uint16_t(position_after(engine, i, engine.intake_close_deg));
+    }
+}
+
+TorqueOverAngle sum_of(const std::vector<TorqueOverAngle> &torques) {
+    return [torques](double a) {
+        double sum = 0;
+        for (const TorqueOverAngle &torque : torques) sum += torque(a);
+        return sum;
+    };
+}
+
+/// Modes do not go with the Fourier basis, which does not know whose torque it is.
+std::vector<CrankMode> modes_of(const EngineFile &engine, const KnownTorque &torque) {
+    return torque.firings ? crank_modes(engine, SD_KALMAN_MODES_MAX) : std::vector<CrankMode>{};
+}
+
+sd_kalman_mode_t mode_table(const CrankMode &mode) {
+    sd_kalman_mode_t t{float(mode.frequency_radps), float(mode.damping), float(mode.constant_radpnm), {}, float(mode.spring_nmprad),
+                       float(mode.damper_nmprad)};
+    std::copy(mode.cylinder_radpnm.begin(), mode.cylinder_radpnm.end(), t.cylinder_radpnm);
+    return t;
+}
+
+/// Twist of the wheel that the interval's mean known torques hold: rad, and rad a w^2 for the torque of the reciprocating
+/// masses, -J'/2 w^2.
+std::pair<double, double> held_by_known(const EngineFile &engine, const KnownTorque &torque, const CrankMode &mode, int k) {
+    double known = 0, ripple = 0;
+    for (std::size_t i = 0; i < mode.cylinder_radpnm.size(); ++i) {
+        const auto inertia = [&](int at) { return reciprocating_inertia_kgm2(engine, i, tooth_angle(engine, at)); };
+        known += mode.cylinder_radpnm[i] * over_interval(engine, torque.motored[i], k).mean;
+        ripple -= mode.cylinder_radpnm[i] * (inertia(k) - inertia(k - 1)) / 2 / (2 * M_PI / engine.wheel.positions);
+    }
+    return {known, ripple};
+}
+
+void fill_pool(const EngineFile &engine, const KnownTorque &torque, const std::vector<PeriodicGains> &gains,
+               sd_kalman_tables_t &t) {
+    float *to = t.pool;
+    const auto modes = modes_of(engine, torque);
+    const auto put = [&](const std::vector<TorqueOverAngle> &torques, int k) {
+        std::vector<Interval> at;
+        for (const TorqueOverAngle &f : torques) at.push_back(over_interval(engine, f, k));
+        for (const Interval &f : at) *to++ = float(f.mean);
+        for (const Interval &f : at) *to++ = float(f.moment);
+        for (const Interval &f : at) *to++ = float(f.point);
+    };
+    for (int k = 0; k < 2 * t.positions; ++k) {
+        put(torque.basis, k);
+        put(torque.motored_per_bar, k);
+        put(torque.shape, k);
+        for (const CrankMode &mode : modes) {
+            const auto [known, ripple] = held_by_known(engine, torque, mode, k);
+            *to++ = float(known), *to++ = float(ripple);
+        }
+        for (const PeriodicGains &speed : gains) {
+            for (int j = 0; j < speed.gain.cols(); ++j) *to++ = float(speed.gain(k, j));
+        }
+    }
+}
+
+sd_kalman_tables_t sizes(const EngineFile &engine, const KnownTorque &torque, const KalmanTune &tune) {
+    sd_kalman_tables_t t{};
+    t.positions = std::uint8_t(engine.wheel.positions);
+    t.coefficients = std::uint8_t(1 + torque.basis.size());
+    t.speeds = std::uint8_t(tune.speeds_rpm.size());
+    t.firings = std::uint8_t(torque.firings ? engine.cylinders() : 0);
+    t.cylinders = std::uint8_t(engine.cylinders());
+    for (const CrankMode &mode : modes_of(engine, torque)) t.mode[t.modes++] = mode_table(mode);
+    t.shapes = torque.shape.empty() ? 0 : 1;
+    t.shape_min_nm = float(kShapeFromPa * engine.displaced_m3() / M_PI);
+    t.tick_hz = float(engine.tick_hz);
+    t.inertia_mean_kgm2 = float(mean_inertia_kgm2(engine));
+    // Cranks that twist have gains at so many speeds that a second set finds no room.
+    t.sets = t.firings > 0 && tune.rough_walk_nm > 0 ? 2 : 1;
+    if (sd_kalman_pool_used(&t) > SD_KALMAN_POOL) t.sets = 1;
+    if (sd_kalman_pool_used(&t) > SD_KALMAN_POOL) {
+        throw InputError(engine.name, "wheel", fmt::format("{} positions with {} coefficients at {} speeds need {} table entries, allowed {}",
+                                                           int(t.positions), int(t.coefficients), int(t.speeds), sd_kalman_pool_used(&t), SD_KALMAN_POOL));
+    }
+    return t;
+}
+
+/// Designs the gains of each speed, behind those that are there.
+void add_set(const EngineFile &engine, const KnownTorque &torque, const KalmanTune &tune, KalmanTables &out) {
+    sd_kalman_tables_t &t = out.tables;
+    for (std::size_t i = 0; i < tune.speeds_rpm.size(); ++i) {
+        const double speed = tune.speeds_rpm[i] * kRadpsPerRpm;
+        const ToothModel model = tooth_model(engine, torque, speed);
+        const ToothNoise noise = tooth_noise(engine, tune, speed);
+        const std::size_t at = out.gains.size();
+        out.gains.push_back(design_gains(model, noise, SD_KALMAN_MEAN));
+        const PeriodicGains &gains = out.gains[at];
+        t.speed_radps[i] = float(speed);
+        t.noise_rad[at] = float(noise.edge_rad);
+        t.innovation[at] = float(gains.innovation);
+        t.single_sd[at] = float(gains.single_sd), t.mean_sd[at] = float(gains.mean_sd), t.pattern_sd[at] = float(gains.pattern_sd);
+        t.load_sd_nm[at] = float(gains.load_sd * mean_inertia_kgm2(engine) * speed * speed);
+        if (i == 0) continue;
+        for (double share : {0.25, 0.5, 0.75}) {
+            const double between = speed + share * (tune.speeds_rpm[i - 1] * kRadpsPerRpm - speed);
+            const Eigen::MatrixXd mixed = gains.gain + share * (out.gains[at - 1].gain - gains.gain);
+            out.radius_between = std::max(out.radius_between, cycle_radius(tooth_model(engine, torque, between), mixed));
+        }
+    }
+}
+
+/// A set's gains at any speed, as the firmware mixes them.
+GainsAt gains_at(const EngineFile &engine, const KnownTorque &torque, const KalmanTables &from, std::size_t set, double speed_radps) {
+    const float *speeds = from.tables.speed_radps;
+    std::size_t at = 0;
+    while (at + 1 < from.tables.speeds && speed_radps >= double(speeds[at + 1])) ++at;
+    const std::size_t next = at + 1 < from.tables.speeds && speed_radps > double(speeds[at]) ? at + 1 : at;
+    const double share = next > at ? (speed_radps - double(speeds[at])) / double(speeds[next] - speeds[at]) : 0;
+    const Eigen::MatrixXd &low = from.gains[set * from.tables.speeds + at].gain, &high = from.gains[set * from.tables.speeds + next].gain;
+    return {tooth_model(engine, torque, speed_radps), low + share * (high - low)};
+}
+
+/// What is not known of the engine goes into the deviations.
+void state_doubts(const EngineFile &engine, const KnownTorque &torque, KalmanTables &out) {
+    sd_kalman_tables_t &t = out.tables;
+    const std::vector<ModelDoubt> doubts = model_doubts(engine);
+    const auto zeros = zeros_learned(doubts, gains_at(engine, torque, out, 0, kLearnedRpm * kRadpsPerRpm)); // by the first filter
+    for (std::size_t i = 0; i < out.gains.size(); ++i) {
+        const GainsAt here = gains_at(engine, torque, out, i / t.speeds, double(t.speed_radps[i % t.speeds]));
+        const ModelError error = model_error(engine, torque, doubts, here, zeros);
+        t.mean_share[i] = float(error.mean_share), t.spread_share[i] = float(error.spread_share);
+        t.charge_nm_per_bar[i] = float(error.charge_nm_per_bar), t.learned_nm_per_bar[i] = float(error.learned_nm_per_bar);
+    }
+}
+
+} // namespace
+
+double mean_inertia_kgm2(const EngineFile &engine) {
+    double sum = 0;
+    for (int k = 0; k < engine.wheel.positions; ++k) sum += interval_inertia(engine, k);
+    return sum / engine.wheel.positions;
+}
+
+std::vector<TorqueOverAngle> fourier_basis(int harmonics) {
+    std::vector<TorqueOverAngle> basis;
+    for (int h = 1; h <= harmonics; ++h) {
+        basis.push_back([h](double a) { return std::cos(h * a / 2); });
+        basis.push_back([h](double a) { return std::sin(h * a / 2); });
+    }
+    return basis;
+}
+
+std::pair<Eigen::MatrixXd, Eigen::MatrixXd> interval_tables(const EngineFile &engine, const std::vector<TorqueOverAngle> &torques) {
+    Eigen::MatrixXd mean(2 * engine.wheel.positions, torques.size()), moment = mean;
+    for (int k = 0; k < mean.rows(); ++k) {
+        for (int j = 0; j < mean.cols(); ++j) {
+            const Interval at = over_interval(engine, torques[std::size_t(j)], k);
+            mean(k, j) = at.mean, moment(k, j) = at.moment;
+        }
+    }
+    return {mean, moment};
+}
+
+ToothModel tooth_model(const EngineFile &engine, const KnownTorque &torque, double speed_radps) {
+    ToothModel model;
+    std::vector<TorqueOverAngle> basis = torque.basis;
+    if (!torque.shape.empty()) basis.push_back(sum_of(torque.shape));
+    const int n = engine.wheel.positions, m = 1 + int(basis.size());
+    model.positions = n;
+    model.present.assign(std::size_t(n), true);
+    for (int k : engine.wheel.missing) model.present[std::size_t(k)] = false;
+    const double mean = mean_inertia_kgm2(engine);
+    for (int k = 0; k < n; ++k) model.inertia_ratio.push_back(interval_inertia(engine, k) / mean);
+    model.mean = Eigen::MatrixXd::Constant(2 * n, m, 1);
+    model.moment = Eigen::MatrixXd::Constant(2 * n, m, 0.5);
+    const auto [mean_of, moment_of] = interval_tables(engine, basis);
+    model.mean.rightCols(m - 1) = mean_of, model.moment.rightCols(m - 1) = moment_of;
+    for (std::size_t i = 0; torque.firings && i < std::size_t(engine.cylinders()); ++i) {
+        model.inject_at.push_back(position_after(engine, i, kInjectDeg));
+        model.read_at.push_back(position_after(engine, i, kReadDeg));
+    }
+    const double scale = mean * speed_radps * speed_radps;
+    for (const CrankMode &mode : modes_of(engine, torque)) {
+        Eigen::RowVectorXd compliance(m);
+        compliance(0) = scale * mode.constant_radpnm;
+        // Behind a dual-mass flywheel all cylinders share one compliance, and so does the sum of their pulses.
+        for (int j = 1; j < m; ++j) compliance(j) = scale * mode.cylinder_radpnm[std::size_t(std::min(j, engine.cylinders()) - 1)];
+        model.modes.push_back(tooth_mode(mode.frequency_radps * model.pitch() / speed_radps, mode.damping, compliance));
+    }
+    return model;
+}
+
+ToothNoise tooth_noise(const EngineFile &engine, const KalmanTune &tune, double speed_radps) {
+    const double scale = mean_inertia_kgm2(engine) * speed_radps * speed_radps;
+    const double edge = tune.edge_deg * kRadPerDeg, timer = speed_radps / engine.tick_hz / std::sqrt(12);
+    return {std::hypot(edge, timer), tune.load_walk_nm / scale, tune.firing_change_nm / scale, tune.basis_walk_nm / scale};
+}
+
+KalmanTables kalman_tables(const EngineFile &engine, const KnownTorque &torque, const KalmanTune &tune) {
+    KalmanTables out{sizes(engine, torque, tune), {}, 0};
+    sd_kalman_tables_t &t = out.tables;
+    fill_angles(engine, torque, t);
+    add_set(engine, torque, tune, out);
+    if (t.sets > 1) {
+        KalmanTune rough = tune;
+        rough.load_walk_nm = std::max(tune.rough_walk_nm, tune.load_walk_nm);
+        rough.firing_change_nm *= kRoughChange;
+        add_set(engine, torque, rough, out);
+    }
+    if (t.firings > 0 && !engine.pulses.empty()) state_doubts(engine, torque, out);
+    fill_pool(engine, torque, out.gains, t);
+    return out;
+}
+
+} // namespace sixdeg

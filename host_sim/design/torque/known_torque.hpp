@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: MIT
+// What the filter on tooth times is told of an engine: the pulses of its cylinders (pulse.hpp) over crank angle.
+#pragma once
+#include <optional>
+
+#include "design/torque/kalman_tables.hpp"
+extern "C" {
+#include "sd_signals.h"
+}
+
+namespace sixdeg {
+
+/// Nothing when the engine file tells no heat release.
+std::optional<KnownTorque> known_torque(const EngineFile &engine, const sd_parameters_t &parameters);
+
+/// The filter's part of the parameters.
+KalmanTune kalman_tune(const EngineFile &engine, const sd_parameters_t &parameters);
+
+} // namespace sixdeg

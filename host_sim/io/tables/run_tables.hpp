@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: MIT
+// teeth.csv and cycles.csv of `sixdeg run`: truth and firmware side by side. Columns: docs/files.md.
+#pragma once
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "common/engine_file.hpp"
+#include "plant/engine/engine_model.hpp"
+#include "io/events/ecu_feed.hpp"
+#include "score/misfire_score.hpp"
+#include "plant/sensors/pickup.hpp"
+
+namespace sixdeg {
+
+/// Which of its own cycles the firmware counts a combustion to. Its cycle k begins at position 0 of the
+/// wheel, crank angle position_0_deg + 720 k, and holds the firings whose first tooth at or after TDC lies in
+/// it. `lane` is an index into firing_order, `cycle` the plant's.
+std::int64_t firmware_cycle(const EngineFile &engine, std::int64_t cycle, std::size_t lane);
+/// Number of the firmware's cycle that an edge at the true angle `crank_deg` (never wraps) has ended. Right
+/// for wheels up to half a turn off.
+std::int64_t ended_cycle(const EngineFile &engine, double crank_deg);
+
+class RunTables {
+  public:
+    explicit RunTables(const EngineFile &engine) : engine_(engine), verdicts_(engine) {}
+
+    /// A crank edge at the true angle `crank_deg` (never wraps), all that the firmware has said up to it, and whether the
+    /// edge ended a cycle of the firmware's.
+    void edge(const EncoderEdge &truth, double crank_deg, const EcuSaid &ecu, bool cycle_ended);
+    void true_cycle(const CycleTruth &truth) { truths_.push_back(truth); }
+
+    const std::string &teeth_csv() const { return teeth_; }
+    std::string cycles_csv() const;
+
+  private:
+    void tooth(const EncoderEdge &truth, const EcuSaid &ecu);
+    struct FirmwareCycle {
+        sd_signals_t signals;
+        std::uint8_t health, afr_health;
+    };
+    EngineFile engine_;
+    MisfireScore verdicts_;
+    std::size_t firings_ = 0; ///< Of which the verdict is taken.
+    std::string teeth_ =
+        "t_s,angle_deg,rpm_true,rpm,torque_true_nm,torque_nm,class,tooth,tooth_true,health,torque_health\n";
+    std::vector<CycleTruth> truths_;
+    std::map<std::int64_t, FirmwareCycle> firmware_;
+};
+
+} // namespace sixdeg

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: MIT
+#include "loop/ecu_bench.hpp"
+
+#include <stdexcept>
+
+namespace sixdeg {
+
+EcuBench::EcuBench(const sd_calibration_t &calibration)
+    : EcuFeed(double(calibration.tick_hz)), ecu_side_(sd_inproc_ecu_side(&port_)), host_side_(sd_inproc_host_side(&port_)) {
+    if (sd_ecu_init(&ecu_, &calibration) != SD_OK)
+        throw std::logic_error("a checked calibration was refused");
+}
+
+void EcuBench::listen(EventListener listener) {
+    tap_ = std::make_unique<PortTap>(ecu_side_, std::move(listener));
+    ecu_side_ = tap_->port();
+}
+
+bool EcuBench::exchange(const sd_event_t &event) {
+    host_side_.send(host_side_.context, &event, 1);
+    sd_ecu_run(&ecu_, &ecu_side_);
+    bool cycle_ended = false;
+    sd_event_t answer;
+    while (host_side_.receive(host_side_.context, &answer, 1) == 1) {
+        cycle_ended |= said_.take(answer);
+        hear(answer);
+    }
+    return cycle_ended;
+}
+
+} // namespace sixdeg

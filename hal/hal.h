@@ -8,6 +8,10 @@
 #ifndef SD_HAL_H
 #define SD_HAL_H
 #include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
 #ifdef SD_KERNEL
 #error "a kernel must not include hal.h: data reaches it through the ecu"
 #endif
@@ -71,5 +75,9 @@ typedef struct sd_port {
     /// Takes `count` events; returns how many it had room for.
     uint32_t (*send)(void *context, const sd_event_t *events, uint32_t count);
 } sd_port_t;
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -12,6 +12,10 @@
 #include "sd_afr_delay.h"
 #include "sd_afr_joint.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 #define SD_AFR_SPEEDS    4
 #define SD_AFR_PRESSURES 3
 #define SD_AFR_LAMBDAS   2
@@ -101,5 +105,9 @@ float sd_afr_deviation(const sd_afr_t *self, uint32_t cylinder);
 float sd_afr_deviation_sd(const sd_afr_t *self, uint32_t cylinder);
 /// Invalid before a point and a sample; degraded while converging (8 cycles, 200 in slow mode; there the chain always).
 sd_status_t sd_afr_status(const sd_afr_t *self);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

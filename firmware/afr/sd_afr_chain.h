@@ -16,6 +16,10 @@
 #include "sd_afr_observer.h"
 #include "sd_uego.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /// Read by init only.
 typedef struct sd_afr_chain_config {
     uint16_t cycle_positions;               ///< As in sd_uego_config_t, and the table of sines with it.
@@ -59,5 +63,9 @@ typedef struct sd_afr_chain_config {
 
 SD_AFR_CHAIN_DECLARE(f32, float)
 SD_AFR_CHAIN_DECLARE(q31, sd_q31_t)
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

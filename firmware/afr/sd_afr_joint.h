@@ -19,6 +19,10 @@
 #define SD_AFR_JOINT_H
 #include "sd_exhaust.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 #define SD_AFR_STATES_MAX (SD_AFR_CYLINDERS_MAX + 3)
 
 /// Read by init only.
@@ -80,5 +84,9 @@ float sd_afr_joint_deviation_variance(const sd_afr_joint_t *self, uint32_t cylin
 sd_afr_blame_t sd_afr_joint_blame(const sd_afr_joint_t *self, const sd_afr_usual_t *usual);
 /// Invalid until the first sample; rejected samples degrade it.
 sd_status_t sd_afr_joint_status(const sd_afr_joint_t *self);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -17,6 +17,10 @@
 #define SD_AFR_OBSERVER_H
 #include "sd_exhaust.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /// Read by init only.
 typedef struct sd_afr_observer_config {
     uint8_t  cylinders;      ///< 1 to SD_AFR_CYLINDERS_MAX.
@@ -49,5 +53,9 @@ typedef struct sd_afr_observer_config {
 
 SD_AFR_OBSERVER_DECLARE(f32, float)
 SD_AFR_OBSERVER_DECLARE(q31, sd_q31_t)
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

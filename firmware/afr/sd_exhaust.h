@@ -21,6 +21,10 @@
 #include "sd_num.h"
 #include "sd_status.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 #define SD_AFR_CYLINDERS_MAX SD_CYLINDERS_MAX
 #define SD_AFR_POSITIONS_MAX 240 /* of a cycle */
 #define SD_EXHAUST_RING      64  /* positions, a power of two: the longest delay is one less */
@@ -86,5 +90,9 @@ typedef struct sd_exhaust_point {
 
 SD_EXHAUST_DECLARE(f32, float)
 SD_EXHAUST_DECLARE(q31, sd_q31_t)
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -18,6 +18,10 @@
 #include "sd_num.h"
 #include "sd_status.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 #define SD_UEGO_HARMONICS_MAX 4
 #define SD_UEGO_POSITIONS_MAX 240
 #define SD_UEGO_LEAD          1.5f /* positions */
@@ -60,5 +64,9 @@ typedef struct sd_uego_config {
 
 SD_UEGO_DECLARE(f32, float)
 SD_UEGO_DECLARE(q31, sd_q31_t)
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -18,6 +18,10 @@
 #include "sd_balance_watch.h"
 #include "sd_status.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /// Read by init only.
 typedef struct sd_balance_config {
     uint8_t  cylinders;    ///< 2 to SD_BALANCE_CYLINDERS_MAX.
@@ -59,5 +63,9 @@ void sd_balance_resume(sd_balance_t *self);
 void sd_balance_step(sd_balance_t *self, const sd_balance_input_t *input);
 /// Valid while learning; degraded on hold or at a limit; invalid when the phase is wrong.
 sd_status_t sd_balance_status(const sd_balance_t *self);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

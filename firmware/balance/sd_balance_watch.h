@@ -16,6 +16,10 @@
 #include "sd_limits.h"
 #include "sd_num.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 #define SD_BALANCE_CYLINDERS_MAX SD_CYLINDERS_MAX
 #define SD_WATCH_LIMIT           5.0f
 
@@ -36,5 +40,9 @@ void sd_watch_resume(sd_watch_t *self);
 /// follows; variance: of a deviation; follow: the share of a change that it takes up in a cycle, (0, 1].
 void sd_watch_step(sd_watch_t *self, const float *deviation, const float *trim, bool told, float variance, float follow);
 bool sd_watch_wrong(const sd_watch_t *self);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -11,6 +11,10 @@
 #include "sd_misfire.h"
 #include "sd_signals.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /// Decoded page. Angles are positions of the wheel over the cycle: 0 to 2 positions - 1.
 typedef struct sd_calibration {
     float    tick_hz;                       ///< Capture timer, [1e5, 2e8].
@@ -42,5 +46,9 @@ sd_result_t sd_calibration_decode(sd_calibration_t *calibration, const uint8_t *
 sd_crank_config_t   sd_calibration_crank(const sd_calibration_t *calibration);
 sd_fourier_config_t sd_calibration_torque(const sd_calibration_t *calibration);
 sd_misfire_config_t sd_calibration_misfire(const sd_calibration_t *calibration);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

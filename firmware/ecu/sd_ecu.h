@@ -23,6 +23,10 @@
 #include "sd_firings.h"
 #include "sd_learned.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /// Latest reading of a sampled sensor.
 typedef struct sd_sample {
     float    value; ///< In the unit and within the range of sd_input_infos.
@@ -86,5 +90,9 @@ sd_result_t sd_ecu_resume(sd_ecu_t *self, const sd_pattern_sums_t *learned);
 
 /// Handles all events waiting at the port; returns how many.
 uint32_t sd_ecu_run(sd_ecu_t *self, const sd_port_t *port);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

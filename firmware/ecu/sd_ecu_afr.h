@@ -4,6 +4,10 @@
 #define SD_ECU_AFR_H
 #include "sd_ecu.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /// From the working page, anew; what fails changes nothing. SD_OK without an exhaust: the block stays idle and says so.
 sd_result_t sd_ecu_afr_init(sd_afr_t *afr, const sd_calibration_t *c);
 sd_result_t sd_ecu_delay_init(sd_afr_delay_t *delay, const sd_calibration_t *c);
@@ -18,5 +22,9 @@ void sd_ecu_afr_sample(sd_ecu_t *self, float lambda);
 void sd_ecu_afr_tooth(sd_ecu_t *self, const sd_tooth_t *tooth);
 /// End of a cycle, its speed and torques known: fills the signals, sets the next operating point, moves the trims.
 void sd_ecu_afr_cycle(sd_ecu_t *self);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -4,6 +4,10 @@
 #define SD_ECU_PARTS_H
 #include "sd_ecu.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /// Sends all signals of a rate, each with its owner's health.
 void sd_ecu_publish(sd_ecu_t *self, const sd_port_t *port, uint32_t tick, sd_rate_t rate);
 /// Health becomes no better than this; reasons add up.
@@ -29,5 +33,9 @@ const sd_sample_t *sd_ecu_recent(const sd_ecu_t *self, sd_input_t input, uint32_
 void sd_ecu_misfire_tooth(sd_ecu_t *self, const sd_tooth_t *tooth);
 /// Judges the firing that was completed at `tick` and sets its signals.
 void sd_ecu_misfire_firing(sd_ecu_t *self, const sd_firings_out_t *out, uint32_t tick);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

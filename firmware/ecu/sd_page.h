@@ -8,6 +8,10 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef struct sd_page_walk {
     uint8_t       *to;   ///< Where fields go; null while reading.
     const uint8_t *from;
@@ -29,5 +33,9 @@ void sd_page_u8(sd_page_walk_t *walk, uint8_t *value);
 void sd_page_u16(sd_page_walk_t *walk, uint16_t *value);
 /// int32_t, uint32_t and float, by their bits.
 void sd_page_32(sd_page_walk_t *walk, void *value);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

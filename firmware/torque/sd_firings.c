@@ -8,11 +8,6 @@
 
 static const sd_kalman_t *believed(const sd_firings_t *self) { return (self->on_rough != 0u) ? &self->rough : &self->smooth; }
 
-static void worst_of(sd_status_t *status, uint8_t health, uint32_t why) {
-    if (health > status->health) { status->health = health; }
-    status->why = (uint8_t)(status->why | why);
-}
-
 /* ---- configuration --------------------------------------------------------------------------------------------- */
 
 static bool config_ok(const sd_firings_config_t *config, const sd_kalman_choice_t *choice) {
@@ -146,9 +141,9 @@ void sd_firings_spurious(sd_firings_t *self, const sd_kalman_tables_t *tables) {
 
 static sd_status_t judge(const sd_firings_t *self, const sd_firings_tooth_t *tooth) {
     sd_status_t status = sd_kalman_status(believed(self));
-    if (tooth->phase_known == 0u) { worst_of(&status, SD_INVALID, SD_WHY_NO_PHASE); }
-    if (self->doubt > 0u) { worst_of(&status, SD_DEGRADED, SD_WHY_FAULT); }
-    if (tooth->intake_known == 0u) { worst_of(&status, SD_DEGRADED, SD_WHY_NO_INPUT); }
+    if (tooth->phase_known == 0u) { sd_status_worst_of(&status, SD_INVALID, SD_WHY_NO_PHASE); }
+    if (self->doubt > 0u) { sd_status_worst_of(&status, SD_DEGRADED, SD_WHY_FAULT); }
+    if (tooth->intake_known == 0u) { sd_status_worst_of(&status, SD_DEGRADED, SD_WHY_NO_INPUT); }
     return status;
 }
 

@@ -37,6 +37,10 @@
 #include "sd_num.h"
 #include "sd_status.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 #define SD_KALMAN_COEFFICIENTS_MAX 25
 #define SD_KALMAN_POSITIONS_MAX    120
 #define SD_KALMAN_SPEEDS_MAX       12
@@ -196,5 +200,9 @@ void sd_kalman_set_intake(sd_kalman_t *self, float intake_bar);
 
 /// innovation in rad; health invalid while not running, degraded until settled.
 sd_status_t sd_kalman_status(const sd_kalman_t *self);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -20,6 +20,10 @@
 #define SD_PATTERN_H
 #include "sd_twist.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 #define SD_PATTERN_CYCLES_MIN 4 ///< Cycles before a pattern is given at all.
 
 /// What is kept when the engine is off: with it, learning goes on where it ended.
@@ -61,5 +65,9 @@ bool sd_pattern_take_zero(sd_pattern_t *self, const sd_kalman_tables_t *tables, 
 void sd_pattern_zeros(const sd_pattern_t *self, const sd_kalman_tables_t *tables, float *zero_nm_per_bar);
 /// Fuel is back, or the angle is lost: the cycle under way is dropped.
 void sd_pattern_pause(sd_pattern_t *self);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

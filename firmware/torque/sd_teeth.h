@@ -4,6 +4,10 @@
 #define SD_TEETH_H
 #include "sd_kalman.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 static inline float sd_teeth_count(const sd_kalman_tables_t *t) {
     float count = 0.0f;
     for (uint32_t k = 0; k < t->positions; ++k) { count += sd_kalman_has_tooth(t, k) ? 1.0f : 0.0f; }
@@ -28,5 +32,9 @@ static inline void sd_teeth_line(const sd_kalman_tables_t *t, const float *value
     *slope = (count * kv - k_sum * v_sum) / (count * kk - k_sum * k_sum);
     *level = (v_sum - *slope * k_sum) / count;
 }
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

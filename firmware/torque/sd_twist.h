@@ -17,6 +17,10 @@
 #define SD_TWIST_H
 #include "sd_kalman.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /// What is kept when the engine is off.
 typedef struct sd_twist_sums {
     float deviation; ///< Of the modes' frequency from the tables', as a share, [-0.1, 0.1].
@@ -47,5 +51,9 @@ void sd_twist_learn(sd_twist_t *self, const sd_kalman_tables_t *tables, sd_twist
                     sd_kalman_t *free);
 /// Whether the frequencies are known so well that what is left of a cycle is pattern. True without modes.
 bool sd_twist_known(const sd_twist_t *self, const sd_kalman_tables_t *tables);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -5,6 +5,10 @@
 #include "sd_role.h"
 #include "sd_row.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 #define SD_CAN_TRUTH_FIRST 0xf0u ///< Identifiers of truth: 0xf0 to 0xf3.
 
 typedef struct sd_frame {
@@ -44,5 +48,9 @@ int sd_can_encode_claim(sd_can_codec_t *self, sd_claim_t claim);
 
 /// Takes any frame at all. 1: self->truth holds what it said.
 int sd_can_decode(sd_can_codec_t *self, const sd_frame_t *frame);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

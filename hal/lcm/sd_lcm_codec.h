@@ -10,6 +10,10 @@
 #include "sixdeg_parameter_t.h"
 #include "sixdeg_truth_t.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 #define SD_LCM_TRUTHS 1024u
 
 /// Zero it, then set role and session. Caller-owned.
@@ -48,5 +52,9 @@ int sd_lcm_listens(sd_role_t role, sd_lcm_channel_t channel);
 void sd_lcm_decode(sd_lcm_codec_t *self, sd_lcm_channel_t channel, const void *bytes, int size);
 /// A row's event joins what goes out.
 void sd_lcm_add_signal(sd_lcm_codec_t *self, const sd_event_t *event);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -10,6 +10,10 @@
 #include "hal.h"
 #include "sd_signals.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef struct sd_row {
     uint32_t tick;
     uint8_t  rate;                      ///< sd_rate_t.
@@ -116,5 +120,9 @@ typedef struct sd_claim {
 } sd_claim_t;
 #define SD_CLAIM_RUNNING 0u
 #define SD_CLAIM_WHO     0xffffffffu
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -24,7 +24,7 @@ static bool ready(const sd_ecu_t *self) { return self->afr.config.cylinders != 0
  * observer would take back what it was told. */
 static bool is_told(const sd_ecu_t *self) { return self->afr.config.method == SD_AFR_JOINT; }
 
-sd_afr_tables_t sd_ecu_afr_tables(const sd_calibration_t *c) { return (sd_afr_tables_t){ .grid = &c->afr, .sine_q31 = c->sine_q31 }; }
+sd_afr_tables_t sd_ecu_afr_tables(const sd_calibration_t *c) { return (sd_afr_tables_t){ .grid = &c->afr, .sine_q31 = c->fourier.sine_q31 }; }
 
 sd_result_t sd_ecu_afr_init(sd_afr_t *afr, const sd_calibration_t *c) {
     const sd_parameters_t *p = &c->parameters;

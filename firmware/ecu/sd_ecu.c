@@ -174,7 +174,7 @@ static void read_cylinders(sd_ecu_t *self) {
     }
 }
 
-static void end_cycle(sd_ecu_t *self, const sd_port_t *port, uint32_t tick) {
+static void end_cycle(sd_ecu_t *self) {
     const sd_calibration_t *c = &self->calibration;
     sd_status_t *status = &self->status[SD_OWNER_CYLINDER];
     *status = self->status[SD_OWNER_TORQUE];
@@ -185,7 +185,6 @@ static void end_cycle(sd_ecu_t *self, const sd_port_t *port, uint32_t tick) {
     self->signals.cycle_speed_rpm = (self->cycle_ticks > 0u) ? 60.0f * turns * c->tick_hz / (float)self->cycle_ticks : 0.0f;
     read_cylinders(self);
     sd_ecu_afr_cycle(self);
-    sd_ecu_publish(self, port, tick, SD_RATE_CYCLE);
 }
 
 static void add_to_cycle(sd_ecu_t *self, const sd_tooth_t *tooth) {
@@ -220,8 +219,10 @@ static void follow(sd_ecu_t *self, const sd_tooth_t *tooth) {
 static void on_tooth(sd_ecu_t *self, const sd_port_t *port, const sd_tooth_t *tooth) {
     follow(self, tooth);
     if (tooth->cycle_position < self->cycle_position) {
-        end_cycle(self, port, tooth->tick);
+        end_cycle(self);
         begin_cycle(self);
+    } else if (sd_ecu_afr_work(self)) {
+        sd_ecu_publish(self, port, tooth->tick, SD_RATE_CYCLE);
     }
     self->signals.torque_mass_nm = torque_step(self, tooth);
     self->cycle_position = tooth->cycle_position;

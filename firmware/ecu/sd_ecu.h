@@ -48,6 +48,14 @@ typedef struct sd_cycle_firings {
     uint8_t misfired; ///< One was judged a misfire.
 } sd_cycle_firings_t;
 
+/// The work of a cycle that is still to be done.
+typedef struct sd_cycle_work {
+    float   deviation[SD_CYLINDERS_MAX], sd[SD_CYLINDERS_MAX]; ///< Of each cylinder, from the trims' source, by firing order.
+    uint8_t health;    ///< Of them.
+    uint8_t transient; ///< Speed or fuel moved, something did not burn, or a probe is on.
+    uint8_t piece;     ///< The next piece, 0: none.
+} sd_cycle_work_t;
+
 typedef struct sd_ecu {
     sd_calibration_t calibration; ///< Its parameters are the working page.
     sd_parameters_t  reference;   ///< The page as it came.
@@ -62,6 +70,7 @@ typedef struct sd_ecu {
     float    burned_sum;          ///< Of the wide-band samples since the last tooth,
     uint32_t burned_count;        ///< and how many.
     sd_cycle_firings_t cycle_firings;
+    sd_cycle_work_t work;
     float    fuel_trim[SD_BALANCE_CYLINDERS_MAX]; ///< As commanded, by firing order: the balance's and a probe's.
     float    last_trim[SD_BALANCE_CYLINDERS_MAX]; ///< Of the last cycle.
     uint8_t  probe_done;          ///< With or without an answer, since the trims were allowed.

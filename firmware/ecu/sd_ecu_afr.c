@@ -11,6 +11,9 @@
 #define FOLLOW_LEAST    0.001f
 #define CHAIN_FOLLOWS   0.3f   /* a cycle: it settles to a tenth in some 4 */
 
+/* What is left of the work of a cycle: a piece a tooth. */
+enum { IDLE = 0, TELL, READ, BEGIN, BALANCE, COMMAND, POINT };
+
 _Static_assert((SD_AFR_CYLINDERS_MAX == SD_CYLINDERS_MAX) && (SD_BALANCE_CYLINDERS_MAX == SD_CYLINDERS_MAX) &&
                (SD_MISFIRE_CYLINDERS_MAX == SD_CYLINDERS_MAX) && (SD_KALMAN_FIRINGS_MAX == SD_CYLINDERS_MAX),
                "blocks that hold the same engine hold as many cylinders");
@@ -20,6 +23,8 @@ static bool ready(const sd_ecu_t *self) { return self->afr.config.cylinders != 0
 /* The filter is told of the trims. The chain is not: its inverted sensor finds a trim some cycles later, and until then its
  * observer would take back what it was told. */
 static bool is_told(const sd_ecu_t *self) { return self->afr.config.method == SD_AFR_JOINT; }
+
+sd_afr_tables_t sd_ecu_afr_tables(const sd_calibration_t *c) { return (sd_afr_tables_t){ .grid = &c->afr, .sine_q31 = c->fourier.sine_q31 }; }
 
 sd_result_t sd_ecu_afr_init(sd_afr_t *afr, const sd_calibration_t *c) {
     const sd_parameters_t *p = &c->parameters;
@@ -32,7 +37,8 @@ sd_result_t sd_ecu_afr_init(sd_afr_t *afr, const sd_calibration_t *c) {
                                .noise_per_rthz = p->afr_noise, .drift = p->afr_drift, .drift_slow = p->afr_drift_slow,
                                .jump = p->afr_jump, .slow_above = p->afr_slow_above };
     for (uint32_t i = 0; i < c->cylinders; ++i) { config.firing_position[i] = c->firing_position[i]; }
-    return sd_afr_init(afr, &config, &c->afr, c->fourier.sine_q31);
+    const sd_afr_tables_t tables = sd_ecu_afr_tables(c);
+    return sd_afr_init(afr, &config, &tables);
 }
 
 sd_balance_config_t sd_ecu_balance_config(const sd_calibration_t *c) {
@@ -52,6 +58,7 @@ sd_result_t sd_ecu_balance_init(sd_balance_t *balance, const sd_calibration_t *c
 void sd_ecu_afr_restart(sd_ecu_t *self) {
     sd_afr_restart(&self->afr);
     sd_afr_delay_restart(&self->afr_delay);
+    self->work.piece = IDLE; /* a cycle that ended with the angle is not worked up any more */
 }
 
 void sd_ecu_afr_sample(sd_ecu_t *self, float lambda) {
@@ -62,7 +69,8 @@ void sd_ecu_afr_sample(sd_ecu_t *self, float lambda) {
 }
 
 static void step(sd_ecu_t *self, uint32_t cycle_position, float lambda) {
-    sd_afr_step(&self->afr, cycle_position, lambda);
+    const sd_afr_tables_t tables = sd_ecu_afr_tables(&self->calibration);
+    sd_afr_step(&self->afr, &tables, cycle_position, lambda);
     sd_afr_delay_step(&self->afr_delay, &self->afr.now, cycle_position, 1.0f - lambda); /* no sample is none there either */
 }
 
@@ -90,46 +98,13 @@ static void say(sd_status_t *status, uint8_t health, uint16_t why) {
     status->why |= why;
 }
 
-static void read_afr(sd_ecu_t *self, float speed_radps) {
-    const sd_calibration_t *c = &self->calibration;
-    const sd_sample_t *intake = &self->sample[SD_INPUT_AIR_INTAKE_PRESSURE], *fuel = &self->sample[SD_INPUT_FUEL_INJECTED];
-    sd_status_t *status = &self->status[SD_OWNER_AFR];
-    if (!ready(self)) {
-        *status = (sd_status_t){ .health = SD_INVALID, .why = SD_WHY_UNCALIBRATED };
-        return;
+/* Trims of a cycle ago reach the sensor about now: the filter need not find out what is known. */
+static void tell_trims(sd_ecu_t *self) {
+    for (uint32_t i = 0; i < self->balance.config.cylinders; ++i) {
+        const float trim = self->fuel_trim[i];
+        if (ready(self) && is_told(self)) { sd_afr_trimmed(&self->afr, i, (1.0f + trim) / (1.0f + self->last_trim[i])); }
+        self->last_trim[i] = trim;
     }
-    sd_afr_cycle(&self->afr, &c->afr, speed_radps, intake->value, fuel->value);
-    *status = sd_afr_status(&self->afr);
-    if (self->crank.phase_votes < 2u) { say(status, SD_INVALID, SD_WHY_NO_PHASE); }
-    if ((intake->seen == 0u) || (fuel->seen == 0u) || (self->burned_seen == 0u)) { say(status, SD_INVALID, SD_WHY_NO_INPUT); }
-    self->burned_seen = 0;
-    self->signals.afr_slow = (float)self->afr.slow;
-    for (uint32_t i = 0; i < c->cylinders; ++i) {
-        self->signals.afr_cylinder_burned[c->firing_order[i] - 1u] = sd_afr_lambda(&self->afr, i);
-        self->signals.afr_cylinder_sd[c->firing_order[i] - 1u] = sd_afr_deviation_sd(&self->afr, i);
-    }
-}
-
-/* What cylinders deviate by, in firing order, from the source chosen; returns the health of it. */
-static uint8_t torque_deviations(const sd_ecu_t *self, float *deviation, float *sd) {
-    const sd_cycle_firings_t *firings = &self->cycle_firings;
-    const uint32_t n = self->calibration.cylinders;
-    float mean = 0.0f;
-    for (uint32_t i = 0; i < n; ++i) { mean += firings->torque_nm[i] / (float)n; }
-    if ((firings->count < n) || !(mean > 1.0f)) { return SD_INVALID; } /* Nm: nothing burns */
-    for (uint32_t i = 0; i < n; ++i) {
-        deviation[i] = firings->torque_nm[i] / mean - 1.0f;
-        sd[i] = firings->sd_nm[i] / mean;
-    }
-    return firings->health;
-}
-
-static uint8_t mixture_deviations(const sd_ecu_t *self, float *deviation, float *sd) {
-    for (uint32_t i = 0; i < self->calibration.cylinders; ++i) {
-        deviation[i] = sd_afr_deviation(&self->afr, i);
-        sd[i] = sd_afr_deviation_sd(&self->afr, i);
-    }
-    return self->status[SD_OWNER_AFR].health;
 }
 
 /* Share of a change that the mixture's estimate takes up in a cycle: from its variance before and after, and its drift. */
@@ -143,21 +118,65 @@ static float mixture_follows(sd_ecu_t *self, float sd) {
     return (follow > 1.0f) ? 1.0f : (follow > FOLLOW_LEAST) ? follow : FOLLOW_LEAST;
 }
 
-static void balance(sd_ecu_t *self, uint8_t transient) {
+static bool trims_on(const sd_ecu_t *self) {
     const sd_calibration_t *c = &self->calibration;
-    sd_balance_t *b = &self->balance;
-    const bool on = (self->sample[SD_INPUT_BALANCE_ENABLE].value > 0.5f) && (c->parameters.balance_source > 0.5f) && (c->cylinders > 1u);
-    if (on) {
-        const bool from_torque = c->parameters.balance_source > 1.5f;
-        float deviation[SD_CYLINDERS_MAX] = { 0.0f }, sd[SD_CYLINDERS_MAX] = { 0.0f };
-        sd_balance_input_t in = { .deviation = deviation, .sd = sd, .follow = TORQUE_FOLLOWS, .told = (uint8_t)((from_torque || !is_told(self)) ? 0 : 1), .transient = transient };
-        in.health = from_torque ? torque_deviations(self, deviation, sd) : mixture_deviations(self, deviation, sd);
-        if (!from_torque) { in.follow = mixture_follows(self, sd[0]); }
-        sd_balance_step(b, &in);
-    } else {
-        sd_balance_restart(b);
+    return (self->sample[SD_INPUT_BALANCE_ENABLE].value > 0.5f) && (c->parameters.balance_source > 0.5f) && (c->cylinders > 1u);
+}
+static bool from_torque(const sd_ecu_t *self) { return self->calibration.parameters.balance_source > 1.5f; }
+
+/* What cylinders deviate by according to the firings of the cycle, in firing order. */
+static void take_torque(sd_ecu_t *self) {
+    const sd_cycle_firings_t *firings = &self->cycle_firings;
+    sd_cycle_work_t *work = &self->work;
+    const uint32_t n = self->calibration.cylinders;
+    float mean = 0.0f;
+    for (uint32_t i = 0; i < n; ++i) { mean += firings->torque_nm[i] / (float)n; }
+    work->health = SD_INVALID;
+    if ((firings->count < n) || !(mean > 1.0f)) { return; } /* Nm: nothing burns */
+    for (uint32_t i = 0; i < n; ++i) {
+        work->deviation[i] = firings->torque_nm[i] / mean - 1.0f;
+        work->sd[i] = firings->sd_nm[i] / mean;
     }
-    self->status[SD_OWNER_BALANCE] = sd_balance_status(b);
+    work->health = firings->health;
+}
+
+static void read_afr(sd_ecu_t *self) {
+    const sd_calibration_t *c = &self->calibration;
+    const sd_sample_t *intake = &self->sample[SD_INPUT_AIR_INTAKE_PRESSURE], *fuel = &self->sample[SD_INPUT_FUEL_INJECTED];
+    sd_status_t *status = &self->status[SD_OWNER_AFR];
+    if (!ready(self)) {
+        *status = (sd_status_t){ .health = SD_INVALID, .why = SD_WHY_UNCALIBRATED };
+        return;
+    }
+    sd_afr_cycle(&self->afr, self->last_speed_radps, intake->value, fuel->value);
+    *status = sd_afr_status(&self->afr);
+    if (self->crank.phase_votes < 2u) { say(status, SD_INVALID, SD_WHY_NO_PHASE); }
+    if ((intake->seen == 0u) || (fuel->seen == 0u) || (self->burned_seen == 0u)) { say(status, SD_INVALID, SD_WHY_NO_INPUT); }
+    self->burned_seen = 0;
+    self->signals.afr_slow = (float)self->afr.slow;
+    sd_afr_estimate_t estimate;
+    sd_afr_read(&self->afr, &estimate);
+    for (uint32_t i = 0; i < c->cylinders; ++i) {
+        self->signals.afr_cylinder_burned[c->firing_order[i] - 1u] = estimate.lambda[i];
+        self->signals.afr_cylinder_sd[c->firing_order[i] - 1u] = estimate.sd[i];
+    }
+    if (!from_torque(self)) {
+        memcpy(self->work.deviation, estimate.deviation, sizeof self->work.deviation);
+        memcpy(self->work.sd, estimate.sd, sizeof self->work.sd);
+        self->work.health = status->health;
+    }
+}
+
+static void begin_balance(sd_ecu_t *self) {
+    if (!trims_on(self)) {
+        sd_balance_restart(&self->balance);
+        return;
+    }
+    const bool torque = from_torque(self);
+    const sd_balance_input_t in = { .deviation = self->work.deviation, .sd = self->work.sd, .health = self->work.health,
+                                    .told = (uint8_t)((torque || !is_told(self)) ? 0 : 1), .transient = self->work.transient,
+                                    .follow = torque ? TORQUE_FOLLOWS : mixture_follows(self, self->work.sd[0]) };
+    sd_balance_begin(&self->balance, &in);
 }
 
 /* The probe's trim comes on top of the balance's, within the same limit. */
@@ -166,31 +185,39 @@ static void command_trims(sd_ecu_t *self) {
     const float limit = c->parameters.balance_limit, size = c->parameters.afr_probe;
     for (uint32_t i = 0; i < self->balance.config.cylinders; ++i) {
         const float trim = self->balance.trim[i] + size * sd_afr_delay_probe_trim(&self->afr_delay, i);
-        self->fuel_trim[i] = (trim > limit) ? limit : (trim < -limit) ? -limit : trim;
+        self->fuel_trim[i] = sd_clamp(trim, -limit, limit);
         self->signals.balance_trim[c->firing_order[i] - 1u] = self->fuel_trim[i];
     }
-}
-
-/* Trims of a cycle ago reach the sensor about now: the filter need not find out what is known. */
-static void tell_trims(sd_ecu_t *self) {
-    for (uint32_t i = 0; i < self->balance.config.cylinders; ++i) {
-        const float trim = self->fuel_trim[i];
-        if (ready(self) && is_told(self)) { sd_afr_trimmed(&self->afr, i, (1.0f + trim) / (1.0f + self->last_trim[i])); }
-        self->last_trim[i] = trim;
-    }
+    self->status[SD_OWNER_BALANCE] = sd_balance_status(&self->balance);
 }
 
 void sd_ecu_afr_cycle(sd_ecu_t *self) {
     const float speed = self->signals.cycle_speed_rpm * SD_RADPS_PER_RPM, fuel = self->sample[SD_INPUT_FUEL_INJECTED].value;
     const bool moves = (changed(speed, self->last_speed_radps) > TRANSIENT_SPEED) || (changed(fuel, self->last_fuel_mg) > TRANSIENT_FUEL);
-    tell_trims(self);
     /* What has not burned is no mixture to be trimmed, or to be learned from. */
     const bool usable = !moves && (fuel > 0.0f) && (self->cycle_firings.misfired == 0u);
     if (ready(self)) { sd_ecu_delay_cycle(self, speed, !usable); }
-    read_afr(self, speed);
-    balance(self, (!usable || (self->afr_delay.probed != 0u)) ? 1u : 0u);
-    command_trims(self);
+    if (from_torque(self)) { take_torque(self); } else { self->work.health = SD_INVALID; }
+    self->work.transient = (!usable || (self->afr_delay.probed != 0u)) ? 1u : 0u;
+    self->work.piece = TELL;
     self->cycle_firings.count = self->cycle_firings.health = self->cycle_firings.misfired = 0;
     self->last_speed_radps = speed;
     self->last_fuel_mg = fuel;
+}
+
+bool sd_ecu_afr_work(sd_ecu_t *self) {
+    const uint8_t piece = self->work.piece;
+    const sd_afr_tables_t tables = sd_ecu_afr_tables(&self->calibration);
+    bool again = false;
+    switch (piece) {
+    case TELL:    tell_trims(self); break;
+    case READ:    read_afr(self); break;
+    case BEGIN:   begin_balance(self); break;
+    case BALANCE: again = sd_balance_work(&self->balance); break;
+    case COMMAND: command_trims(self); break;
+    case POINT:   again = sd_afr_work(&self->afr, &tables); break;
+    default:      return false;
+    }
+    if (!again) { self->work.piece = (piece == POINT) ? IDLE : (uint8_t)(piece + 1u); }
+    return piece == COMMAND;
 }

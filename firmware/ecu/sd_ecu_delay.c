@@ -18,7 +18,7 @@ static void learn(sd_ecu_t *self, float speed_radps, bool steady) {
     const float s = self->calibration.parameters.afr_stoichiometric, mean = self->afr.mean_lambda;
     const float of_lambda = 1.0f - mean / (1.0f + s); /* more fuel is more gas, too */
     float trim[SD_BALANCE_CYLINDERS_MAX] = { 0.0f };
-    for (uint32_t i = 0; i < self->balance.config.cylinders; ++i) { trim[i] = of_lambda * self->last_trim[i] / (1.0f + self->last_trim[i]); }
+    for (uint32_t i = 0; i < self->balance.config.cylinders; ++i) { trim[i] = of_lambda * self->fuel_trim[i] / (1.0f + self->fuel_trim[i]); }
     const sd_afr_trims_t cycle = { .speed_radps = speed_radps, .trim = trim, .mean_lambda = mean, .steady = steady ? 1u : 0u };
     (void)sd_afr_delay_cycle(&self->afr_delay, &cycle);
 }

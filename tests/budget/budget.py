@@ -13,6 +13,7 @@ import argparse
 import collections
 import csv
 import pathlib
+import shutil
 import subprocess
 import sys
 import tomllib
@@ -135,9 +136,10 @@ def report(runs, kept):
             continue
         name, value = plan["name"], runs[plan["run"]].figure(plan)
         judged = verdict(value, kept.get(name))
+        above = value is not None and value > plan.get("goal", value)
         figures[name] = value
         cells = ["-" if cell is None else str(cell) for cell in (value, kept.get(name), plan.get("goal"))]
-        print(f"{name:38}{plan['run']:>10}{cells[0]:>10}{cells[1]:>10}{cells[2]:>8}  {judged}")
+        print(f"{name:38}{plan['run']:>10}{cells[0]:>10}{cells[1]:>10}{cells[2]:>8}  {judged}{', above the goal' if above else ''}")
         if judged not in ("ok", "new"):
             wrong.append(f"{name}: {judged}")
     compared = [run.name for run in runs.values() if run.same and run.name != "blocks"]
@@ -159,6 +161,8 @@ def main():
     parser.add_argument("--update", action="store_true", help="keep the figures as they are now")
     parser.add_argument("--no-build", action="store_true", help="all is built")
     arguments = parser.parse_args()
+    if not all(map(shutil.which, ("qemu-system-arm", "arm-none-eabi-gcc"))):
+        raise SystemExit("budget: needs the Arm compiler and the emulator; tools/setup --cross installs them")
     if not arguments.no_build:
         build(arguments.core)
     runs = {name: Run(name, arguments.core) for name in arguments.run or PLAN["runs"]}

@@ -106,7 +106,8 @@ std::size_t compare(const std::string &run, const std::map<std::string, Expected
         if (got == outputs.end()) {
             fmt::print("{}: {} is missing\n", run, name);
         } else if (hash_text(got->second) != want.hash) {
-            fmt::print("{}: {} differs: {} in place of {} values, last {:.9g}\n", run, name, got->second.count, want.count, got->second.last);
+            fmt::print("{}: {} differs: {} in place of {} values, last {:.9g}\n", run, name, got->second.count, want.count,
+                       got->second.last);
         } else {
             continue;
         }

@@ -90,8 +90,9 @@ static void walk_fields(sd_page_walk_t *walk, sd_calibration_t *c) {
     sd_page_u8(walk, &c->cylinders);
     for (uint32_t i = 0; i < SD_CYLINDERS_MAX; ++i) { sd_page_u8(walk, &c->firing_order[i]); }
     for (uint32_t i = 0; i < SD_CYLINDERS_MAX; ++i) { sd_page_u16(walk, &c->firing_position[i]); }
-    for (uint32_t i = 0; i < SD_FOURIER_POSITIONS_MAX; ++i) { sd_page_32(walk, &c->inertia_kgm2[i]); }
-    for (uint32_t i = 0; i < 2u * SD_FOURIER_POSITIONS_MAX; ++i) { sd_page_32(walk, &c->sine_q31[i]); }
+    sd_page_32(walk, &c->fourier.inertia_base_kgm2);
+    for (uint32_t i = 0; i < SD_FOURIER_POSITIONS_MAX; ++i) { sd_page_32(walk, &c->fourier.inertia_q31[i]); }
+    for (uint32_t i = 0; i < 2u * SD_FOURIER_POSITIONS_MAX; ++i) { sd_page_32(walk, &c->fourier.sine_q31[i]); }
     walk_map(walk, &c->cylinder_map);
     walk_kalman(walk, &c->kalman);
     walk_afr(walk, &c->afr);
@@ -140,9 +141,7 @@ sd_fourier_config_t sd_calibration_torque(const sd_calibration_t *calibration) {
                                                              (float)(calibration->positions - calibration->missing_count)),
                                   .tick_hz = calibration->tick_hz,
                                   .speed_base_radps = p->torque_speed_base_rpm * 0.10471976f,
-                                  .torque_base_nm = p->torque_torque_base_nm,
-                                  .inertia_kgm2 = calibration->inertia_kgm2,
-                                  .sine_q31 = calibration->sine_q31 };
+                                  .torque_base_nm = p->torque_torque_base_nm };
 }
 
 sd_misfire_config_t sd_calibration_misfire(const sd_calibration_t *calibration) {

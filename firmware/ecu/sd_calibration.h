@@ -22,8 +22,7 @@ typedef struct sd_calibration {
     uint8_t  cylinders;                     ///< 1 to SD_CYLINDERS_MAX.
     uint8_t  firing_order[SD_CYLINDERS_MAX];    ///< Physical cylinder, 1-based, of each firing.
     uint16_t firing_position[SD_CYLINDERS_MAX]; ///< First cycle position at or after the firing TDC, in that order.
-    float    inertia_kgm2[SD_FOURIER_POSITIONS_MAX]; ///< J half a pitch before each position.
-    int32_t  sine_q31[2 * SD_FOURIER_POSITIONS_MAX]; ///< sin(pi k / positions) 2^31.
+    sd_fourier_tables_t fourier;    ///< Of the torque observer; the AFR blocks take its sines too.
     sd_cylinder_map_t cylinder_map; ///< Of the gains in parameters as they came.
     sd_kalman_tables_t kalman;      ///< Of the parameters firing.* as they came; positions 0: none.
     sd_afr_grid_t afr;              ///< present 0: the engine file names no exhaust.
@@ -39,7 +38,7 @@ uint32_t sd_calibration_encode(const sd_calibration_t *calibration, uint8_t *byt
 /// init refuses: a right checksum over something else than a page.
 sd_result_t sd_calibration_decode(sd_calibration_t *calibration, const uint8_t *bytes, uint32_t size);
 
-/// What the blocks are initialised with. The torque configuration points into *calibration.
+/// What the blocks are initialised with.
 sd_crank_config_t   sd_calibration_crank(const sd_calibration_t *calibration);
 sd_fourier_config_t sd_calibration_torque(const sd_calibration_t *calibration);
 sd_misfire_config_t sd_calibration_misfire(const sd_calibration_t *calibration);

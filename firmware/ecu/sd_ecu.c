@@ -18,9 +18,10 @@ static bool fixed_point(const sd_ecu_t *self) { return self->calibration.paramet
 
 static float torque_step(sd_ecu_t *self, const sd_tooth_t *tooth) {
     const uint8_t trusted = (tooth->health == SD_VALID) ? 1u : 0u;
-    return fixed_point(self) ? sd_fourier_step_q31(&self->torque.q31, tooth->cycle_position, tooth->advance,
+    const sd_fourier_tables_t *tables = &self->calibration.fourier;
+    return fixed_point(self) ? sd_fourier_step_q31(&self->torque.q31, tables, tooth->cycle_position, tooth->advance,
                                                    tooth->period_ticks, trusted)
-                             : sd_fourier_step_f32(&self->torque.f32, tooth->cycle_position, tooth->advance,
+                             : sd_fourier_step_f32(&self->torque.f32, tables, tooth->cycle_position, tooth->advance,
                                                    tooth->period_ticks, trusted);
 }
 
@@ -34,6 +35,10 @@ static void torque_shift(sd_ecu_t *self) {
     } else {
         sd_fourier_shift_revolution_f32(&self->torque.f32);
     }
+}
+
+static sd_status_t torque_status(const sd_ecu_t *self) {
+    return fixed_point(self) ? sd_fourier_status_q31(&self->torque.q31) : sd_fourier_status_f32(&self->torque.f32);
 }
 
 static sd_fourier_estimate_t torque_estimate(const sd_ecu_t *self) {
@@ -88,8 +93,8 @@ sd_result_t sd_ecu_init(sd_ecu_t *self, const sd_calibration_t *calibration) {
     const sd_misfire_config_t misfire_config = sd_calibration_misfire(calibration);
     if (sd_crank_init(&crank, &crank_config) != SD_OK) { return SD_ERR_CONFIG; }
     const sd_result_t result = (calibration->parameters.torque_fixed_point > 0.5f)
-                                   ? sd_fourier_init_q31(&torque.q31, &torque_config)
-                                   : sd_fourier_init_f32(&torque.f32, &torque_config);
+                                   ? sd_fourier_init_q31(&torque.q31, &torque_config, &calibration->fourier)
+                                   : sd_fourier_init_f32(&torque.f32, &torque_config, &calibration->fourier);
     if (result != SD_OK) { return result; }
     if (sd_misfire_init(&misfire, &misfire_config) != SD_OK) { return SD_ERR_CONFIG; }
     const bool has_filter = calibration->kalman.positions != 0u;
@@ -221,7 +226,7 @@ static void on_tooth(sd_ecu_t *self, const sd_port_t *port, const sd_tooth_t *to
     self->signals.torque_mass_nm = torque_step(self, tooth);
     self->cycle_position = tooth->cycle_position;
     sd_status_t *status = &self->status[SD_OWNER_TORQUE];
-    *status = torque_estimate(self).status;
+    *status = torque_status(self);
     sd_ecu_worst_of(status, tooth->health, tooth->why);
     self->signals.torque_innovation_j = status->innovation;
     add_to_cycle(self, tooth);

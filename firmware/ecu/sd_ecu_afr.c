@@ -32,7 +32,7 @@ sd_result_t sd_ecu_afr_init(sd_afr_t *afr, const sd_calibration_t *c) {
                                .noise_per_rthz = p->afr_noise, .drift = p->afr_drift, .drift_slow = p->afr_drift_slow,
                                .jump = p->afr_jump, .slow_above = p->afr_slow_above };
     for (uint32_t i = 0; i < c->cylinders; ++i) { config.firing_position[i] = c->firing_position[i]; }
-    return sd_afr_init(afr, &config, &c->afr, c->sine_q31);
+    return sd_afr_init(afr, &config, &c->afr, c->fourier.sine_q31);
 }
 
 sd_balance_config_t sd_ecu_balance_config(const sd_calibration_t *c) {

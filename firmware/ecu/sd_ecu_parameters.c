@@ -20,8 +20,8 @@ static sd_result_t apply_torque(sd_ecu_t *self, uint32_t index) {
     const sd_fourier_config_t config = sd_calibration_torque(&self->calibration);
     if (index == INDEX_OF(torque_tooth_sd_deg)) { return SD_OK; } /* read at the end of each cycle */
     const sd_result_t result = (self->calibration.parameters.torque_fixed_point > 0.5f)
-                                   ? sd_fourier_init_q31(&self->torque.q31, &config)
-                                   : sd_fourier_init_f32(&self->torque.f32, &config);
+                                   ? sd_fourier_init_q31(&self->torque.q31, &config, &self->calibration.fourier)
+                                   : sd_fourier_init_f32(&self->torque.f32, &config, &self->calibration.fourier);
     return (result == SD_OK) ? configure_firings(self) : result;
 }
 

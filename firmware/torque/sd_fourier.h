@@ -36,9 +36,14 @@ typedef struct sd_fourier_config {
     float    tick_hz;          ///< Capture ticks a second, [1e5, 2e8].
     float    speed_base_radps; ///< Highest speed, (0, 2000]; per-unit base of q31.
     float    torque_base_nm;   ///< Highest |coefficient| and |torque|, (0, 20000]; per-unit base of q31.
-    const float   *inertia_kgm2; ///< [positions]: J at half a pitch before each position; each (0, 10].
-    const int32_t *sine_q31;     ///< [2 positions]: sin(pi k / positions) 2^31, saturated; periodic over the cycle.
 } sd_fourier_config_t;
+
+/// Read only, and used where they stand: on a target that is flash. Both variants take the same.
+typedef struct sd_fourier_tables {
+    float   inertia_base_kgm2;                      ///< Largest J, (0, 10].
+    int32_t inertia_q31[SD_FOURIER_POSITIONS_MAX];  ///< [positions]: J half a pitch before each position over the largest, (0, 1], times 2^31, saturated.
+    int32_t sine_q31[2 * SD_FOURIER_POSITIONS_MAX]; ///< [2 positions]: sin(pi k / positions) 2^31, saturated; periodic over the cycle.
+} sd_fourier_tables_t;
 
 /// What the observer knows.
 typedef struct sd_fourier_estimate {
@@ -66,11 +71,10 @@ typedef struct sd_fourier_estimate {
         float    energy_base_j, torque_base_nm, reject_energy;                                                         \
         sd_gain_##N##_t to_energy;                        /* d / base ratio: torque to energy */                       \
         sd_gain_##N##_t gain_energy, gain_coefficient[SD_FOURIER_HARMONICS_MAX + 1];                                   \
-        T inertia[SD_FOURIER_POSITIONS_MAX];              /* J / largest J */                                          \
-        T sine[2 * SD_FOURIER_POSITIONS_MAX];                                                                          \
     } sd_fourier_##N##_t;                                                                                              \
-    /* SD_OK, or SD_ERR_CONFIG with the state untouched. Starts not running. */                                        \
-    sd_result_t sd_fourier_init_##N(sd_fourier_##N##_t *self, const sd_fourier_config_t *config);                      \
+    /* SD_OK, or SD_ERR_CONFIG with the state untouched. Starts not running. The same tables go to every step. */      \
+    sd_result_t sd_fourier_init_##N(sd_fourier_##N##_t *self, const sd_fourier_config_t *config,                       \
+                                    const sd_fourier_tables_t *tables);                                                \
     /* The next step begins anew from its own speed, with zero torque. */                                              \
     void sd_fourier_restart_##N(sd_fourier_##N##_t *self);                                                             \
     /* The cycle angle was off by one revolution: odd harmonics change sign, nothing is forgotten. */                  \
@@ -78,11 +82,15 @@ typedef struct sd_fourier_estimate {
     /* A tooth at cycle_position [0, 2 positions), `advance` (1 to 2 positions) positions and period_ticks after the */\
     /* last one. trusted 0: predict only. A period that no speed in range gives is left out and counted. Returns */    \
     /* the torque at the tooth, Nm, 0 while not running; never NaN. */                                                 \
-    float sd_fourier_step_##N(sd_fourier_##N##_t *self, uint32_t cycle_position, uint32_t advance,                     \
-                              uint32_t period_ticks, uint8_t trusted);                                                 \
+    float sd_fourier_step_##N(sd_fourier_##N##_t *self, const sd_fourier_tables_t *tables, uint32_t cycle_position,    \
+                              uint32_t advance, uint32_t period_ticks, uint8_t trusted);                               \
     /* Estimated torque at any cycle position, Nm. */                                                                  \
-    float sd_fourier_torque_at_##N(const sd_fourier_##N##_t *self, uint32_t cycle_position);                           \
-    void  sd_fourier_read_##N(const sd_fourier_##N##_t *self, sd_fourier_estimate_t *estimate);
+    float sd_fourier_torque_at_##N(const sd_fourier_##N##_t *self, const sd_fourier_tables_t *tables,                  \
+                                   uint32_t cycle_position);                                                           \
+    /* Health and innovation in J, for every tooth. */                                                                 \
+    sd_status_t sd_fourier_status_##N(const sd_fourier_##N##_t *self);                                                 \
+    /* All that is known, for the end of a cycle. */                                                                   \
+    void sd_fourier_read_##N(const sd_fourier_##N##_t *self, sd_fourier_estimate_t *estimate);
 
 SD_FOURIER_DECLARE(f32, float)
 SD_FOURIER_DECLARE(q31, sd_q31_t)

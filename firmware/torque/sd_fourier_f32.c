@@ -3,7 +3,7 @@
 #define T float
 #include "sd_fourier.inc"
 
-_Static_assert(sizeof(sd_fourier_f32_t) == 1644, "without pointers, the same size on every target");
+_Static_assert(sizeof(sd_fourier_f32_t) == 204, "without pointers, the same size on every target");
 
 float sd_fourier_gain_limit(const sd_fourier_config_t *config) {
     const float two_per_pitch = (float)config->positions / 3.14159265f; /* 2 / d */

@@ -3,4 +3,4 @@
 #define T sd_q31_t
 #include "sd_fourier.inc"
 
-_Static_assert(sizeof(sd_fourier_q31_t) == 1704, "without pointers, the same size on every target");
+_Static_assert(sizeof(sd_fourier_q31_t) == 264, "without pointers, the same size on every target");

@@ -49,13 +49,30 @@ void check_starts(const sd_calibration_t &calibration, const EngineFile &engine,
     }
 }
 
+/// J half a pitch before a position, as the Fourier observer takes it.
+double observer_inertia_kgm2(const EngineFile &engine, int k) {
+    const double alpha = engine.position_0_deg * kRadPerDeg + 2 * M_PI * (k - 0.5) / engine.wheel.positions;
+    return double(float(crank_inertia_kgm2(engine, alpha)));
+}
+
+sd_fourier_tables_t fourier_tables(const EngineFile &engine) {
+    sd_fourier_tables_t tables{};
+    const int positions = engine.wheel.positions;
+    for (int k = 0; k < positions; ++k) tables.inertia_base_kgm2 = std::max(tables.inertia_base_kgm2, float(observer_inertia_kgm2(engine, k)));
+    for (int k = 0; k < positions; ++k) {
+        tables.inertia_q31[k] = to_q31(double(float(observer_inertia_kgm2(engine, k)) / tables.inertia_base_kgm2));
+    }
+    for (int k = 0; k < 2 * positions; ++k) tables.sine_q31[k] = to_q31(std::sin(M_PI * k / positions));
+    return tables;
+}
+
 /// The map as the page holds it; empty where it does not exist.
 sd_cylinder_map_t page_map(const EngineFile &engine, const sd_calibration_t &c) {
     sd_cylinder_map_t page{};
     const auto found = cylinder_map(engine, c.parameters);
     if (!found) return page;
     double mean_inertia = 0;
-    for (int k = 0; k < c.positions; ++k) mean_inertia += double(c.inertia_kgm2[k]) / c.positions;
+    for (int k = 0; k < c.positions; ++k) mean_inertia += observer_inertia_kgm2(engine, k) / c.positions;
     page.cylinders = c.cylinders;
     page.harmonics = std::uint8_t(c.parameters.torque_harmonics);
     page.gain_energy = c.parameters.torque_gain_energy_per_rad;
@@ -146,11 +163,7 @@ sd_calibration_t calibrate(const EngineFile &engine, const sd_parameters_t &tune
         const double start = cycle_position(engine, engine.firing_tdc_deg[std::size_t(i)]);
         c.firing_position[i] = std::uint16_t(int(std::ceil(start - 1e-9)) % (2 * positions));
     }
-    for (int k = 0; k < positions; ++k) {
-        const double alpha = engine.position_0_deg * kRadPerDeg + 2 * M_PI * (k - 0.5) / positions;
-        c.inertia_kgm2[k] = float(crank_inertia_kgm2(engine, alpha));
-    }
-    for (int k = 0; k < 2 * positions; ++k) c.sine_q31[k] = to_q31(std::sin(M_PI * k / positions));
+    c.fourier = fourier_tables(engine);
     c.parameters = resolve(engine, tune);
     check_starts(c, engine, tune_name);
     const double radius = observer_radius(engine, c.parameters);

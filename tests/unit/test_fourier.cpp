@@ -41,15 +41,13 @@ constexpr Gains kSmooth{5, 1.0f, 0.3f, 0.05f}, kFast{5, 2.0f, 0.3f, 0.1f}, kFine
 
 /// Owns the tables a configuration points to.
 struct Bench {
-    float inertia[kN];
-    std::int32_t sine[kCycle];
+    sd_fourier_tables_t tables{};
     sd_fourier_config_t config{};
 
     explicit Bench(const Gains &gains, const TorqueSignal &signal = {}) {
-        for (int k = 0; k < kN; ++k) inertia[k] = float(signal.inertia(kPitch * (k - 0.5)));
-        for (int k = 0; k < kCycle; ++k) {
-            sine[k] = std::int32_t(std::clamp(std::sin(M_PI * k / kN) * 2147483648.0, -2147483648.0, 2147483647.0));
-        }
+        for (int k = 0; k < kN; ++k) tables.inertia_base_kgm2 = std::max(tables.inertia_base_kgm2, float(inertia_at(signal, k)));
+        for (int k = 0; k < kN; ++k) tables.inertia_q31[k] = q31(inertia_at(signal, k) / double(tables.inertia_base_kgm2));
+        for (int k = 0; k < kCycle; ++k) tables.sine_q31[k] = q31(std::sin(M_PI * k / kN));
         config.positions = kN;
         config.harmonics = std::uint8_t(gains.harmonics);
         config.gain_energy = gains.energy;
@@ -60,9 +58,9 @@ struct Bench {
         config.tick_hz = float(kTickHz);
         config.speed_base_radps = 800.0f;
         config.torque_base_nm = 1500.0f;
-        config.inertia_kgm2 = inertia;
-        config.sine_q31 = sine;
     }
+    static double inertia_at(const TorqueSignal &signal, int k) { return signal.inertia(kPitch * (k - 0.5)); }
+    static std::int32_t q31(double x) { return std::int32_t(std::clamp(x * 2147483648.0, -2147483648.0, 2147483647.0)); }
 };
 
 bool missing(int k) { return k % kN >= 58; }
@@ -78,7 +76,7 @@ struct Run {
 template <class V> Run run(const TorqueSignal &signal, const Gains &gains, double timer_hz, int cycles = 40) {
     const Bench setup(gains, signal);
     typename V::State s;
-    EXPECT_EQ(SD_OK, V::init(&s, &setup.config));
+    EXPECT_EQ(SD_OK, V::init(&s, &setup.config, &setup.tables));
     const auto times = signal.tooth_times(kN, kCycle * cycles);
     const auto ticks = [&](int k) { return std::llround(std::round(times[std::size_t(k)] * timer_hz) * (kTickHz / timer_hz)); };
     const auto projection = signal.harmonics(gains.harmonics);
@@ -93,7 +91,7 @@ template <class V> Run run(const TorqueSignal &signal, const Gains &gains, doubl
         int teeth = 0;
         for (int k = cycle * kCycle + 1; k <= (cycle + 1) * kCycle; ++k) {
             if (missing(k)) continue;
-            const float torque = V::step(&s, unsigned(k % kCycle), unsigned(k - last), unsigned(ticks(k) - ticks(last)), 1);
+            const float torque = V::step(&s, &setup.tables, unsigned(k % kCycle), unsigned(k - last), unsigned(ticks(k) - ticks(last)), 1);
             last = k;
             ++teeth;
             sum += std::pow(torque - series_at(projection, kPitch * k), 2);
@@ -246,12 +244,13 @@ TEST(GainRule, GainSetsInUseConvergeWithTheGapToo) {
 TEST(CycleMap, OfTheKernelIsTheMapOfTheEquations) {
     for (const Gains &gains : {kSmooth, kFast, kFine}) {
         Bench bench(gains);
-        for (float &j : bench.inertia) j = 0.25f;
+        for (std::int32_t &j : bench.tables.inertia_q31) j = INT32_MAX;
+        bench.tables.inertia_base_kgm2 = 0.25f;
         sd_fourier_f32_t nominal;
-        ASSERT_EQ(SD_OK, sd_fourier_init_f32(&nominal, &bench.config));
+        ASSERT_EQ(SD_OK, sd_fourier_init_f32(&nominal, &bench.config, &bench.tables));
         const Eigen::MatrixXd expected = cycle_map(gains, double(gains.reference), true);
         const unsigned period = unsigned(std::llround(kPitch / 150.0 * kTickHz));
-        sd_fourier_step_f32(&nominal, 0, 1, period, 1);
+        sd_fourier_step_f32(&nominal, &bench.tables, 0, 1, period, 1);
         const int n = 2 * gains.harmonics + 2;
         const double bases = double(nominal.energy_base_j / nominal.torque_base_nm);
         const float energy = nominal.energy;
@@ -263,7 +262,7 @@ TEST(CycleMap, OfTheKernelIsTheMapOfTheEquations) {
                 (column ? s[side].coefficient[column - 1] : s[side].energy) += side ? 1e-3f : -1e-3f;
                 for (int k = 1, last = 0; k <= kCycle; ++k) {
                     if (missing(k)) continue;
-                    sd_fourier_step_f32(&s[side], unsigned(k % kCycle), unsigned(k - last), period, 1);
+                    sd_fourier_step_f32(&s[side], &bench.tables, unsigned(k % kCycle), unsigned(k - last), period, 1);
                     last = k;
                 }
             }
@@ -281,9 +280,9 @@ TYPED_TEST(Fourier, InitRefusesGainsBeyondTheRule) {
     const float limit = sd_fourier_gain_limit(&setup.config);
     typename TypeParam::State s;
     setup.config.gain_reference = 0.98f * limit;
-    EXPECT_EQ(SD_OK, TypeParam::init(&s, &setup.config));
+    EXPECT_EQ(SD_OK, TypeParam::init(&s, &setup.config, &setup.tables));
     setup.config.gain_reference = 1.02f * limit;
-    EXPECT_EQ(SD_ERR_CONFIG, TypeParam::init(&s, &setup.config));
+    EXPECT_EQ(SD_ERR_CONFIG, TypeParam::init(&s, &setup.config, &setup.tables));
 }
 
 TYPED_TEST(Fourier, InitRefusesEveryFieldThatIsNotFinite) {
@@ -297,14 +296,19 @@ TYPED_TEST(Fourier, InitRefusesEveryFieldThatIsNotFinite) {
             setup.config.*field = bad;
             typename TypeParam::State s;
             s.steps = 77;
-            EXPECT_EQ(SD_ERR_CONFIG, TypeParam::init(&s, &setup.config));
+            EXPECT_EQ(SD_ERR_CONFIG, TypeParam::init(&s, &setup.config, &setup.tables));
             EXPECT_EQ(77, s.steps) << "state touched";
         }
     }
     Bench setup(kSmooth);
-    setup.inertia[7] = nan;
     typename TypeParam::State s;
-    EXPECT_EQ(SD_ERR_CONFIG, TypeParam::init(&s, &setup.config));
+    setup.tables.inertia_q31[7] = 0;
+    EXPECT_EQ(SD_ERR_CONFIG, TypeParam::init(&s, &setup.config, &setup.tables));
+    setup = Bench(kSmooth);
+    for (float bad : {nan, 0.0f, 10.1f}) {
+        setup.tables.inertia_base_kgm2 = bad;
+        EXPECT_EQ(SD_ERR_CONFIG, TypeParam::init(&s, &setup.config, &setup.tables));
+    }
 }
 
 TYPED_TEST(Fourier, ReportsConvergenceAndRejectsAnOutlierWithoutMovingTheEstimate) {
@@ -312,7 +316,7 @@ TYPED_TEST(Fourier, ReportsConvergenceAndRejectsAnOutlierWithoutMovingTheEstimat
     Bench setup(kSmooth, signal);
     setup.config.reject_energy = 0.2f;
     typename TypeParam::State s;
-    ASSERT_EQ(SD_OK, TypeParam::init(&s, &setup.config));
+    ASSERT_EQ(SD_OK, TypeParam::init(&s, &setup.config, &setup.tables));
     sd_fourier_estimate_t e;
     TypeParam::read(&s, &e);
     EXPECT_EQ(SD_INVALID, e.status.health);
@@ -320,56 +324,56 @@ TYPED_TEST(Fourier, ReportsConvergenceAndRejectsAnOutlierWithoutMovingTheEstimat
     int last = 0;
     for (int k = 1; k <= kCycle * 10; ++k) {
         if (missing(k)) continue;
-        TypeParam::step(&s, unsigned(k % kCycle), unsigned(k - last),
+        TypeParam::step(&s, &setup.tables, unsigned(k % kCycle), unsigned(k - last),
                         unsigned(std::llround((times[std::size_t(k)] - times[std::size_t(last)]) * kTickHz)), 1);
         last = k;
         TypeParam::read(&s, &e);
         EXPECT_EQ(k < 464 + 16 ? SD_DEGRADED : SD_VALID, e.status.health) << k;
     }
-    const float before = TypeParam::torque_at(&s, 33);
+    const float before = TypeParam::torque_at(&s, &setup.tables, 33);
     const unsigned period = unsigned(std::llround((times[1100] - times[1099]) * kTickHz));
-    TypeParam::step(&s, 1, 1, period * 2, 1);
+    TypeParam::step(&s, &setup.tables, 1, 1, period * 2, 1);
     TypeParam::read(&s, &e);
     EXPECT_EQ(SD_DEGRADED, e.status.health);
     EXPECT_EQ(SD_WHY_REJECTED, e.status.why);
     EXPECT_GT(e.status.test_ratio, 1.0f);
     EXPECT_EQ(1, e.status.rejected);
-    EXPECT_EQ(before, TypeParam::torque_at(&s, 33));
+    EXPECT_EQ(before, TypeParam::torque_at(&s, &setup.tables, 33));
 }
 
 TYPED_TEST(Fourier, SurvivesEveryTickCountAndPosition) {
     Bench setup(kSmooth);
     typename TypeParam::State s;
-    ASSERT_EQ(SD_OK, TypeParam::init(&s, &setup.config));
+    ASSERT_EQ(SD_OK, TypeParam::init(&s, &setup.config, &setup.tables));
     std::uint32_t x = 1;
     for (int k = 0; k < 200000; ++k) {
         x = x * 1664525u + 1013904223u;
         const std::uint32_t period = (x >> 30) == 0 ? 0 : (x >> (x & 31u));
-        const float torque = TypeParam::step(&s, (x >> 8) % 130, (x >> 4) % 9, period, std::uint8_t(x >> 31));
+        const float torque = TypeParam::step(&s, &setup.tables, (x >> 8) % 130, (x >> 4) % 9, period, std::uint8_t(x >> 31));
         ASSERT_TRUE(std::isfinite(torque)) << k;
         ASSERT_LE(std::fabs(torque), 1500.0f) << k;
     }
     sd_fourier_estimate_t e;
     TypeParam::read(&s, &e);
     for (float c : e.coefficient_nm) EXPECT_TRUE(std::isfinite(c));
-    EXPECT_EQ(0.0f, TypeParam::torque_at(&s, kCycle));
+    EXPECT_EQ(0.0f, TypeParam::torque_at(&s, &setup.tables, kCycle));
 }
 
 TYPED_TEST(Fourier, ShiftByARevolutionMovesTheWaveformByARevolution) {
     TorqueSignal signal;
     const Bench setup(kFine, signal);
     typename TypeParam::State s;
-    ASSERT_EQ(SD_OK, TypeParam::init(&s, &setup.config));
+    ASSERT_EQ(SD_OK, TypeParam::init(&s, &setup.config, &setup.tables));
     const auto times = signal.tooth_times(kN, kCycle * 6);
     for (int k = 1; k <= kCycle * 6; ++k) {
-        TypeParam::step(&s, unsigned(k % kCycle), 1, unsigned(std::llround((times[std::size_t(k)] - times[std::size_t(k - 1)]) * kTickHz)), 1);
+        TypeParam::step(&s, &setup.tables, unsigned(k % kCycle), 1, unsigned(std::llround((times[std::size_t(k)] - times[std::size_t(k - 1)]) * kTickHz)), 1);
     }
     float before[kCycle], largest_change = 0;
-    for (unsigned k = 0; k < kCycle; ++k) before[k] = TypeParam::torque_at(&s, k);
+    for (unsigned k = 0; k < kCycle; ++k) before[k] = TypeParam::torque_at(&s, &setup.tables, k);
     TypeParam::shift(&s);
     for (unsigned k = 0; k < kCycle; ++k) {
-        EXPECT_NEAR(before[k], TypeParam::torque_at(&s, (k + kN) % kCycle), 1e-3);
-        largest_change = std::fmax(largest_change, std::fabs(before[k] - TypeParam::torque_at(&s, k)));
+        EXPECT_NEAR(before[k], TypeParam::torque_at(&s, &setup.tables, (k + kN) % kCycle), 1e-3);
+        largest_change = std::fmax(largest_change, std::fabs(before[k] - TypeParam::torque_at(&s, &setup.tables, k)));
     }
     EXPECT_GT(largest_change, 10) << "cylinders 1 and 4 differ by 30 %, so a shift must show";
 }
@@ -378,16 +382,16 @@ TEST(FourierDuality, Q31TracksF32OverARoughTrace) {
     const Bench setup(kFine);
     sd_fourier_f32_t a;
     sd_fourier_q31_t b;
-    ASSERT_EQ(SD_OK, sd_fourier_init_f32(&a, &setup.config));
-    ASSERT_EQ(SD_OK, sd_fourier_init_q31(&b, &setup.config));
+    ASSERT_EQ(SD_OK, sd_fourier_init_f32(&a, &setup.config, &setup.tables));
+    ASSERT_EQ(SD_OK, sd_fourier_init_q31(&b, &setup.config, &setup.tables));
     double worst = 0, largest = 0;
     std::uint32_t x = 7;
     for (int k = 1; k < 40000; ++k) {
         x = x * 1664525u + 1013904223u;
         const double rpm = 2500 + 1500 * std::sin(k * 1e-3) + 25 * std::sin(k * kPitch * 2) + 2 * (double(x >> 8) / (1 << 24) - 0.5);
         const unsigned period = unsigned(std::llround(kPitch / (rpm * M_PI / 30) * kTickHz));
-        const float ta = sd_fourier_step_f32(&a, unsigned(k % kCycle), 1, period, 1);
-        const float tb = sd_fourier_step_q31(&b, unsigned(k % kCycle), 1, period, 1);
+        const float ta = sd_fourier_step_f32(&a, &setup.tables, unsigned(k % kCycle), 1, period, 1);
+        const float tb = sd_fourier_step_q31(&b, &setup.tables, unsigned(k % kCycle), 1, period, 1);
         worst = std::fmax(worst, std::fabs(double(ta - tb)));
         largest = std::fmax(largest, std::fabs(double(ta)));
     }

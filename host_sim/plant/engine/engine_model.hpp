@@ -80,8 +80,7 @@ struct StepTables {
     StepTables(const PlantEngine &engine, const std::vector<CylinderSpread> &spread, double step_deg);
     int steps; ///< A cycle.
     double step_rad;
-    int width; ///< Columns: cylinders, rounded up to an even number (an idle column has volume 1 and slope
-               ///< 0).
+    int width; ///< Columns: cylinders.
     std::vector<double> volume, volume_slope, wall; ///< [2 steps][width]; wall = area sqrt(volume).
     std::vector<double> volume_slope_sum;           ///< [2 steps], over cylinders.
     std::vector<double> inertia;                    ///< [2 steps], driveline included when it is rigid.
@@ -124,46 +123,47 @@ class EngineModel {
     const CycleTruth &finished(int lane) const { return finished_[std::size_t(lane)]; }
     /// Of one cylinder, `lane` an index into firing_order, at the angle just reached. Work counts from the
     /// last event `exchange`, heat from the last intake_close.
-    double pressure_pa(int lane) const { return state_.p[lane]; }
+    double pressure_pa(int lane) const { return state_.p[lane][0]; }
     double trapped_kg(int lane) const { return mass_[std::size_t(lane)]; }
-    double heat_lost_j(int lane) const { return state_.wall[lane]; }
+    double heat_lost_j(int lane) const { return state_.wall[lane][0]; }
     double heat_released_j(int lane) const { return released_[std::size_t(lane)]; }
-    double work_j(int lane) const { return state_.work[lane]; }
+    double work_j(int lane) const { return state_.work[lane][0]; }
     double heat_rate_jprad(int lane) const { return heat_[0][lane]; }
     /// Gas torque of one cylinder at the angle just reached, N m.
-    double gas_torque_nm(int lane) const { return slope_.work[lane] - crankcase_pa_ * slope_volume(lane); }
+    double gas_torque_nm(int lane) const { return slope_.work[lane][0] - crankcase_pa_ * slope_volume(lane); }
     const StepTables &tables() const { return tables_; }
     int step_in_cycle() const { return step_; }
     std::int64_t cycle() const { return cycle_; }
     /// Kinetic energy of the crank (with a dual-mass flywheel: of its primary side), J.
-    double energy_j() const { return state_.energy; }
+    double energy_j() const { return state_.crank.energy; }
     /// Dual-mass flywheel: how far the crank is ahead of the secondary mass, rad, and the secondary's speed.
-    double flywheel_twist_rad() const { return state_.twist; }
-    double secondary_speed_radps() const { return state_.secondary; }
+    double flywheel_twist_rad() const { return state_.crank.twist; }
+    double secondary_speed_radps() const { return state_.crank.secondary; }
 
   private:
-    static constexpr int kLanes = 2 * kMaxCylinders; // fired cylinders first, then their motored twins
-    struct State {
-        double p[kLanes], work[kLanes], wall[kLanes];
+    /// A fired cylinder and its motored twin, side by side in one machine vector.
+    typedef double Twins __attribute__((vector_size(2 * sizeof(double))));
+    struct Motion {
         double energy, time, twist, secondary;
     };
+    struct State {
+        Twins p[kMaxCylinders], work[kMaxCylinders], wall[kMaxCylinders]; // by lane
+        Motion crank;
+    };
     struct Totals { // of one evaluation, for truth
-        double gas, load, speed;
+        double fired, motored, gas, load, speed;
     };
 
-    // W is tables_.width, known to the compiler so that it unrolls and vectorises.
-    template <int W> bool step_width();
-    template <int W>
     void evaluate(int half, const State &at, const double *heat, State &slope, Totals &totals) const;
-    template <int W>
-    void cylinders(int half, const State &at, const double *heat, double inv_speed, State &slope) const;
-    template <int W> void add(const State &base, double h, const State &slope, State &sum) const;
-    template <int W> void commit(const State &k2, const State &k3, const State &k4);
+    void shut_cylinder(int half, int lane, double inv_speed, double heat, const State &at, State &slope) const;
+    void add(const State &base, double h, const State &slope, State &sum) const;
+    void commit(const State &k2, const State &k3, const State &k4);
+    void sort_lanes();
     void evaluate_here();
     void heat_rates(int half, double *rates) const;
-    bool stands_still(const State &at) const;
+    bool stands_still(const Motion &at) const;
     void take_events();
-    double speed_at(int half, const State &at) const;
+    double speed_at(int half, const Motion &at) const;
     void apply(const Event &event);
     void finish_cycle(int lane);
     void update_truth();
@@ -172,6 +172,7 @@ class EngineModel {
     }
     double volume(int lane) const { return tables_.volume[std::size_t(2 * step_ * tables_.width + lane)]; }
     double theta(int half, int lane) const;
+    double work_of_fuel_j(int lane) const { return state_.work[lane][0] - state_.work[lane][1]; }
 
     StepTables tables_;
     int n_;
@@ -189,10 +190,12 @@ class EngineModel {
     std::size_t first_event_ = 0, next_event_ = 0; ///< Of those at this step.
     State state_{}, slope_{};
     Totals totals_{};
-    double heat_[3][kLanes] = {}; // rates at start, middle and end of the step; twins stay at zero
+    double heat_[3][kMaxCylinders] = {}; // rates at start, middle and end of the step; of open lanes zero
     // Per lane, for both twins alike.
-    double closed_[kLanes] = {}, open_[kLanes] = {}, manifold_[kLanes] = {};
-    double inverse_mr_[kLanes] = {}, wall_gain_[kLanes] = {};
+    bool shut_[kMaxCylinders] = {};
+    double manifold_[kMaxCylinders] = {}, inverse_mr_[kMaxCylinders] = {}, wall_gain_[kMaxCylinders] = {};
+    int lanes_[kMaxCylinders] = {}; // those with shut valves first
+    int shut_count_ = 0;
     std::array<double, kMaxCylinders> intake_pa_{}, mass_{};
     std::array<bool, kMaxCylinders> inhaling_{}; // from the exchange to intake closing
     std::array<std::array<WiebePulse, 2>, kMaxCylinders> burning_{};

@@ -34,7 +34,7 @@ std::vector<Event> events_of(const PlantEngine &engine, const StepTables &tables
 
 StepTables::StepTables(const PlantEngine &engine, const std::vector<CylinderSpread> &spread, double step_deg)
     : steps(int(std::lround(720 / step_deg))), step_rad(4 * kPi / steps),
-      width((engine.shared.cylinders() + 1) / 2 * 2) {
+      width(engine.shared.cylinders()) {
     const int n = engine.shared.cylinders(), points = 2 * steps;
     for (double deg : engine.shared.firing_tdc_deg) tdc_rad.push_back(deg * kRadPerDeg);
     const double constant =

@@ -1,0 +1,164 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""Instructions and bytes of the firmware on an emulated core (docs/budget.md).
+
+    tests/budget/budget.py                 builds, replays the golden runs on a Cortex-M7, prints the figures beside the kept ones
+    tests/budget/budget.py --update        and keeps them
+    tests/budget/budget.py --run smooth --functions   every function of one run, by class of tooth
+
+Ends with 1 when a figure is more than 2 % above the kept one, or so far below that the kept one guards nothing, or when the
+target says anything else than the host.
+"""
+import argparse
+import collections
+import csv
+import pathlib
+import subprocess
+import sys
+import tomllib
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+HERE = pathlib.Path(__file__).resolve().parent
+KEPT = HERE / "figures.toml"
+PLAN = tomllib.loads((HERE / "budget.toml").read_text())
+BOARD = {"cortex-m7": "mps2-an500", "cortex-m4f": "mps2-an386", "cortex-m3": "mps2-an385"}
+PAGE_AT, EVENTS_AT = 0x00200000, 0x20200000  # target/board.h
+MORE, LESS = 1.02, 0.90  # of the kept figure
+
+Counts = collections.namedtuple("Counts", "events calls total most")
+
+
+def build(core):
+    """The programs, where anything changed; quiet when all is well."""
+    for preset, targets in (("host", ["budget_input", "budget_plugin"]), (core, ["budget_ecu"])):
+        done = subprocess.run([ROOT / "tools" / "build", preset] + targets, capture_output=True, text=True)
+        if done.returncode != 0:
+            raise SystemExit(done.stdout[-4000:] + done.stderr[-2000:])
+
+
+def words(text):
+    """Lines "NAME HEX" as numbers."""
+    return {name: int(value, 16) for name, value in (line.split() for line in text.splitlines() if len(line.split()) == 2)}
+
+
+class Run:
+    """One golden run on host and target: said (by name), sizes (by symbol) and counts (by group or function, and class)."""
+
+    def __init__(self, name, core):
+        self.folder = ROOT / "build" / "budget" / core
+        self.folder.mkdir(parents=True, exist_ok=True)
+        self.name, self.image = name, ROOT / "build" / core / "tests" / "budget" / "target" / "budget_ecu"
+        page, events, counts = (self.folder / f"{name}.{end}" for end in ("page", "events", "csv"))
+        host = subprocess.run([ROOT / "build/host/tests/budget/budget_input", ROOT / f"tests/golden/{name}.run", page, events],
+                              capture_output=True, text=True)
+        if host.returncode != 0:
+            raise SystemExit(host.stderr)
+        self.sizes = self.symbols()
+        plugin = ROOT / "build/host/tests/budget/libbudget_plugin.so"
+        target = subprocess.run(
+            ["qemu-system-arm", "-M", BOARD[core], "-display", "none", "-monitor", "none", "-serial", "none",
+             "-semihosting-config", "enable=on,target=native", "-kernel", self.image,
+             "-device", f"loader,file={page},addr={PAGE_AT:#x},force-raw=on", "-device", f"loader,file={events},addr={EVENTS_AT:#x},force-raw=on",
+             "-plugin", f"{plugin},symbols={self.folder}/symbols,groups={self.folder}/groups,out={counts}"],
+            capture_output=True, text=True, timeout=600)
+        if target.returncode != 0:
+            raise SystemExit(f"{name}: the target ended with {target.returncode}: {target.stdout}{target.stderr}")
+        mine, its = words(host.stdout), words(target.stderr + target.stdout)
+        self.same = mine.pop("hash") == its.pop("hash")
+        self.said = mine | its | {"ram": self.ram(its)}
+        self.counts = {(row["name"], PLAN["classes"][int(row["class"])]): Counts(*(int(row[key]) for key in Counts._fields))
+                       for row in csv.DictReader(counts.open())}
+
+    def symbols(self):
+        """Writes what the plugin reads; returns the sizes of the image's variables, and of code and constants."""
+        (self.folder / "groups").write_text("".join(f"{group} {function}\n" for group, of in PLAN["groups"].items() for function in of))
+        text = subprocess.run(["arm-none-eabi-nm", "-S", self.image], capture_output=True, text=True, check=True).stdout
+        (self.folder / "symbols").write_text(text)
+        rows = [line.split() for line in text.splitlines()]
+        rows = [row for row in rows if len(row) == 4]
+        code = sum(int(row[1], 16) for row in rows if row[2] in "tTwWrR")
+        return {row[3]: int(row[1], 16) for row in rows if row[2] in "bBdD"} | {"code": code}
+
+    def ram(self, said):
+        """State, what of the page stands in RAM, and the deeper stack."""
+        return self.sizes["ecu"] + self.sizes.get("page", 0) + max(said["stack_init"], said["stack_run"])
+
+    def figure(self, plan):
+        """None: nothing of the kind has run."""
+        if "of" in plan:
+            return self.said.get(plan["of"], self.sizes.get(plan["of"]))
+        classes = PLAN.get(plan["classes"], [plan["classes"]])
+        counts = [self.counts[plan["group"], c] for c in classes if (plan["group"], c) in self.counts]
+        if not counts:
+            return None
+        if plan.get("worst"):
+            return max(count.most for count in counts)
+        return round(sum(count.total for count in counts) / sum(count.events for count in counts))
+
+    def functions(self):
+        """Every group and function by class: calls an event, mean and worst of an event."""
+        print(f"{'':32}{'class':>12}{'events':>8}{'calls':>7}{'mean':>9}{'worst':>8}")
+        for (name, event_class), count in sorted(self.counts.items()):
+            print(f"{name:32}{event_class:>12}{count.events:8}{count.calls / count.events:7.1f}{count.total / count.events:9.0f}{count.most:8}")
+
+
+def verdict(figure, kept):
+    if figure is None:
+        return "missing"
+    if kept is None:
+        return "new"
+    if figure > MORE * kept:
+        return "MORE"
+    return "LESS: --update" if figure < LESS * kept else "ok"
+
+
+def report(runs, kept):
+    """Prints the table; returns the figures by name, and what is wrong."""
+    figures, wrong = {}, [f"{run.name}: the target says other bits than the host" for run in runs.values() if not run.same]
+    print(f"{'':38}{'run':>10}{'now':>10}{'kept':>10}{'goal':>8}")
+    for plan in PLAN["figure"]:
+        if plan["run"] not in runs:
+            continue
+        name, value = plan["name"], runs[plan["run"]].figure(plan)
+        judged = verdict(value, kept.get(name))
+        figures[name] = value
+        cells = ["-" if cell is None else str(cell) for cell in (value, kept.get(name), plan.get("goal"))]
+        print(f"{name:38}{plan['run']:>10}{cells[0]:>10}{cells[1]:>10}{cells[2]:>8}  {judged}")
+        if judged not in ("ok", "new"):
+            wrong.append(f"{name}: {judged}")
+    print("host and target " + ("say the same, to the bit, in " + ", ".join(run.name for run in runs.values() if run.same)))
+    return figures, wrong
+
+
+def keep(figures):
+    lines = ["# SPDX-License-Identifier: MIT", "# Written by tests/budget/budget.py --update: instructions of an event, bytes.", ""]
+    KEPT.write_text("\n".join(lines + [f'"{name}" = {value}' for name, value in figures.items() if value is not None]) + "\n")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--run", action="append", choices=PLAN["runs"], help="of this run only; may be given again")
+    parser.add_argument("--core", default="cortex-m7", choices=BOARD, help="kept figures are the Cortex-M7's")
+    parser.add_argument("--functions", action="store_true", help="print every function by class instead")
+    parser.add_argument("--update", action="store_true", help="keep the figures as they are now")
+    parser.add_argument("--no-build", action="store_true", help="all is built")
+    arguments = parser.parse_args()
+    if not arguments.no_build:
+        build(arguments.core)
+    runs = {name: Run(name, arguments.core) for name in arguments.run or PLAN["runs"]}
+    if arguments.functions:
+        for run in runs.values():
+            run.functions()
+        return 0
+    kept = tomllib.loads(KEPT.read_text()) if KEPT.exists() and arguments.core == "cortex-m7" else {}
+    figures, wrong = report(runs, kept)
+    if arguments.update:
+        keep(kept | figures)
+        return 0
+    for line in wrong:
+        print(line)
+    return 1 if wrong else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,244 @@
+/* SPDX-License-Identifier: MIT */
+/* A QEMU plugin that counts the instructions of every function, callees included, by class of event (docs/budget.md).
+ *
+ *   -plugin libbudget_plugin.so,symbols=NM.txt,groups=GROUPS.txt,out=FILE.csv
+ *
+ * NM.txt is what `nm -S` says of the image, GROUPS.txt has lines "group function". A group counts while any of its functions
+ * is under way, so a function that calls another one of its group counts once. An event ends with a call of budget_class_N,
+ * which says what class it was. Written for the plugin interface 1 of QEMU 7.2, whose header Debian does not package. */
+#include <stdbool.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define EXPORT __attribute__((visibility("default")))
+typedef uint64_t plugin_id_t;
+struct qemu_plugin_tb;
+struct qemu_plugin_insn;
+void qemu_plugin_register_vcpu_tb_trans_cb(plugin_id_t id, void (*translated)(plugin_id_t, struct qemu_plugin_tb *));
+void qemu_plugin_register_vcpu_insn_exec_cb(struct qemu_plugin_insn *insn, void (*run)(unsigned, void *), int flags, void *user);
+void qemu_plugin_register_atexit_cb(plugin_id_t id, void (*ended)(plugin_id_t, void *), void *user);
+size_t qemu_plugin_tb_n_insns(const struct qemu_plugin_tb *tb);
+struct qemu_plugin_insn *qemu_plugin_tb_get_insn(const struct qemu_plugin_tb *tb, size_t index);
+uint64_t qemu_plugin_insn_vaddr(const struct qemu_plugin_insn *insn);
+size_t qemu_plugin_insn_size(const struct qemu_plugin_insn *insn);
+const void *qemu_plugin_insn_data(const struct qemu_plugin_insn *insn);
+EXPORT int qemu_plugin_version = 1;
+
+enum { CLASSES = 24, ITEMS_MAX = 4096, DEPTH_MAX = 256, CODE_BYTES = 4 << 20, NAME_MAX_BYTES = 96, NONE = -1 };
+
+/* A function or a group of them. */
+typedef struct item {
+    char name[NAME_MAX_BYTES];
+    uint64_t started; /* Count when the outermost call began. */
+    int open;         /* Calls under way. */
+    uint64_t event_calls, event_count; /* In the event under way. */
+    struct { uint64_t events, calls, total, most; } of[CLASSES];
+} item_t;
+
+typedef struct function {
+    uint32_t first, end; /* Addresses. */
+    int item, group;     /* Indices; NONE. */
+    int event_class;     /* Of budget_class_N; NONE. */
+} function_t;
+
+typedef struct instruction {
+    uint32_t pc, after;
+    bool is_call;
+    int entry, within; /* Function that begins here, function it is of; NONE. */
+} instruction_t;
+
+static item_t items[ITEMS_MAX];
+static function_t functions[ITEMS_MAX];
+static int item_count, group_count, function_count;
+static instruction_t *code[CODE_BYTES / 2];
+static struct { int function; uint32_t back; } stack[DEPTH_MAX];
+static int depth;
+static uint64_t executed;
+static const instruction_t *before;
+static char out_name[512];
+
+/* ---- calls ----------------------------------------------------------------------------------------------------- */
+
+static void open_item(int index) {
+    if (index == NONE) { return; }
+    item_t *item = &items[index];
+    if (item->open++ == 0) { item->started = executed; }
+    item->event_calls++;
+}
+
+static void close_item(int index) {
+    if (index == NONE) { return; }
+    item_t *item = &items[index];
+    if (--item->open == 0) { item->event_count += executed - item->started; }
+}
+
+static void enter(int function, uint32_t back) {
+    if (depth == DEPTH_MAX) { fprintf(stderr, "budget plugin: calls nest too deep\n"); exit(1); }
+    stack[depth].function = function;
+    stack[depth++].back = back;
+    if (function == NONE) { return; }
+    open_item(functions[function].item);
+    open_item(functions[function].group);
+}
+
+static void leave(void) {
+    const int function = stack[--depth].function;
+    if (function == NONE) { return; }
+    close_item(functions[function].item);
+    close_item(functions[function].group);
+}
+
+static void end_event(int event_class) {
+    for (int i = 0; i < item_count; i++) {
+        item_t *item = &items[i];
+        if (item->event_calls == 0) { continue; }
+        item->of[event_class].events++;
+        item->of[event_class].calls += item->event_calls;
+        item->of[event_class].total += item->event_count;
+        if (item->event_count > item->of[event_class].most) { item->of[event_class].most = item->event_count; }
+        item->event_calls = item->event_count = 0;
+    }
+}
+
+/* A jump to the begin of another function is a call that returns to where the present one does. A call may also go to what
+ * has no symbol of its own, as in the compiler's library. */
+static void on_instruction(unsigned cpu, void *user) {
+    (void)cpu;
+    const instruction_t *now = user;
+    while (depth > 0 && stack[depth - 1].back == now->pc) { leave(); }
+    if (before != NULL) {
+        const bool begins = now->entry != NONE;
+        if (before->is_call && now->pc != before->after) { enter(now->entry, before->after); }
+        else if (begins && before->within != now->entry && depth > 0) { enter(now->entry, stack[depth - 1].back); }
+        if (begins && functions[now->entry].event_class != NONE) { end_event(functions[now->entry].event_class); }
+    }
+    executed++;
+    before = now;
+}
+
+/* ---- code ------------------------------------------------------------------------------------------------------ */
+
+static int function_at(uint32_t pc) {
+    for (int i = 0; i < function_count; i++) {
+        if (pc >= functions[i].first && pc < functions[i].end) { return i; }
+    }
+    return NONE;
+}
+
+/* BLX register, or the long BL. */
+static bool calls(const void *bytes, size_t size) {
+    uint16_t half[2] = { 0, 0 };
+    memcpy(half, bytes, size);
+    if (size == 2) { return (half[0] & 0xff87u) == 0x4780u; }
+    return (half[0] & 0xf800u) == 0xf000u && (half[1] & 0xd000u) == 0xd000u;
+}
+
+static instruction_t *instruction_of(const struct qemu_plugin_insn *insn) {
+    const uint32_t pc = (uint32_t)qemu_plugin_insn_vaddr(insn);
+    if (pc >= CODE_BYTES) { fprintf(stderr, "budget plugin: code outside the ROM\n"); exit(1); }
+    if (code[pc / 2] == NULL) {
+        const size_t size = qemu_plugin_insn_size(insn);
+        const int within = function_at(pc);
+        instruction_t *made = calloc(1, sizeof *made);
+        *made = (instruction_t){ .pc = pc, .after = pc + (uint32_t)size, .is_call = calls(qemu_plugin_insn_data(insn), size),
+                                 .within = within, .entry = (within != NONE && functions[within].first == pc) ? within : NONE };
+        code[pc / 2] = made;
+    }
+    return code[pc / 2];
+}
+
+static void on_translation(plugin_id_t id, struct qemu_plugin_tb *tb) {
+    (void)id;
+    const size_t count = qemu_plugin_tb_n_insns(tb);
+    for (size_t i = 0; i < count; i++) {
+        struct qemu_plugin_insn *insn = qemu_plugin_tb_get_insn(tb, i);
+        qemu_plugin_register_vcpu_insn_exec_cb(insn, on_instruction, 0, instruction_of(insn));
+    }
+}
+
+/* ---- files ----------------------------------------------------------------------------------------------------- */
+
+static FILE *open_file(const char *name, const char *mode) {
+    FILE *file = (name != NULL) ? fopen(name, mode) : NULL;
+    if (file == NULL) { fprintf(stderr, "budget plugin: %s cannot be opened\n", (name != NULL) ? name : "a file not named"); exit(1); }
+    return file;
+}
+
+/* The one of that name between two indices, or a new one. */
+static int item_named(const char *name, int from, int to) {
+    for (int i = from; i < to; i++) {
+        if (strcmp(items[i].name, name) == 0) { return i; }
+    }
+    if (item_count == ITEMS_MAX) { fprintf(stderr, "budget plugin: too many functions\n"); exit(1); }
+    snprintf(items[item_count].name, NAME_MAX_BYTES, "%s", name);
+    return item_count++;
+}
+
+static struct { char function[NAME_MAX_BYTES]; int group; } members[ITEMS_MAX];
+static int member_count;
+
+static void read_groups(const char *name) {
+    FILE *file = open_file(name, "r");
+    char group[NAME_MAX_BYTES];
+    while (member_count < ITEMS_MAX && fscanf(file, "%95s %95s", group, members[member_count].function) == 2) {
+        members[member_count++].group = item_named(group, 0, item_count);
+    }
+    fclose(file);
+    group_count = item_count;
+}
+
+static int group_of(const char *function) {
+    for (int i = 0; i < member_count; i++) {
+        if (strcmp(members[i].function, function) == 0) { return members[i].group; }
+    }
+    return NONE;
+}
+
+/* Clones that the compiler makes, name.part.0 and the like, are the function they come from. */
+static void read_symbols(const char *name) {
+    FILE *file = open_file(name, "r");
+    char line[256], symbol[NAME_MAX_BYTES], type;
+    unsigned address, size;
+    while (fgets(line, sizeof line, file) != NULL && function_count < ITEMS_MAX) {
+        if (sscanf(line, "%x %x %c %95s", &address, &size, &type, symbol) != 4 || strchr("tTwW", type) == NULL) { continue; }
+        symbol[strcspn(symbol, ".")] = 0;
+        function_t *function = &functions[function_count++];
+        *function = (function_t){ .first = address & ~1u, .end = (address & ~1u) + size, .event_class = NONE };
+        function->item = item_named(symbol, group_count, item_count);
+        function->group = group_of(symbol);
+        if (sscanf(symbol, "budget_class_%d", &function->event_class) == 1 && function->event_class >= CLASSES) { exit(1); }
+    }
+    fclose(file);
+}
+
+static void write_counts(plugin_id_t id, void *user) {
+    (void)id, (void)user;
+    FILE *file = open_file(out_name, "w");
+    fprintf(file, "kind,name,class,events,calls,total,most\n");
+    for (int i = 0; i < item_count; i++) {
+        for (int c = 0; c < CLASSES; c++) {
+            if (items[i].of[c].events == 0) { continue; }
+            fprintf(file, "%s,%s,%d,%llu,%llu,%llu,%llu\n", (i < group_count) ? "group" : "function", items[i].name, c,
+                    (unsigned long long)items[i].of[c].events, (unsigned long long)items[i].of[c].calls,
+                    (unsigned long long)items[i].of[c].total, (unsigned long long)items[i].of[c].most);
+        }
+    }
+    fclose(file);
+}
+
+EXPORT int qemu_plugin_install(plugin_id_t id, const void *info, int count, char **arguments) {
+    (void)info;
+    const char *symbols = NULL, *groups = NULL;
+    for (int i = 0; i < count; i++) {
+        if (strncmp(arguments[i], "symbols=", 8) == 0) { symbols = arguments[i] + 8; }
+        if (strncmp(arguments[i], "groups=", 7) == 0) { groups = arguments[i] + 7; }
+        if (strncmp(arguments[i], "out=", 4) == 0) { snprintf(out_name, sizeof out_name, "%s", arguments[i] + 4); }
+    }
+    read_groups(groups);
+    read_symbols(symbols);
+    qemu_plugin_register_vcpu_tb_trans_cb(id, on_translation);
+    qemu_plugin_register_atexit_cb(id, write_counts, NULL);
+    return 0;
+}

@@ -15,6 +15,7 @@
 
 #include "design/calibration.hpp"
 #include "cli/commands.hpp"
+#include "cli/output_folder.hpp"
 #include "cli/run_figures.hpp"
 #include "cli/tune_options.hpp"
 #include "common/error.hpp"
@@ -246,7 +247,7 @@ void add_options(CLI::App *command, const std::shared_ptr<Options> &options) {
     command->add_option("--number", options->number, "f32 or q31")->check(CLI::IsMember({"f32", "q31"}));
     command->add_option("--seed", options->seed, "instead of the scenario's")
         ->check(CLI::Range(std::uint64_t(0), std::uint64_t(1) << 52));
-    command->add_option("--out", options->out, "folder for summary.json, teeth.csv and cycles.csv");
+    add_output_folder(command, options->out, "folder for summary.json, teeth.csv and cycles.csv");
     command->add_option("--json", options->json, "the summary alone");
     command->add_option("--learned", options->learned, "what was learned before, or a scenario whose fuel cut is learned from first (by each calibration for itself); not over a bus");
     command->add_option("--learn", options->learn, "where the tooth pattern goes at the end of the run; not over a bus");

@@ -69,14 +69,19 @@ struct LogWriter::File {
 
     void flush() {
         sha.add(waiting);
-        out.write(waiting.data(), std::streamsize(waiting.size()));
+        write(waiting);
         waiting.clear();
+    }
+    void write(std::string_view bytes) {
+        if (is_standard_output(path)) write_standard_output(bytes);
+        else out.write(bytes.data(), std::streamsize(bytes.size()));
     }
     [[noreturn]] void fail() const { throw InputError(path.string(), "", "cannot be written"); }
 };
 
 LogWriter::LogWriter(fs::path path, const std::string &about, const sd_calibration_t &calibration)
     : file_(new File{path, path.string() + ".partial", {}, header(about, calibration), {}}) {
+    if (is_standard_output(path)) return;
     std::error_code ec;
     if (path.has_parent_path()) fs::create_directories(path.parent_path(), ec);
     file_->out.open(file_->partial, std::ios::binary);
@@ -87,7 +92,7 @@ LogWriter::LogWriter(fs::path path, const std::string &about, const sd_calibrati
 }
 
 LogWriter::~LogWriter() {
-    if (!file_) return;
+    if (!file_ || is_standard_output(file_->path)) return;
     file_->out.close();
     std::error_code ec;
     fs::remove(file_->partial, ec);
@@ -105,7 +110,8 @@ void LogWriter::add(bool out, const sd_event_t &event) {
 
 void LogWriter::finish() {
     file_->flush();
-    file_->out << file_->sha.digest();
+    file_->write(file_->sha.digest());
+    if (is_standard_output(file_->path)) return file_.reset();
     file_->out.close();
     std::error_code ec;
     if (file_->out) fs::rename(file_->partial, file_->path, ec);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// sixdeg misfire-trips: false decisions of the misfire monitor in so many trips of a healthy engine.
+// sixdeg study trips: false decisions of the misfire monitor in so many trips of a healthy engine.
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
@@ -78,9 +78,9 @@ void run(const Options &options) {
 
 } // namespace
 
-void add_misfire_trips(CLI::App &app) {
+void add_study_trips(CLI::App &study) {
     auto options = std::make_shared<Options>();
-    CLI::App *command = app.add_subcommand("misfire-trips", "false decisions of the misfire monitor in many trips of a healthy engine");
+    CLI::App *command = study.add_subcommand("trips", "false decisions of the misfire monitor in many trips of a healthy engine");
     command->add_option("SUMMARY", options->summary, "summary.json of a run with misfires (docs/misfire.md)")->required();
     command->add_option("--trips", options->trips, "how many")->check(CLI::Range(std::uint64_t(1), std::uint64_t(10000000)));
     command->add_option("--revolutions", options->revolutions, "of a trip")->check(CLI::Range(std::uint64_t(10), std::uint64_t(10000000)));

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
-// Prints how many times faster than real time the simulated engine runs at 1500 rpm. Nothing is asserted.
+// How many times faster than real time the simulated engine runs at 1500 rpm.
 #include <benchmark/benchmark.h>
 #include <string>
 
+#include "cli/bench.hpp"
 #include "plant/scenario/plant.hpp"
 #include "plant/sensors/edge_generator.hpp"
 
-using namespace sixdeg;
-
+namespace sixdeg {
 namespace {
 
 constexpr double kSimulated = 20; // s a repetition
@@ -17,7 +17,7 @@ Scenario scenario(const std::string &engine) {
                                "\"\n[run]\nduration_s = 20\n[speed]\nrpm = 1500\n[load]\nbmep_bar = 5\n");
     file.set("cyclic.cov_percent=5");
     file.set("encoder={jitter_deg=0.01, pattern_rms_deg=0.02}");
-    return read_scenario(file, SD_ENGINES);
+    return read_scenario(file, SD_DATA "/engines");
 }
 
 void report(benchmark::State &state) {
@@ -45,16 +45,17 @@ void light_edges(benchmark::State &state) {
     report(state);
 }
 
-BENCHMARK_CAPTURE(engine_with_encoder, one_cylinder, "single_generator.toml")->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(engine_with_encoder, three_cylinders_dual_mass, "triple_10.toml")
-    ->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(engine_with_encoder, four_cylinders, "diesel_22.toml")->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(engine_with_encoder, six_cylinders_uneven, "vee6_uneven.toml")
-    ->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(engine_with_encoder, eight_cylinders_torsion, "eight_diesel.toml")
-    ->Unit(benchmark::kMillisecond);
-BENCHMARK(light_edges)->Unit(benchmark::kMillisecond);
-
 } // namespace
 
-BENCHMARK_MAIN();
+void add_plant_benches() {
+    for (const auto &[name, engine] : {std::pair{"one cylinder", "single_generator.toml"},
+                                       {"three cylinders, dual mass", "triple_10.toml"},
+                                       {"four cylinders", "diesel_22.toml"},
+                                       {"six cylinders, uneven", "vee6_uneven.toml"},
+                                       {"eight cylinders, torsion", "eight_diesel.toml"}}) {
+        benchmark::RegisterBenchmark(name, engine_with_encoder, std::string(engine))->Unit(benchmark::kMillisecond);
+    }
+    benchmark::RegisterBenchmark("light edges", light_edges)->Unit(benchmark::kMillisecond);
+}
+
+} // namespace sixdeg

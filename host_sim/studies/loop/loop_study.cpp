@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: MIT
-// Prints how the fuel balance does on the simulated engine: the closed-loop figures of docs/afr.md, by its definitions.
-// Nothing is asserted. loop_bench [SEEDS [KEY=VALUE...]]: 20 perturbed calibrations by default; parameters over their defaults.
+#include "studies/loop/loop_study.hpp"
+
 #include <algorithm>
-#include <cstdlib>
 #include <fmt/format.h>
+#include <functional>
 
 #include "studies/loop/loop_case.hpp"
 
-using namespace sixdeg;
-
+namespace sixdeg {
 namespace {
 
 using Texts = std::vector<std::string>;
@@ -84,40 +83,72 @@ void delays(const std::string &name, double error, const Texts &tune, int count)
     print(fmt::format("{}, worst of {} (left: {:.0f} deg)", name, count, left.back()), percentile(runs, 1));
 }
 
-} // namespace
+Texts from_torque(const Texts &tune) { return join(tune, {"balance.source=2"}); }
 
-int main(int argc, char **argv) {
-    const int count = argc > 1 ? std::max(1, std::atoi(argv[1])) : 20;
-    const Texts lambda(argv + std::min(argc, 2), argv + argc), torque = join(lambda, {"balance.source=2"});
-    fmt::print("fuel balance; true spread before and its largest, residual, trim the wrong way: percent; to 3 %, gave up: cycles\n");
+void figure_16(int, const Texts &tune) {
     header("Figure 16 of document 004");
-    print("from lambda", figures({{}, lambda, 0, false, 1, kFigure16}));
-    print("from torque", figures({{}, torque, 0, false, 1, kFigure16}));
+    print("from lambda", figures({{}, tune, 0, false, 1, kFigure16}));
+    print("from torque", figures({{}, from_torque(tune), 0, false, 1, kFigure16}));
+}
+
+void calibrations(int count, const Texts &tune) {
     header("1500 rpm, 9 bar");
     for (bool perturbed : {false, true}) {
         const char *calibration = perturbed ? "perturbed" : "nominal";
-        seeds(fmt::format("from lambda, {}", calibration).c_str(), {}, lambda, perturbed, count);
-        seeds(fmt::format("from torque, {}", calibration).c_str(), {}, torque, perturbed, count);
-        if (perturbed) seeds("the same after 2 s of fuel cut", kCut, torque, perturbed, count);
+        seeds(fmt::format("from lambda, {}", calibration).c_str(), {}, tune, perturbed, count);
+        seeds(fmt::format("from torque, {}", calibration).c_str(), {}, from_torque(tune), perturbed, count);
+        if (perturbed) seeds("the same after 2 s of fuel cut", kCut, from_torque(tune), perturbed, count);
     }
+}
+
+void slow_mode(int count, const Texts &tune) {
     for (const char *noise : {"1.2e-4", "1.83e-4"}) {
         header(fmt::format("3500 rpm, 12 bar, slow mode, noise {}", noise).c_str());
         const Texts changed{fmt::format("uego.noise_per_rthz={}", noise)};
-        seeds("from lambda, nominal", changed, lambda, false, (count + 1) / 2, kSlow);
-        seeds("from lambda, perturbed", changed, lambda, true, (count + 1) / 2, kSlow);
+        seeds("from lambda, nominal", changed, tune, false, (count + 1) / 2, kSlow);
+        seeds("from lambda, perturbed", changed, tune, true, (count + 1) / 2, kSlow);
     }
+}
+
+void wrong_delays(int count, const Texts &tune) {
     for (const auto &[identify, title] : {std::pair{0, "delay wrong, as calibrated"}, {1, "delay wrong, learned from the trims"}, {2, "the same, and by a probe"}}) {
         header(title);
         for (double error : {0, -30, 30, -60, 60, -90, 90, -120, 120, -150, 150, -180, 180})
-            delays(fmt::format("{:+.0f} deg", error), error, join(lambda, {fmt::format("afr.identify={}", identify)}), (count + 6) / 7);
+            delays(fmt::format("{:+.0f} deg", error), error, join(tune, {fmt::format("afr.identify={}", identify)}), (count + 6) / 7);
     }
+}
+
+void moves(int, const Texts &tune) {
     header("moves, cylinders balanced before");
     for (bool noisy : {false, true}) {
         for (const Move &move : kMoves) {
             const Texts quiet{"uego.noise_per_rthz=0", "cyclic.cov_percent=0"};
             print(fmt::format("{}{}", move.name, noisy ? "" : ", no noise"),
-                  figures({noisy ? move.change : join(move.change, quiet), lambda, 0, false, 1, move.file}));
+                  figures({noisy ? move.change : join(move.change, quiet), tune, 0, false, 1, move.file}));
         }
     }
-    return 0;
 }
+
+struct Part {
+    const char *name;
+    std::function<void(int, const Texts &)> print;
+};
+const std::vector<Part> kParts{
+    {"figure-16", figure_16}, {"calibrations", calibrations}, {"slow", slow_mode}, {"delays", wrong_delays}, {"moves", moves}};
+
+} // namespace
+
+std::vector<std::string> loop_study_parts() {
+    std::vector<std::string> names;
+    for (const Part &part : kParts) names.push_back(part.name);
+    return names;
+}
+
+void print_loop_study(const std::string &part, int seeds, const std::vector<std::string> &tune) {
+    fmt::print("fuel balance; true spread before and its largest, residual, trim the wrong way: percent; to 3 %, gave up: cycles\n");
+    for (const Part &p : kParts) {
+        if (part.empty() || part == p.name) p.print(seeds, tune);
+    }
+}
+
+} // namespace sixdeg

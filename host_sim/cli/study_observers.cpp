@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// sixdeg bench-observers: document 000's benchmark, its Table 2 beside what its observers and ours do here.
+// sixdeg study observers: document 000's benchmark, its Table 2 beside what its observers and ours do here.
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
@@ -70,10 +70,10 @@ void run(const std::string &json_file, unsigned seed) {
 
 } // namespace
 
-void add_bench_observers(CLI::App &app) {
+void add_study_observers(CLI::App &study) {
     auto json_file = std::make_shared<std::string>();
     auto seed = std::make_shared<unsigned>(1);
-    CLI::App *command = app.add_subcommand("bench-observers", "document 000's benchmark of misfire observers");
+    CLI::App *command = study.add_subcommand("observers", "document 000's benchmark of misfire observers");
     command->add_option("--json", *json_file, "figures as JSON");
     command->add_option("--seed", *seed, "of the noise");
     command->callback([json_file, seed] { run(*json_file, *seed); });

@@ -40,7 +40,7 @@ void sd_track_begin(sd_crank_t *self, uint32_t tick, uint32_t position) {
 /* The first tooth after a mark comes as its width says, give or take twice the scatter seen so far, but less than a
  * missing tooth would make. The memory needs no such excuse: it knows the time, not the width. */
 static void excuse(const sd_crank_t *self, sd_place_t *place) {
-    const int32_t most = clamp_in(2 * self->mark_scatter[place->mark], 0, ONE / 2);
+    const int32_t most = clamp_in(2 * self->mark_scatter[place->mark], 0, (2 * ONE) / 3);
     const int32_t part = scale12(place->period, most);
     if (abs32(place->late) <= part) {
         const sd_inverse_t inverse = sd_inverse_of(place->period);

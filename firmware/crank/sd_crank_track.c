@@ -20,6 +20,7 @@ typedef struct sd_place {
 void sd_track_begin(sd_crank_t *self, uint32_t tick, uint32_t position) {
     self->position = (uint8_t)position;
     self->mode = SYNCED;
+    self->revolution ^= 1u; /* two marks lie behind, and the revolution between them counts */
     self->counts.sync_gains++;
     self->missed = 0;
     self->rejected = 0;

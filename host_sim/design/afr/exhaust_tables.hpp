@@ -5,7 +5,7 @@
 #include <array>
 #include <vector>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 
 #include "common/engine_file.hpp"
 extern "C" {

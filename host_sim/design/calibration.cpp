@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "design/calibration.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
@@ -13,6 +12,7 @@
 #include "design/torque/observer_map.hpp"
 #include "design/afr/exhaust_tables.hpp"
 #include "common/error.hpp"
+#include "linalg/linalg.hpp"
 extern "C" {
 #include "sd_ecu.h"
 }
@@ -144,7 +144,7 @@ double crank_inertia_kgm2(const EngineFile &engine, double alpha) {
 }
 
 double observer_radius(const EngineFile &engine, const sd_parameters_t &tune) {
-    return ObserverMap(engine, tune).error_map().eigenvalues().cwiseAbs().maxCoeff();
+    return linalg::spectral_radius(ObserverMap(engine, tune).error_map());
 }
 
 sd_calibration_t calibrate(const EngineFile &engine, const sd_parameters_t &tune, const std::string &tune_name) {

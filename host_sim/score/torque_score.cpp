@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "score/torque_score.hpp"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 
+#include "linalg/linalg.hpp"
 #include "plant/engine/units.hpp"
 
 namespace sixdeg {
@@ -125,7 +125,7 @@ std::optional<TorqueFigures> TorqueScore::result() const {
     const auto [low, high] = std::minmax_element(wave.begin(), wave.end());
     const double pp = *high - *low;
     // Least squares, since the teeth leave gaps where the mark is.
-    const Eigen::VectorXd estimate = normal.ldlt().solve(right);
+    const Eigen::VectorXd estimate = linalg::solve_symmetric(normal, right);
     return TorqueFigures{int(kept_.size()),
                          pp,
                          100 * std::sqrt(from_true / teeth) / pp,

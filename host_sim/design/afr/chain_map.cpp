@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "design/afr/chain_map.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <limits>
 #include <vector>
+
+#include "linalg/linalg.hpp"
 extern "C" {
 #include "sd_stage_mixture.h"
 }
@@ -38,7 +39,7 @@ double radius_here(const sd_afr_t &settled, const sd_afr_tables_t &tables) {
         if (afr.chain.observer.steps != afr.config.cycle_positions) return std::numeric_limits<double>::infinity();
         for (Eigen::Index j = 0; j < size; ++j) map(j, i) = double(*x[std::size_t(j)] / kSmall);
     }
-    return map.eigenvalues().cwiseAbs().maxCoeff();
+    return linalg::spectral_radius(map);
 }
 
 } // namespace

@@ -8,6 +8,7 @@
 #include "design/torque/pulse.hpp"
 #include "design/crank/slider_crank.hpp"
 #include "design/afr/uego_gains.hpp"
+#include "linalg/linalg.hpp"
 
 namespace sixdeg {
 namespace {
@@ -206,7 +207,7 @@ TrimmedExhaust::TrimmedExhaust(const EngineFile &engine) : engine_(engine), turn
         at.row(i) << 1, r.speed_radps, r.intake_pa, r.lambda;
         log_trim.row(i) << std::log(trim.charge), std::log(trim.area), std::log(trim.heat);
     }
-    plane_ = at.colPivHouseholderQr().solve(log_trim);
+    plane_ = linalg::least_squares(at, log_trim);
 }
 
 ExhaustPoint TrimmedExhaust::point(double speed_radps, double intake_pa, double lambda) const {

@@ -6,7 +6,7 @@
 #include <memory>
 #include <vector>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 
 #include "common/engine_file.hpp"
 extern "C" {

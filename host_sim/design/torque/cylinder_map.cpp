@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "design/torque/cylinder_map.hpp"
 
-#include <Eigen/Cholesky>
 #include <cmath>
 
 #include "design/torque/observer_map.hpp"
 #include "design/torque/pulse.hpp"
+#include "linalg/linalg.hpp"
 
 namespace sixdeg {
 namespace {
@@ -81,8 +81,8 @@ std::optional<CylinderMap> cylinder_map(const EngineFile &engine, const sd_param
     response.leftCols(n) = settled.leftCols(n);
     response(0, n) = 1;
     const MatrixXd covariance = observer.noise_covariance();
-    const MatrixXd weighted = covariance.ldlt().solve(response);
-    const MatrixXd inverse = (response.transpose() * weighted).ldlt().solve(weighted.transpose());
+    const MatrixXd weighted = linalg::solve_symmetric(covariance, response);
+    const MatrixXd inverse = linalg::solve_symmetric(response.transpose() * weighted, weighted.transpose());
     CylinderMap result;
     result.map = inverse.topRows(n);
     result.offset = -result.map * settled.col(n + 1);

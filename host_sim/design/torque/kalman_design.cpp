@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "design/torque/kalman_design.hpp"
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+
+#include "linalg/linalg.hpp"
 
 namespace sixdeg {
 namespace {
@@ -53,10 +53,8 @@ template <class AtTooth> void run_cycle(const ToothModel &model, const ToothNois
     }
 }
 
-/// Variance at the start of a cycle, once it repeats from cycle to cycle. A stretch of cycles takes any variance P to
-/// E + F P (I + D P)^-1 F': E what it ends with when nothing was unknown, F the error's map, D what its teeth tell of the start.
-/// Two such stretches make one of twice the length, so that ten doublings are a thousand cycles (the doubling algorithm, B. D. O.
-/// Anderson, Int. J. Control 28, 1978).
+/// Variance at the start of a cycle, once it repeats from cycle to cycle. A cycle is a stretch as linalg::double_stretch has it; ten
+/// doublings of it are a thousand cycles.
 StateMatrix settled_variance(const ToothModel &model, const ToothNoise &noise) {
     constexpr int kMostDoublings = 20;
     const StateRow h = seen(model);
@@ -73,16 +71,9 @@ StateMatrix settled_variance(const ToothModel &model, const ToothNoise &noise) {
         f -= column.lazyProduct(shown) / s;
     });
     predict_to(model.cycle() - 1);
-    for (int i = 0; i < kMostDoublings && f.squaredNorm() > 1e-24; ++i) {
-        const Eigen::PartialPivLU<StateMatrix> both(StateMatrix::Identity(n, n) + e * d);
-        const StateMatrix through = both.solve(f), left = both.solve(e);
-        e += (f * left * f.transpose()).eval();
-        d += (f.transpose() * d * through).eval();
-        f = (f * through).eval();
-        e = (0.5 * (e + e.transpose())).eval();
-        d = (0.5 * (d + d.transpose())).eval();
-    }
-    return e;
+    MatrixXd ends = e, tells = d, map = f;
+    for (int i = 0; i < kMostDoublings && map.squaredNorm() > 1e-24; ++i) linalg::double_stretch(ends, tells, map);
+    return ends;
 }
 
 constexpr int kCycles = 40; // Errors have died out by then, or the radius would be near 1.
@@ -209,7 +200,7 @@ double cycle_radius(const ToothModel &model, const MatrixXd &gain) {
         predict_error(model, k, map);
         if (present(model, k)) correct(gain.row(k), h, map);
     }
-    return map.eigenvalues().cwiseAbs().maxCoeff();
+    return linalg::spectral_radius(map);
 }
 
 MatrixXd steady_reading(const ToothModel &model, const MatrixXd &gain, const MatrixXd &mean, const MatrixXd &moment) {
@@ -240,7 +231,7 @@ MatrixXd steady_reading(const ToothModel &model, const MatrixXd &gain, const Mat
     cycle(map, false);
     StateMatrix error = StateMatrix::Zero(model.states(), mean.cols());
     cycle(error, true);
-    error = (StateMatrix::Identity(model.states(), model.states()) - map).partialPivLu().solve(error).eval();
+    error = linalg::solve(MatrixXd(StateMatrix::Identity(model.states(), model.states()) - map), error);
     cycle(error, true);
     read.bottomRows(others) = -error.middleRows(3 + firings, others);
     return read;

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 // Document 004's chain on the plant's exhaust: convergence, bad samples, fixed point, and the gain limits by eigenvalues.
-#include <Eigen/Eigenvalues>
 #include <cstring>
 #include <functional>
 #include <gtest/gtest.h>
@@ -9,6 +8,7 @@
 #include "design/afr/chain_map.hpp"
 #include "common/error.hpp"
 #include "common/random.hpp"
+#include "linalg/linalg.hpp"
 #include "support/afr_step.hpp"
 
 using namespace sixdeg;
@@ -163,7 +163,7 @@ struct ObserverLimits {
             for (int i = 0; i < 4; ++i) correct(1 + i, 0) = -gain_cylinder * double(now.share[i]) / double(now.charge);
             map = correct * predict * map;
         }
-        return map.eigenvalues().cwiseAbs().maxCoeff();
+        return linalg::spectral_radius(map);
     }
     /// The gain at which it reaches 1, with the other one held.
     template <class Radius> static double limit(double stable, double unstable, Radius radius) {

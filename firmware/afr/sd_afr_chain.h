@@ -40,6 +40,8 @@ typedef struct sd_afr_chain_config {
         float    change_square;                      /* of them in a cycle, mean */                                    \
         uint8_t  cycles;                             /* that are in it, up to 8 */                                     \
     } sd_afr_chain_##N##_t;                                                                                            \
+    /* SD_OK if init takes it, else SD_ERR_CONFIG. */                                                                  \
+    sd_result_t sd_afr_chain_check_##N(const sd_afr_chain_config_t *config);                                           \
     /* SD_OK, or SD_ERR_CONFIG with the state untouched. */                                                            \
     sd_result_t sd_afr_chain_init_##N(sd_afr_chain_##N##_t *self, const sd_afr_chain_config_t *config);                \
     /* Once a cycle. Duration of a position, (0, 0.1] s; gains: oscillator form of D, NULL: Fourier form; */           \

@@ -39,6 +39,8 @@ typedef struct sd_afr_observer_config {
         uint16_t steps, settle_steps;                                                                                  \
         uint8_t  cylinders, running;                                                                                   \
     } sd_afr_observer_##N##_t;                                                                                         \
+    /* SD_OK if init takes it, else SD_ERR_CONFIG. */                                                                  \
+    sd_result_t sd_afr_observer_check_##N(const sd_afr_observer_config_t *config);                                     \
     /* SD_OK, or SD_ERR_CONFIG with the state untouched. */                                                            \
     sd_result_t sd_afr_observer_init_##N(sd_afr_observer_##N##_t *self, const sd_afr_observer_config_t *config);       \
     /* charge_pu: one cylinder's gas in one cycle over mass_base, (0, 1); ignored outside. Once a cycle, it divides. */\

@@ -53,6 +53,8 @@ typedef struct sd_uego_config {
         uint16_t cycle_positions;                                                                                      \
         uint8_t  harmonics, oscillator, running;                                                                       \
     } sd_uego_##N##_t;                                                                                                 \
+    /* SD_OK if init takes it, else SD_ERR_CONFIG. */                                                                  \
+    sd_result_t sd_uego_check_##N(const sd_uego_config_t *config);                                                     \
     /* SD_OK, or SD_ERR_CONFIG with the state untouched. */                                                            \
     sd_result_t sd_uego_init_##N(sd_uego_##N##_t *self, const sd_uego_config_t *config);                               \
     /* Duration of a position, (0, 0.1] s, ignored outside; gains: oscillator form, NULL: Fourier form. */             \

@@ -35,23 +35,24 @@ static void walk_kalman(sd_page_walk_t *walk, sd_kalman_tables_t *t) {
     sd_page_u8(walk, &t->cylinders);
     sd_page_u8(walk, &t->modes);
     sd_page_u8(walk, &t->shapes);
-    for (uint32_t i = 0; i < SD_KALMAN_FIRINGS_MAX; ++i) { sd_page_u16(walk, &t->read_position[i]); }
-    for (uint32_t i = 0; i < SD_KALMAN_FIRINGS_MAX; ++i) { sd_page_u16(walk, &t->close_position[i]); }
+    sd_page_u8(walk, &t->window);
+    sd_page_u8(walk, &t->teeth);
+    sd_page_u16(walk, &t->row_words);
+    sd_page_u16(walk, &t->gains_at);
     sd_page_32(walk, &t->tick_hz);
+    sd_page_32(walk, &t->pitch_rad);
     sd_page_32(walk, &t->shape_min_nm);
     sd_page_32(walk, &t->inertia_mean_kgm2);
-    walk_floats(walk, t->inertia_tooth_kgm2, t->positions);
-    walk_floats(walk, t->inertia_interval_kgm2, t->positions);
-    for (uint32_t i = 0; i < 3u; ++i) { walk_floats(walk, t->known[i], 2u * t->positions); }
     for (uint32_t m = 0; m < SD_KALMAN_MODES_MAX; ++m) {
         walk_floats(walk, (float *)&t->mode[m], sizeof t->mode[m] / sizeof(float)); /* floats without gaps */
     }
     walk_floats(walk, t->speed_radps, SD_KALMAN_SPEEDS_MAX);
-    float *const of_gains[] = { t->noise_rad, t->innovation, t->single_sd, t->mean_sd, t->pattern_sd, t->load_sd_nm,
+    walk_floats(walk, t->gain_scale[0], SD_KALMAN_SETS_MAX * SD_KALMAN_SCALES);
+    float *const of_gains[] = { t->noise_rad, t->expected_rad, t->single_sd, t->mean_sd, t->pattern_sd, t->load_sd_nm,
                                  t->mean_share, t->spread_share, t->charge_nm_per_bar, t->learned_nm_per_bar };
     for (uint32_t i = 0; i < sizeof of_gains / sizeof of_gains[0]; ++i) { walk_floats(walk, of_gains[i], SD_KALMAN_GAINS_MAX); }
     const uint32_t used = sd_kalman_pool_used(t);
-    walk_floats(walk, t->pool, (used <= SD_KALMAN_POOL) ? used : 0u);
+    walk_floats(walk, &t->pool[0].value, (used <= SD_KALMAN_POOL) ? used : 0u); /* words of any kind, 32 bits each */
 }
 
 static void walk_afr(sd_page_walk_t *walk, sd_afr_grid_t *afr) {

@@ -12,6 +12,10 @@
 #include <arm_acle.h>
 #endif
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef int32_t sd_q31_t; /* LSB 4.66e-10 per unit */
 #ifndef __cplusplus
 _Static_assert((-1 >> 1) == -1, "q31 needs an arithmetic right shift");
@@ -109,5 +113,9 @@ static inline float sd_rsqrt_f32(float x) {
 /* Inside the range, not at its ends, where q31 saturates; false for NaN. */
 static inline bool sd_in_unit_f32(float x)    { return __builtin_fabsf(x) < 1.0f; }
 static inline bool sd_in_unit_q31(sd_q31_t x) { return (x > INT32_MIN) && (x < INT32_MAX); }
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -10,11 +10,6 @@
 
 static const sd_kalman_filter_t *believed(const sd_firings_t *self) { return &self->kalman.filter[self->kalman.believed]; }
 
-static void worst_of(sd_status_t *status, uint8_t health, uint32_t why) {
-    if (health > status->health) { status->health = health; }
-    status->why = (uint16_t)(status->why | why);
-}
-
 /* ---- configuration --------------------------------------------------------------------------------------------- */
 
 static bool config_ok(const sd_firings_config_t *config, const sd_kalman_choice_t *choice) {
@@ -128,9 +123,9 @@ void sd_firings_spurious(sd_firings_t *self, const sd_kalman_tables_t *tables) {
 
 static sd_status_t judge(const sd_firings_t *self, const sd_firings_tooth_t *tooth) {
     sd_status_t status = sd_kalman_status(&self->kalman, self->kalman.believed);
-    if (tooth->phase_known == 0u) { worst_of(&status, SD_INVALID, SD_WHY_NO_PHASE); }
-    if (self->doubt > 0u) { worst_of(&status, SD_DEGRADED, SD_WHY_FAULT); }
-    if (tooth->intake_known == 0u) { worst_of(&status, SD_DEGRADED, SD_WHY_NO_INPUT); }
+    if (tooth->phase_known == 0u) { sd_status_worst_of(&status, SD_INVALID, SD_WHY_NO_PHASE); }
+    if (self->doubt > 0u) { sd_status_worst_of(&status, SD_DEGRADED, SD_WHY_FAULT); }
+    if (tooth->intake_known == 0u) { sd_status_worst_of(&status, SD_DEGRADED, SD_WHY_NO_INPUT); }
     return status;
 }
 

@@ -17,6 +17,10 @@
 #include "sd_pattern.h"
 #include "sd_road.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /// What may change while the engine runs, SI but where a name says otherwise.
 typedef struct sd_firings_config {
     float   torque_base_nm; ///< Highest |torque| of a firing, [1e-3, 20000] N m; beyond it the filter starts anew.
@@ -91,5 +95,9 @@ void sd_firings_keep(const sd_firings_t *self, const sd_kalman_tables_t *tables,
 /// Goes on with what was learned before. SD_OK, or SD_ERR_CONFIG with nothing changed: it is of another wheel or crank, or the
 /// block rests.
 sd_result_t sd_firings_resume(sd_firings_t *self, const sd_kalman_tables_t *tables, const sd_pattern_sums_t *learned);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

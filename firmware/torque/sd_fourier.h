@@ -21,6 +21,10 @@
 #include "sd_num.h"
 #include "sd_status.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 #define SD_FOURIER_HARMONICS_MAX 12
 #define SD_FOURIER_POSITIONS_MAX 120
 
@@ -98,5 +102,9 @@ SD_FOURIER_DECLARE(q31, sd_q31_t)
 
 /// The stability limit of gain_reference for the other gains of *config (docs/torque.md, rule B), 1/rad^2.
 float sd_fourier_gain_limit(const sd_fourier_config_t *config);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -36,6 +36,10 @@
 #include "sd_motion.h"
 #include "sd_status.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 #define SD_KALMAN_SHAPE_MIN (-1.0f)
 #define SD_KALMAN_SHAPE_MAX 3.0f
 #define SD_KALMAN_MEAN 10 ///< Cycles that a cylinder's mean torque is taken over.
@@ -123,5 +127,9 @@ uint8_t sd_kalman_health(const sd_kalman_t *self, uint32_t which);
 
 /// innovation in rad; health invalid while not running, degraded until settled.
 sd_status_t sd_kalman_status(const sd_kalman_t *self, uint32_t which);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

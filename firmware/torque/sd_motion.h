@@ -11,6 +11,10 @@
 #include "sd_limits.h"
 #include "sd_math.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 #define SD_KALMAN_COEFFICIENTS_MAX 25
 #define SD_KALMAN_POSITIONS_MAX    120
 #define SD_KALMAN_SPEEDS_MAX       12
@@ -175,5 +179,9 @@ static inline float sd_motion_late(const sd_motion_t *self, const sd_kalman_tabl
 /// Torque at tooth k, Nm, with what a dual-mass flywheel's spring takes away.
 float sd_motion_torque(const sd_motion_t *self, const sd_kalman_tables_t *t, uint32_t k, const sd_motion_charge_t *charge, float shape,
                        const sd_motion_tuning_t *tuning);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

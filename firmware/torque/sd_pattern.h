@@ -22,6 +22,10 @@
 #include "sd_kalman.h"
 #include "sd_twist.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 #define SD_PATTERN_CYCLES_MIN 4 ///< Cycles before a pattern is given at all.
 
 /// What is kept when the engine is off: with it, learning goes on where it ended.
@@ -85,5 +89,9 @@ bool sd_pattern_take_zero(sd_pattern_t *self, const sd_kalman_tables_t *tables, 
                           float speed_radps);
 /// The zeros, Nm/bar by firing: all 0 before every cylinder was read.
 void sd_pattern_zeros(const sd_pattern_t *self, const sd_kalman_tables_t *tables, float *zero_nm_per_bar);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -4,6 +4,10 @@
 #ifndef SD_TEETH_H
 #define SD_TEETH_H
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* k counts from the middle of the wheel, k = N / 2. d: lateness in the second revolution less that in the first; a: both
  * together; s: the same difference of the sensitivity to the modes' frequency. */
 typedef struct sd_teeth_sums {
@@ -17,5 +21,9 @@ static inline void sd_teeth_line(const sd_teeth_sums_t *sums, float v, float kv,
     *slope = (sums->count * kv - sums->k * v) / (sums->count * sums->kk - sums->k * sums->k);
     *level = (v - *slope * sums->k) / sums->count;
 }
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

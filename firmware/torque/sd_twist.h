@@ -19,6 +19,10 @@
 #include "sd_motion.h"
 #include "sd_teeth.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /// What is kept when the engine is off.
 typedef struct sd_twist_sums {
     float deviation; ///< Of the modes' frequency from the tables', as a share, [-0.1, 0.1].
@@ -52,5 +56,9 @@ void sd_twist_follow(sd_twist_t *self, const sd_kalman_tables_t *tables, uint32_
 void sd_twist_learn(sd_twist_t *self, const sd_kalman_tables_t *tables, sd_twist_sums_t *sums, sd_teeth_sums_t *pairs, sd_motion_t *free);
 /// Whether the frequencies are known so well that what is left of a cycle is pattern. True without modes.
 bool sd_twist_known(const sd_twist_t *self, const sd_kalman_tables_t *tables);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -1,197 +1,71 @@
 // SPDX-License-Identifier: MIT
-// sixdeg bench: what a block costs on this host, and against a dense Eigen version of the same observer in the same
-// run. Ratios travel between machines, nanoseconds do not; instruction counts on targets are in docs.
+// sixdeg bench: time, and nothing but time. Ratios travel between machines, nanoseconds do not; instruction counts on targets are
+// in docs.
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
-#include <Eigen/Dense>
+#include <algorithm>
 #include <benchmark/benchmark.h>
-#include <cmath>
 #include <fmt/format.h>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
+#include <vector>
 
-#include "design/calibration.hpp"
+#include "cli/bench.hpp"
 #include "cli/commands.hpp"
+#include "common/error.hpp"
 #include "common/files.hpp"
-#include "common/toml_file.hpp"
-extern "C" {
-#include "sd_ecu.h"
-#include "sd_inproc.h"
-}
 
 namespace sixdeg {
 namespace {
 
-constexpr int kPositions = 60, kCycle = 2 * kPositions;
-constexpr double kPitch = 2 * M_PI / kPositions, kTickHz = 1e7;
+using Json = nlohmann::ordered_json;
 
-EngineFile bench_engine() {
-    EngineFile engine;
-    engine.name = "bench";
-    engine.firing_order = {1, 3, 4, 2};
-    engine.firing_tdc_deg = {0, 180, 360, 540};
-    engine.stroke_m = 0.092;
-    engine.rod_m = 0.1445;
-    engine.inertia_kgm2 = 0.25;
-    engine.reciprocating_mass_kg = 0.95;
-    engine.tick_hz = kTickHz;
-    return engine;
-}
-
-sd_calibration_t bench_calibration(int harmonics) {
-    TomlFile tune("bench", fmt::format("[torque]\nharmonics = {}\ngain_energy = 4\n", harmonics));
-    return calibrate(bench_engine(), read_tune(tune), "bench");
-}
-
-/// Tooth periods of 1500 rpm with the ripple of a four-cylinder, ticks.
-std::vector<std::uint32_t> periods() {
-    std::vector<std::uint32_t> ticks;
-    for (int k = 0; k < kCycle; ++k) {
-        ticks.push_back(std::uint32_t(kPitch / (157.08 * (1 + 0.02 * std::sin(2 * kPitch * k))) * kTickHz));
-    }
-    return ticks;
-}
-
-template <class State, class Init, class Step> void observer(benchmark::State &state, Init init, Step step) {
-    const sd_calibration_t calibration = bench_calibration(int(state.range(0)));
-    const sd_fourier_config_t config = sd_calibration_torque(&calibration);
-    auto self = std::make_unique<State>();
-    if (init(self.get(), &config, &calibration.fourier) != SD_OK) state.SkipWithError("refused");
-    const auto ticks = periods();
-    unsigned k = 0;
-    for (auto _ : state) {
-        benchmark::DoNotOptimize(step(self.get(), &calibration.fourier, k, 1, ticks[k], 1));
-        k = (k + 1) % kCycle;
-    }
-}
-
-/// The same observer as dense linear algebra: x <- A_k x + b_k E, one matrix a position.
-void dense(benchmark::State &state) {
-    const int harmonics = int(state.range(0)), n = 2 * harmonics + 2;
-    const sd_calibration_t calibration = bench_calibration(harmonics);
-    const sd_parameters_t &tune = calibration.parameters;
-    std::vector<Eigen::MatrixXf> a;
-    std::vector<Eigen::VectorXf> b, f;
-    for (int k = 0; k < kCycle; ++k) {
-        Eigen::VectorXd basis(n - 1), gain(n);
-        basis(0) = 1;
-        gain(0) = double(tune.torque_gain_energy_per_rad);
-        gain(1) = double(tune.torque_gain_mean_per_rad2);
-        for (int i = 1; i <= harmonics; ++i) {
-            basis(2 * i - 1) = std::cos(i * kPitch * k / 2);
-            basis(2 * i) = std::sin(i * kPitch * k / 2);
-            gain(2 * i) = i * double(tune.torque_gain_reference_per_rad2) * basis(2 * i - 1);
-            gain(2 * i + 1) = i * double(tune.torque_gain_reference_per_rad2) * basis(2 * i);
-        }
-        Eigen::MatrixXd correct = Eigen::MatrixXd::Identity(n, n), predict = correct;
-        correct.col(0) -= kPitch * gain;
-        predict.block(0, 1, 1, n - 1) = kPitch * basis.transpose();
-        a.push_back((predict * correct).cast<float>());
-        b.push_back((predict * (kPitch * gain)).cast<float>());
-        f.push_back(basis.cast<float>());
-    }
-    const auto ticks = periods();
-    std::vector<float> inertia_kgm2;
-    for (int k = 0; k < kPositions; ++k)
-        inertia_kgm2.push_back(calibration.fourier.inertia_base_kgm2 * float(calibration.fourier.inertia_q31[k]) / 2147483648.0f);
-    Eigen::VectorXf x = Eigen::VectorXf::Zero(n), next(n);
-    unsigned k = 0;
-    for (auto _ : state) {
-        const float speed = float(kPitch * kTickHz) / float(ticks[k]);
-        const float energy = 0.5f * inertia_kgm2[k % kPositions] * speed * speed;
-        next.noalias() = a[k] * x;
-        next += b[k] * energy;
-        x.swap(next);
-        benchmark::DoNotOptimize(f[k].dot(x.tail(n - 1)));
-        k = (k + 1) % kCycle;
-    }
-}
-
-/// Ticks of the present edges of a 60-2 wheel, one after the other.
-class Edges {
-  public:
-    std::uint32_t next() {
-        do {
-            tick_ += ticks_[position_];
-            position_ = (position_ + 1) % kCycle;
-        } while (position_ % kPositions >= 58);
-        return tick_;
-    }
-
-  private:
-    std::vector<std::uint32_t> ticks_ = periods();
-    std::uint32_t tick_ = 0;
-    unsigned position_ = 0;
+struct Options {
+    std::string what = "blocks", json;
+    double seconds = 0.05;
+    int repetitions = 5;
 };
 
-void decoder(benchmark::State &state) {
-    const sd_calibration_t calibration = bench_calibration(5);
-    const sd_crank_config_t config = sd_calibration_crank(&calibration);
-    sd_crank_t crank;
-    sd_crank_init(&crank, &config);
-    Edges edges;
-    sd_tooth_t tooth;
-    for (auto _ : state) {
-        sd_crank_edge(&crank, edges.next(), &tooth);
-        benchmark::DoNotOptimize(tooth);
-    }
+/// One line of the table: all repetitions of a benchmark.
+struct Row {
+    std::string name;
+    std::vector<double> ns, times_real_time;
+};
+
+double median(std::vector<double> x) {
+    std::sort(x.begin(), x.end());
+    return x[x.size() / 2];
 }
 
-void whole_ecu(benchmark::State &state) {
-    const sd_calibration_t calibration = bench_calibration(int(state.range(0)));
-    auto ecu = std::make_unique<sd_ecu_t>();
-    sd_ecu_init(ecu.get(), &calibration);
-    auto wire = std::make_unique<sd_inproc_t>();
-    const sd_port_t ecu_side = sd_inproc_ecu_side(wire.get()), host_side = sd_inproc_host_side(wire.get());
-    Edges edges;
-    sd_event_t answers[64];
-    for (auto _ : state) {
-        const sd_event_t event{edges.next(), SD_EVENT_CRANK_EDGE, 0, 0, 0};
-        host_side.send(host_side.context, &event, 1);
-        sd_ecu_run(ecu.get(), &ecu_side);
-        host_side.receive(host_side.context, answers, 64);
-        benchmark::DoNotOptimize(answers);
-    }
-}
-
-/// Keeps the median of the repetitions, by name.
+/// Keeps every repetition, by name in the order of the runs. Throws nothing: a benchmark that failed leaves its reason.
 class Collector : public benchmark::BenchmarkReporter {
   public:
     bool ReportContext(const Context &) override { return true; }
     void ReportRuns(const std::vector<Run> &runs) override {
         for (const Run &run : runs) {
-            if (run.aggregate_name == "median") median_ns.emplace_back(run.run_name.function_name + (run.run_name.args.empty() ? "" : "/" + run.run_name.args), run.GetAdjustedRealTime());
+            if (run.error_occurred) failed = run.run_name.function_name + ": " + run.error_message;
+            if (run.error_occurred || run.run_type != Run::RT_Iteration) continue;
+            const std::string name = run.run_name.function_name + (run.run_name.args.empty() ? "" : "/" + run.run_name.args);
+            if (rows.empty() || rows.back().name != name) rows.push_back({name, {}, {}});
+            rows.back().ns.push_back(run.GetAdjustedRealTime() * 1e9 / benchmark::GetTimeUnitMultiplier(run.time_unit));
+            const auto pace = run.counters.find("times_real_time");
+            if (pace != run.counters.end()) rows.back().times_real_time.push_back(pace->second);
         }
     }
     double of(const std::string &name) const {
-        for (const auto &[have, ns] : median_ns) {
-            if (have == name) return ns;
+        for (const Row &row : rows) {
+            if (row.name == name) return median(row.ns);
         }
         return 0;
     }
-    std::vector<std::pair<std::string, double>> median_ns;
+    std::vector<Row> rows;
+    std::string failed;
 };
 
-void run(const std::string &json_file) {
-    using benchmark::RegisterBenchmark;
-    const auto keep = [](benchmark::internal::Benchmark *b) { b->MinTime(0.05)->Repetitions(5)->ReportAggregatesOnly(); };
-    keep(RegisterBenchmark("crank decoder, per edge", decoder));
-    for (const int harmonics : {5, 12}) {
-        const auto with = [&](benchmark::internal::Benchmark *b) { keep(b->Arg(harmonics)); };
-        with(RegisterBenchmark("torque f32, per tooth", [](benchmark::State &s) { observer<sd_fourier_f32_t>(s, sd_fourier_init_f32, sd_fourier_step_f32); }));
-        with(RegisterBenchmark("torque q31, per tooth", [](benchmark::State &s) { observer<sd_fourier_q31_t>(s, sd_fourier_init_q31, sd_fourier_step_q31); }));
-        with(RegisterBenchmark("torque dense Eigen, per tooth", dense));
-        with(RegisterBenchmark("whole ecu, per edge", whole_ecu));
-    }
-    Collector collector;
-    benchmark::RunSpecifiedBenchmarks(&collector);
-    nlohmann::ordered_json json;
-    fmt::print("{:<36}{:>10}\n", "block (/harmonics)", "ns");
-    for (const auto &[name, ns] : collector.median_ns) {
-        fmt::print("{:<36}{:>10.1f}\n", name, ns);
-        json["ns"][name] = ns;
-    }
+void print_ratios(const Collector &collector, Json &json) {
     for (const std::string harmonics : {"5", "12"}) {
         for (const std::string number : {"f32", "q31"}) {
             const double ratio = collector.of("torque dense Eigen, per tooth/" + harmonics) / collector.of("torque " + number + ", per tooth/" + harmonics);
@@ -199,16 +73,46 @@ void run(const std::string &json_file) {
             json["dense_over_" + number + "_" + harmonics] = ratio;
         }
     }
-    if (!json_file.empty()) write_file(json_file, json.dump(2) + "\n");
+}
+
+void run(const Options &options) {
+    const bool plant = options.what == "plant";
+    plant ? add_plant_benches() : add_block_benches();
+    std::string seconds = fmt::format("--benchmark_min_time={}", options.seconds),
+                repetitions = fmt::format("--benchmark_repetitions={}", options.repetitions);
+    char name[] = "sixdeg";
+    char *flags[] = {name, seconds.data(), repetitions.data(), nullptr};
+    int arguments = 3;
+    benchmark::Initialize(&arguments, flags);
+    Collector collector;
+    benchmark::RunSpecifiedBenchmarks(&collector);
+    if (!collector.failed.empty()) throw std::runtime_error(collector.failed);
+
+    Json json;
+    fmt::print("{:<44}{:>14}{}\n", plant ? "plant, 20 s simulated" : "block (/harmonics)", "ns", plant ? "   times real time" : "");
+    for (const Row &row : collector.rows) {
+        fmt::print("{:<44}{:>14.1f}", row.name, median(row.ns));
+        json["ns"][row.name] = median(row.ns);
+        if (!row.times_real_time.empty()) {
+            fmt::print("{:>18.0f}", median(row.times_real_time));
+            json["times_real_time"][row.name] = median(row.times_real_time);
+        }
+        fmt::print("\n");
+    }
+    if (!plant) print_ratios(collector, json);
+    if (!options.json.empty()) write_file(options.json, json.dump(2) + "\n");
 }
 
 } // namespace
 
 void add_bench(CLI::App &app) {
-    auto json_file = std::make_shared<std::string>();
-    CLI::App *command = app.add_subcommand("bench", "ns per block on this host, and the ratio to dense linear algebra");
-    command->add_option("--json", *json_file, "figures as JSON");
-    command->callback([json_file] { run(*json_file); });
+    auto options = std::make_shared<Options>();
+    CLI::App *command = app.add_subcommand("bench", "time per block on this host, or the pace of the simulated engine");
+    command->add_option("WHAT", options->what, "blocks (default) or plant")->check(CLI::IsMember({"blocks", "plant"}));
+    command->add_option("--seconds", options->seconds, "of each repetition, at least; default 0.05")->check(CLI::Range(1e-4, 100.0));
+    command->add_option("--repetitions", options->repetitions, "whose median is printed; default 5")->check(CLI::Range(1, 1000));
+    command->add_option("--json", options->json, "figures as JSON");
+    command->callback([options] { run(*options); });
 }
 
 } // namespace sixdeg

@@ -9,6 +9,7 @@
 
 #include "design/calibration.hpp"
 #include "cli/commands.hpp"
+#include "cli/output_folder.hpp"
 #include "common/files.hpp"
 #include "cli/tune_options.hpp"
 
@@ -52,7 +53,7 @@ void add_calibrate(CLI::App &app) {
     command->add_option("ENGINE", options->engine, "engine file (docs/files.md)")->required();
     command->add_option("TUNE", options->tune, "tune file; defaults where it is missing");
     command->add_option("--set", options->set, "key=value, over the tune file")->allow_extra_args(false);
-    command->add_option("--out", options->out, "folder for NAME.bin and NAME.c, default here");
+    add_output_folder(command, options->out, "folder for NAME.bin and NAME.c, default here");
     command->add_option("--json", options->json, "figures as JSON");
     command->callback([options] { run(*options); });
 }

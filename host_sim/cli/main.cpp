@@ -3,10 +3,24 @@
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
+#include <algorithm>
 #include <cstdio>
+#include <string>
 
 #include "cli/commands.hpp"
 #include "common/error.hpp"
+#include "common/files.hpp"
+
+namespace {
+
+/// Whether an argument asks for a file on standard output: "-", or "--option=-".
+bool writes_to_standard_output(int argc, char **argv) {
+    return std::any_of(argv + 1, argv + argc, [](const std::string &word) {
+        return word == "-" || (word.rfind("--", 0) == 0 && word.size() > 2 && word.substr(word.size() - 2) == "=-");
+    });
+}
+
+} // namespace
 
 int main(int argc, char **argv) {
     CLI::App app{"sixdeg: see inside every cylinder from the sensors a production engine already has"};
@@ -14,16 +28,16 @@ int main(int argc, char **argv) {
     sixdeg::add_replay(app);
     sixdeg::add_calibrate(app);
     sixdeg::add_bench(app);
-    sixdeg::add_bench_observers(app);
-    sixdeg::add_misfire_trips(app);
     sixdeg::add_run(app);
     sixdeg::add_sweep(app);
+    sixdeg::add_study(app);
     sixdeg::add_plant(app);
     sixdeg::add_ecu(app);
     sixdeg::add_watch(app);
     sixdeg::add_parameter(app);
     sixdeg::add_sensors(app);
     try {
+        if (writes_to_standard_output(argc, argv)) sixdeg::keep_standard_output_for_files();
         app.parse(argc, argv);
         return 0;
     } catch (const CLI::ParseError &error) {

@@ -11,6 +11,7 @@
 
 #include "design/calibration.hpp"
 #include "cli/commands.hpp"
+#include "cli/output_folder.hpp"
 #include "cli/tune_options.hpp"
 #include "common/error.hpp"
 #include "common/files.hpp"
@@ -168,7 +169,7 @@ void add_replay(CLI::App &app) {
     command->add_option("--set", options->set, "key=value, over the tune file")->allow_extra_args(false);
     command->add_option("--number", options->number, "f32 or q31")->check(CLI::IsMember({"f32", "q31"}));
     command->add_option("--truth", options->truth, "folder of the run that an event log is of: its truth beside the replay");
-    command->add_option("--out", options->out, "folder for summary.json, teeth.csv and cycles.csv");
+    add_output_folder(command, options->out, "folder for summary.json, teeth.csv and cycles.csv");
     command->add_option("--json", options->json, "the summary alone");
     command->callback([options] { is_log(options->file) ? replay_event_log(*options) : run(*options); });
 }

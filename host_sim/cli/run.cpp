@@ -15,6 +15,7 @@
 
 #include "design/calibration.hpp"
 #include "cli/commands.hpp"
+#include "cli/output_folder.hpp"
 #include "cli/run_figures.hpp"
 #include "cli/tune_options.hpp"
 #include "common/error.hpp"
@@ -73,11 +74,11 @@ std::optional<Scenario> read_lesson(const Options &options, const Scenario &run)
 
 sd_pattern_sums_t read_learned(const std::string &path, Json &files) {
     const std::string bytes = read_file(path);
-    sd_pattern_sums_t learned;
-    if (sd_learned_decode(&learned, reinterpret_cast<const std::uint8_t *>(bytes.data()), std::uint32_t(bytes.size())) != SD_OK)
+    const sd_pattern_sums_t *learned = sd_learned_view(bytes.data(), std::uint32_t(bytes.size()));
+    if (!learned)
         throw InputError(path, "learned page", "it is damaged, or of another version of the signal table");
     files[path] = sha256(bytes);
-    return learned;
+    return *learned;
 }
 
 Inputs read_inputs(const Options &options) {
@@ -108,9 +109,9 @@ Inputs read_inputs(const Options &options) {
 }
 
 std::string learned_page(const sd_pattern_sums_t &learned) {
-    std::string bytes(SD_LEARNED_BYTES_MAX, '\0');
-    bytes.resize(sd_learned_encode(&learned, reinterpret_cast<std::uint8_t *>(bytes.data())));
-    return bytes;
+    sd_learned_t page{};
+    sd_learned_make(&page, &learned);
+    return {reinterpret_cast<const char *>(&page), sizeof page};
 }
 
 /// What the event log says of itself. With the engine file other parameters can be tried on it.
@@ -246,7 +247,7 @@ void add_options(CLI::App *command, const std::shared_ptr<Options> &options) {
     command->add_option("--number", options->number, "f32 or q31")->check(CLI::IsMember({"f32", "q31"}));
     command->add_option("--seed", options->seed, "instead of the scenario's")
         ->check(CLI::Range(std::uint64_t(0), std::uint64_t(1) << 52));
-    command->add_option("--out", options->out, "folder for summary.json, teeth.csv and cycles.csv");
+    add_output_folder(command, options->out, "folder for summary.json, teeth.csv and cycles.csv");
     command->add_option("--json", options->json, "the summary alone");
     command->add_option("--learned", options->learned, "what was learned before, or a scenario whose fuel cut is learned from first (by each calibration for itself); not over a bus");
     command->add_option("--learn", options->learn, "where the tooth pattern goes at the end of the run; not over a bus");

@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #include "cli/commands.hpp"
+#include "cli/output_folder.hpp"
 #include "common/error.hpp"
 #include "common/files.hpp"
 #include "common/stop.hpp"
@@ -173,7 +174,7 @@ void add_sweep(CLI::App &app) {
     command->add_option("SCENARIO", options->scenario, "scenario file (docs/scenario.md)")->required();
     command->add_option("--over", options->over, "field=value,value,... an axis of the grid; give it once for each axis")
         ->required()->allow_extra_args(false);
-    command->add_option("--out", options->out, "folder for sweep.csv, map.svg and the cells")->required();
+    add_output_folder(command, options->out, "folder for sweep.csv, map.svg and the cells")->required();
     command->add_option("--figure", options->figure, "what map.svg shows over speed.rpm and load.bmep_bar")->capture_default_str();
     command->add_option("--jobs", options->jobs, "runs at a time")->check(CLI::Range(1u, 256u))->capture_default_str();
     command->add_option("--tune", options->tune, "tune file");

@@ -11,6 +11,7 @@
 #include "io/bus/collector.hpp"
 #include "io/bus/live_view.hpp"
 #include "cli/commands.hpp"
+#include "cli/output_folder.hpp"
 #include "common/error.hpp"
 #include "common/files.hpp"
 #include "common/stop.hpp"
@@ -74,7 +75,7 @@ void add_watch(CLI::App &app) {
     auto options = std::make_shared<Options>();
     CLI::App *command = app.add_subcommand("watch", "what an ecu on a bus says, live");
     command->add_option("--transport", options->transport, "can:IFACE, lcm or lcm:URL (docs/bus.md)")->required();
-    command->add_option("--out", options->out, "folder for teeth.csv and cycles.csv, written when the plant's run is over");
+    add_output_folder(command, options->out, "folder for teeth.csv and cycles.csv, written when the plant's run is over");
     command->add_option("--engine", options->engine, "engine file, for --out");
     command->callback([options] { run(*options); });
 }

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "common/files.hpp"
 
+#include <cerrno>
 #include <fstream>
 #include <iterator>
 #include <memory>
 #include <openssl/evp.h>
+#include <unistd.h>
 #include <vector>
 
 #include "common/error.hpp"
@@ -12,6 +14,8 @@
 namespace fs = std::filesystem;
 namespace sixdeg {
 namespace {
+
+int standard_output = STDOUT_FILENO; // where "-" goes
 
 fs::path beside(const fs::path &path) { return path.string() + ".partial"; }
 
@@ -46,7 +50,23 @@ std::string read_file(const fs::path &path) {
     return {std::istreambuf_iterator<char>(in), {}};
 }
 
+void write_standard_output(std::string_view content) {
+    while (!content.empty()) {
+        const ssize_t wrote = ::write(standard_output, content.data(), content.size());
+        if (wrote < 0 && errno == EINTR) continue;
+        if (wrote <= 0) throw InputError("-", "", "standard output cannot be written");
+        content.remove_prefix(std::size_t(wrote));
+    }
+}
+
+void keep_standard_output_for_files() {
+    const int kept = ::dup(STDOUT_FILENO);
+    if (kept < 0 || ::dup2(STDERR_FILENO, STDOUT_FILENO) < 0) throw InputError("-", "", "standard output cannot be written");
+    standard_output = kept;
+}
+
 void write_file(const fs::path &path, std::string_view content) {
+    if (is_standard_output(path)) return write_standard_output(content);
     write_beside(path, content);
     rename_into_place(path);
 }
@@ -62,6 +82,10 @@ std::string sha256(std::string_view content) {
         text += hex[digest[i] & 15];
     }
     return text;
+}
+
+OutputFolder::OutputFolder(fs::path folder) : folder_(std::move(folder)) {
+    if (is_standard_output(folder_)) throw InputError("-", "", "standard output holds one file; give a folder");
 }
 
 void OutputFolder::commit() const {

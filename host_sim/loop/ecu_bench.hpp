@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "io/log/port_tap.hpp"
+#include "io/page/page_bytes.hpp"
 #include "io/events/ecu_feed.hpp"
 
 extern "C" {
@@ -36,12 +37,13 @@ class EcuBench : public EcuFeed {
     const sd_pattern_t &pattern() const { return ecu_.firings.pattern; }
     sd_pattern_sums_t learned() const {
         sd_pattern_sums_t sums;
-        sd_firings_keep(&ecu_.firings, &ecu_.calibration.kalman, &sums);
+        sd_firings_keep(&ecu_.firings, &page_.view()->kalman, &sums);
         return sums;
     }
-    bool resume(const sd_pattern_sums_t &learned) { return sd_ecu_resume(&ecu_, &learned) == SD_OK; }
+    bool resume(const sd_pattern_sums_t &learned) { return sd_ecu_resume(&ecu_, page_.view(), &learned) == SD_OK; }
 
   private:
+    StoredPage page_;
     sd_inproc_t port_{};
     sd_port_t ecu_side_, host_side_;
     std::unique_ptr<PortTap> tap_;

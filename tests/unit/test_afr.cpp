@@ -6,6 +6,7 @@
 
 #include "design/calibration.hpp"
 #include "common/random.hpp"
+#include "linalg/linalg.hpp"
 #include "support/afr_step.hpp"
 
 using namespace sixdeg;
@@ -165,7 +166,9 @@ TEST(AfrJoint, BlameIsTheOneCylinderThatExplainsMost) {
             f.air_fraction[i] = float(0.5 - off(i));
             for (int j = 0; j <= i; ++j) f.covariance[(1 + i) * (2 + i) / 2 + 1 + j] = float(p(i, j));
         }
-        const Eigen::Matrix4d whiten = Eigen::Matrix4d((p + 4e-4 * Eigen::Matrix4d::Identity()).inverse().llt().matrixU());
+        Eigen::MatrixXd both(8, 4); // W' W is the inverse of P + 4e-4 I
+        both << root.transpose(), 0.02 * Eigen::Matrix4d::Identity();
+        const Eigen::Matrix4d whiten = linalg::inverse_of_triangle(linalg::upper_triangle(both)).transpose();
         double by[2] = {};
         for (const sd_afr_usual_t *usual : {&free, &known}) {
             const double pin = usual == &known ? 100 : 0; // a fifth reading: that the common part is 0, within 0.01
@@ -173,14 +176,14 @@ TEST(AfrJoint, BlameIsTheOneCylinderThatExplainsMost) {
             Eigen::Matrix<double, 5, 1> seen;
             seen << whiten * off, 0;
             design.col(0) << whiten * Eigen::Vector4d::Ones(), pin;
-            const auto left = [&](const auto &of) { return (seen - of * of.colPivHouseholderQr().solve(seen)).squaredNorm(); };
+            const auto left = [&](const auto &of) { return (seen - of * linalg::least_squares(of, seen)).squaredNorm(); };
             const double together = left(design.leftCols(1).eval());
             int best = 0;
             double most = 0;
             for (int i = 0; i < 4; ++i) {
                 design.col(1) << whiten * Eigen::Vector4d::Unit(i), 0;
                 const double explained = together - left(design);
-                if (explained > most) most = explained, best = i, by[usual == &known] = design.colPivHouseholderQr().solve(seen)(1);
+                if (explained > most) most = explained, best = i, by[usual == &known] = linalg::least_squares(design, seen)(1);
             }
             const sd_afr_blame_t blame = sd_afr_joint_blame(&f, usual);
             EXPECT_EQ(int(blame.cylinder), best) << round;

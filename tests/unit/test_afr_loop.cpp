@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The closed loop: plant, firmware, trims, with calibrations whose delay is wrong, and with speed and load that move. Figures
-// of many seeds: loop_bench, docs/afr.md.
+// of many seeds: sixdeg study loop, docs/afr.md.
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 // The adaptive Fourier torque observer: every claim of sd_fourier.h on both number types, against a torque in closed
 // form whose tooth times the test integrates itself, and against pole placement, the observer document 004 compares with.
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
 #include <limits>
 
+#include "linalg/linalg.hpp"
 #include "support/torque_signal.hpp"
 extern "C" {
 #include "sd_fourier.h"
@@ -215,7 +215,7 @@ Eigen::MatrixXd cycle_map(const Gains &g, double reference, bool with_gap) {
 }
 
 double spectral_radius(const Gains &g, double reference, bool with_gap) {
-    return cycle_map(g, reference, with_gap).eigenvalues().cwiseAbs().maxCoeff();
+    return sixdeg::linalg::spectral_radius(cycle_map(g, reference, with_gap));
 }
 
 TEST(GainRule, IsTheEdgeOfStabilityOfTheCycleMap) {

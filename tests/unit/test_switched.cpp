@@ -259,7 +259,7 @@ TEST(SwitchedF32, SurvivesEveryFloat) {
 
 TEST(SwitchedDuality, Q31TracksF32OverARoughTrace) {
     for (Kind kind : {Kind::roo, Kind::fosmo, Kind::folsmo}) {
-        const Configured setup(kind, {1e-4}, 0); // sgn of a rounding difference is a difference of 2 rho: see bench-observers
+        const Configured setup(kind, {1e-4}, 0); // sgn of a rounding difference is a difference of 2 rho: see sixdeg study observers
         auto a = started<F32>(setup, 0, 0, 0);
         auto b = started<Q31>(setup, 0, 0, 0);
         double worst = 0, largest = 0, y = 0;

@@ -239,12 +239,25 @@ sd_kalman_tables_t sizes(const EngineFile &engine, const KnownTorque &torque, co
     return t;
 }
 
+/// tooth_model() at several speeds.
+class ModelAt {
+  public:
+    ModelAt(const EngineFile &engine, const KnownTorque &torque);
+    ToothModel operator()(double speed_radps) const;
+
+  private:
+    ToothModel still_; ///< Without modes, whose turn depends on speed.
+    std::vector<CrankMode> modes_;
+    int cylinders_;
+    double inertia_kgm2_;
+};
+
 /// Designs the gains of each speed, behind those that are there.
-void add_set(const EngineFile &engine, const KnownTorque &torque, const KalmanTune &tune, KalmanTables &out) {
+void add_set(const EngineFile &engine, const ModelAt &model_at, const KalmanTune &tune, KalmanTables &out) {
     sd_kalman_tables_t &t = out.tables;
     for (std::size_t i = 0; i < tune.speeds_rpm.size(); ++i) {
         const double speed = tune.speeds_rpm[i] * kRadpsPerRpm;
-        const ToothModel model = tooth_model(engine, torque, speed);
+        const ToothModel model = model_at(speed);
         const ToothNoise noise = tooth_noise(engine, tune, speed);
         const std::size_t at = out.gains.size();
         out.gains.push_back(design_gains(model, noise, SD_KALMAN_MEAN));
@@ -258,29 +271,29 @@ void add_set(const EngineFile &engine, const KnownTorque &torque, const KalmanTu
         for (double share : {0.25, 0.5, 0.75}) {
             const double between = speed + share * (tune.speeds_rpm[i - 1] * kRadpsPerRpm - speed);
             const Eigen::MatrixXd mixed = gains.gain + share * (out.gains[at - 1].gain - gains.gain);
-            out.radius_between = std::max(out.radius_between, cycle_radius(tooth_model(engine, torque, between), mixed));
+            out.radius_between = std::max(out.radius_between, cycle_radius(model_at(between), mixed));
         }
     }
 }
 
 /// A set's gains at any speed, as the firmware mixes them.
-GainsAt gains_at(const EngineFile &engine, const KnownTorque &torque, const KalmanTables &from, std::size_t set, double speed_radps) {
+GainsAt gains_at(const ModelAt &model_at, const KalmanTables &from, std::size_t set, double speed_radps) {
     const float *speeds = from.tables.speed_radps;
     std::size_t at = 0;
     while (at + 1 < from.tables.speeds && speed_radps >= double(speeds[at + 1])) ++at;
     const std::size_t next = at + 1 < from.tables.speeds && speed_radps > double(speeds[at]) ? at + 1 : at;
     const double share = next > at ? (speed_radps - double(speeds[at])) / double(speeds[next] - speeds[at]) : 0;
     const Eigen::MatrixXd &low = from.gains[set * from.tables.speeds + at].gain, &high = from.gains[set * from.tables.speeds + next].gain;
-    return {tooth_model(engine, torque, speed_radps), low + share * (high - low)};
+    return {model_at(speed_radps), low + share * (high - low)};
 }
 
 /// What is not known of the engine goes into the deviations.
-void state_doubts(const EngineFile &engine, const KnownTorque &torque, KalmanTables &out) {
+void state_doubts(const EngineFile &engine, const KnownTorque &torque, const ModelAt &model_at, KalmanTables &out) {
     sd_kalman_tables_t &t = out.tables;
     const std::vector<ModelDoubt> doubts = model_doubts(engine);
-    const auto zeros = zeros_learned(doubts, gains_at(engine, torque, out, 0, kLearnedRpm * kRadpsPerRpm)); // by the first filter
+    const auto zeros = zeros_learned(doubts, gains_at(model_at, out, 0, kLearnedRpm * kRadpsPerRpm)); // by the first filter
     for (std::size_t i = 0; i < out.gains.size(); ++i) {
-        const GainsAt here = gains_at(engine, torque, out, i / t.speeds, double(t.speed_radps[i % t.speeds]));
+        const GainsAt here = gains_at(model_at, out, i / t.speeds, double(t.speed_radps[i % t.speeds]));
         const ModelError error = model_error(engine, torque, doubts, here, zeros);
         t.mean_share[i] = float(error.mean_share), t.spread_share[i] = float(error.spread_share);
         t.charge_nm_per_bar[i] = float(error.charge_nm_per_bar), t.learned_nm_per_bar[i] = float(error.learned_nm_per_bar);
@@ -315,34 +328,44 @@ std::pair<Eigen::MatrixXd, Eigen::MatrixXd> interval_tables(const EngineFile &en
     return {mean, moment};
 }
 
-ToothModel tooth_model(const EngineFile &engine, const KnownTorque &torque, double speed_radps) {
-    ToothModel model;
+namespace {
+
+ModelAt::ModelAt(const EngineFile &engine, const KnownTorque &torque)
+    : modes_(modes_of(engine, torque)), cylinders_(engine.cylinders()), inertia_kgm2_(mean_inertia_kgm2(engine)) {
     std::vector<TorqueOverAngle> basis = torque.basis;
     if (!torque.shape.empty()) basis.push_back(sum_of(torque.shape));
     const int n = engine.wheel.positions, m = 1 + int(basis.size());
-    model.positions = n;
-    model.present.assign(std::size_t(n), true);
-    for (int k : engine.wheel.missing) model.present[std::size_t(k)] = false;
-    const double mean = mean_inertia_kgm2(engine);
-    for (int k = 0; k < n; ++k) model.inertia_ratio.push_back(interval_inertia(engine, k) / mean);
-    model.mean = Eigen::MatrixXd::Constant(2 * n, m, 1);
-    model.moment = Eigen::MatrixXd::Constant(2 * n, m, 0.5);
+    still_.positions = n;
+    still_.present.assign(std::size_t(n), true);
+    for (int k : engine.wheel.missing) still_.present[std::size_t(k)] = false;
+    for (int k = 0; k < n; ++k) still_.inertia_ratio.push_back(interval_inertia(engine, k) / inertia_kgm2_);
+    still_.mean = Eigen::MatrixXd::Constant(2 * n, m, 1);
+    still_.moment = Eigen::MatrixXd::Constant(2 * n, m, 0.5);
     const auto [mean_of, moment_of] = interval_tables(engine, basis);
-    model.mean.rightCols(m - 1) = mean_of, model.moment.rightCols(m - 1) = moment_of;
+    still_.mean.rightCols(m - 1) = mean_of, still_.moment.rightCols(m - 1) = moment_of;
     for (std::size_t i = 0; torque.firings && i < std::size_t(engine.cylinders()); ++i) {
-        model.inject_at.push_back(position_after(engine, i, kInjectDeg));
-        model.read_at.push_back(position_after(engine, i, kReadDeg));
+        still_.inject_at.push_back(position_after(engine, i, kInjectDeg));
+        still_.read_at.push_back(position_after(engine, i, kReadDeg));
     }
-    const double scale = mean * speed_radps * speed_radps;
-    for (const CrankMode &mode : modes_of(engine, torque)) {
+}
+
+ToothModel ModelAt::operator()(double speed_radps) const {
+    ToothModel model = still_;
+    const int m = model.torques();
+    const double scale = inertia_kgm2_ * speed_radps * speed_radps;
+    for (const CrankMode &mode : modes_) {
         Eigen::RowVectorXd compliance(m);
         compliance(0) = scale * mode.constant_radpnm;
         // Behind a dual-mass flywheel all cylinders share one compliance, and so does the sum of their pulses.
-        for (int j = 1; j < m; ++j) compliance(j) = scale * mode.cylinder_radpnm[std::size_t(std::min(j, engine.cylinders()) - 1)];
+        for (int j = 1; j < m; ++j) compliance(j) = scale * mode.cylinder_radpnm[std::size_t(std::min(j, cylinders_) - 1)];
         model.modes.push_back(tooth_mode(mode.frequency_radps * model.pitch() / speed_radps, mode.damping, compliance));
     }
     return model;
 }
+
+} // namespace
+
+ToothModel tooth_model(const EngineFile &engine, const KnownTorque &torque, double speed_radps) { return ModelAt(engine, torque)(speed_radps); }
 
 ToothNoise tooth_noise(const EngineFile &engine, const KalmanTune &tune, double speed_radps) {
     const double scale = mean_inertia_kgm2(engine) * speed_radps * speed_radps;
@@ -353,14 +376,15 @@ ToothNoise tooth_noise(const EngineFile &engine, const KalmanTune &tune, double 
 KalmanTables kalman_tables(const EngineFile &engine, const KnownTorque &torque, const KalmanTune &tune) {
     KalmanTables out{sizes(engine, torque, tune), {}, 0};
     sd_kalman_tables_t &t = out.tables;
-    add_set(engine, torque, tune, out);
+    const ModelAt model_at(engine, torque);
+    add_set(engine, model_at, tune, out);
     if (t.sets > 1) {
         KalmanTune rough = tune;
         rough.load_walk_nm = std::max(tune.rough_walk_nm, tune.load_walk_nm);
         rough.firing_change_nm *= kRoughChange;
-        add_set(engine, torque, rough, out);
+        add_set(engine, model_at, rough, out);
     }
-    if (t.firings > 0 && !engine.pulses.empty()) state_doubts(engine, torque, out);
+    if (t.firings > 0 && !engine.pulses.empty()) state_doubts(engine, torque, model_at, out);
     fill_pool(engine, torque, out.gains, t);
     return out;
 }

@@ -28,7 +28,8 @@ constexpr std::uint16_t kLoggedOut = 0x8000;
 class LogWriter {
   public:
     /// `about` is JSON, for people and exports; nothing of it is needed to replay. Throws InputError when the
-    /// file cannot be written.
+    /// file cannot be written. "-" is standard output: then the log goes out as it grows, and what finish() did not end lacks its
+    /// checksum.
     LogWriter(std::filesystem::path path, const std::string &about, const sd_calibration_t &calibration);
     /// Without finish() nothing stays.
     ~LogWriter();

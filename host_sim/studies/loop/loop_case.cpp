@@ -17,10 +17,10 @@ constexpr const char *kBase = "engine = \"diesel_22.toml\"\n[run]\nduration_s = 
 } // namespace
 
 Scenario loop_scenario(const std::vector<std::string> &changes, const std::string &file) {
-    if (!file.empty()) return read_scenario(std::filesystem::path(SD_SCENARIOS) / file, changes);
+    if (!file.empty()) return read_scenario(std::filesystem::path(SD_DATA "/scenarios") / file, changes);
     TomlFile base("loop", kBase);
     for (const std::string &change : changes) base.set(change);
-    return read_scenario(base, SD_ENGINES);
+    return read_scenario(base, SD_DATA "/engines");
 }
 
 RunResult run_loop(const LoopCase &loop, RunTables *tables) {

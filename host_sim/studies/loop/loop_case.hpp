@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The fuel balance in a closed loop, with a calibration that is wrong by known amounts: what loop_bench and the tests run.
+// The fuel balance in a closed loop, with a calibration that is wrong by known amounts: what `sixdeg study loop` and the tests run.
 #pragma once
 #include <optional>
 #include <string>

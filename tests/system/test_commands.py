@@ -1,0 +1,152 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""Every command of sixdeg, as the docs write it: each is run, shortened where it would take long. And `-` as a file."""
+import json
+import os
+import pathlib
+import re
+import shlex
+import subprocess
+import sys
+import unittest
+
+from sixdeg_test import Folder
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+SIXDEG = os.environ["SIXDEG"]
+DATA = ROOT / "host_sim" / "data"
+SCENARIO = (f'engine = "{DATA}/engines/diesel_22.toml"\n[run]\ncycles = 60\n[speed]\nrpm = 1500\n[load]\nbmep_bar = 5\n'
+            "[cyclic]\ncov_percent = 5\n[misfires]\none_in = 10\n")
+# What the docs leave to the reader. The order counts: longer names come first.
+PLACES = {"SCENARIO.toml": "scenario.toml", "ENGINE.toml": str(DATA / "engines/diesel_22.toml"), "TUNE.toml": "tune.toml",
+          "MODEL.toml": str(DATA / "models/turbo_si_13.toml"), "SUMMARY.json": "summary.json", "FIELD=V,V,...": "speed.rpm=1000",
+          "speed.rpm=N": "speed.rpm=1500", "run.cycles=N": "run.cycles=3", "stiffness_percent=S": "stiffness_percent=0", "DIR": "out"}
+# Where a command is one of many cases, the rest of it is as good shorter.
+SHORTER = {"run": ["--nominal", "--set", "run.cycles=3"], "plant": ["--nominal", "--set", "run.cycles=3"],
+           "sweep": ["--nominal", "--set", "run.cycles=3", "--jobs", "1"], "study afr": ["--seeds", "1"], "study loop": ["--seeds", "1"],
+           "study trips": ["--trips", "2"], "bench": ["--seconds", "0.0005", "--repetitions", "1"]}
+ONE_PART = {"study afr": "ghosts", "study loop": "figure-16"}
+
+
+def help_of(path):
+    return subprocess.run([SIXDEG, *path, "--help"], capture_output=True, text=True, check=True).stdout
+
+
+def leaves(path=()):
+    """Every command that is no group, as a tuple of words, with its help."""
+    text = help_of(path)
+    names = re.findall(r"^  (\S+)", text.partition("Subcommands:")[2], re.M)
+    found = {} if names else {path: text}
+    for name in names:
+        found.update(leaves((*path, name)))
+    return found
+
+
+def without_options(text):
+    """The text without its [optional parts], which begin a word; [1,2] within a word is a value."""
+    while (start := re.search(r"(?<!\S)\[", text)):
+        depth, end = 1, start.end()
+        while depth:
+            depth += {"[": 1, "]": -1}.get(text[end], 0)
+            end += 1
+        text = text[:start.start()] + re.sub(r"^\.\.\.", "", text[end:])
+    return text
+
+
+def commands_in(text):
+    """All that a page of the docs has of `sixdeg ...`, a list of words each."""
+    found = [" ".join(c.split()) for c in re.findall(r"`((?:[^`\n]+\n?){1,3})`", text)]
+    for block in re.findall(r"(?:^ {4}.+\n)+", text, re.M) + re.findall(r"^```\w*\n(.*?)^```", text, re.M | re.S):
+        found += re.sub(r"\n\s+--", " --", block).split("\n")
+    for line in found:
+        if (command := re.search(r"(?:^\s*|(?<=/)|(?<= ))sixdeg (?=[a-z])(.*)", line)) and not line.strip().startswith("#"):
+            yield shlex.split(without_options(command.group(1)), comments=True)
+
+
+class Docs(Folder):
+    @classmethod
+    def setUpClass(cls):
+        cls.leaves = leaves()
+
+    def setUp(self):
+        super().setUp()
+        (self.folder / "host_sim").symlink_to(ROOT / "host_sim")
+        (self.folder / "scenario.toml").write_text(SCENARIO)
+        (self.folder / "tune.toml").write_text("[torque]\nharmonics = 5\n")
+        subprocess.run([sys.executable, ROOT / "tools/trace/make_trace.py", self.folder / "trace.csv"], check=True)
+        self.ran(["run", "scenario.toml", "--nominal", "--json", "summary.json"])
+
+    def ran(self, words):
+        """Runs it in the test's folder. Over a bus it goes no further than to the bus, which is not there."""
+        words = list(words)
+        status, reason = 0, ""
+        if "--transport" in words:
+            at = words.index("--transport") + 1
+            words[at], status, reason = "nowhere", 2, "nowhere"
+        done = subprocess.run([SIXDEG, *words], capture_output=True, text=True, cwd=self.folder, timeout=120)
+        self.assertEqual(done.returncode, status, f"{words}: {done.stderr}")
+        self.assertIn(reason, done.stderr)
+
+    def checked(self, words):
+        """The command that the words are, after running it; None where they only name one, whose options are looked up then."""
+        path = next((tuple(words[:n]) for n in (2, 1) if tuple(words[:n]) in self.leaves), None)
+        if path is None:
+            self.assertIn(tuple(words[:1]), {leaf[:1] for leaf in self.leaves}, words)
+            return None
+        rest, text, name = words[len(path):], self.leaves[path], " ".join(path)
+        required = re.findall(r"^  (\S+) .*REQUIRED", text, re.M)
+        positional = bool(rest) and not rest[0].startswith("--")
+        if any(r not in rest if r.startswith("--") else not positional for r in required):
+            for option in (w for w in rest if w.startswith("--")):
+                self.assertRegex(text, rf"(?m)^  {option}\b", words)
+            return None
+        for placeholder, value in PLACES.items():
+            rest = [value if word == placeholder else word for word in rest]
+        rest = [re.sub(r"^([a-z.=]+[^,\[\]]*),[^\[\]]*$", r"\1", w) if before == "--over" else w.split("|")[0] for before, w in zip([""] + rest, rest)]
+        rest = ["trace.csv" if w == "FILE" and path == ("replay",) else w for w in rest]
+        self.ran([*path, *([] if positional or name not in ONE_PART else [ONE_PART[name]]), *rest, *SHORTER.get(name, [])])
+        return path
+
+    def test_every_command_runs_as_the_docs_write_it(self):
+        run = set()
+        done = []
+        for page in [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]:
+            for words in commands_in(page.read_text()):
+                if words in done:
+                    continue
+                done.append(words)
+                with self.subTest(page=page.name, command=" ".join(words)):
+                    run.add(self.checked(words))
+        self.assertEqual(set(self.leaves) - run, set(), "commands that no page of the docs shows in full")
+
+
+class StandardOutput(Folder):
+    def out(self, *words, status=0):
+        done = subprocess.run([SIXDEG, *map(str, words)], capture_output=True, cwd=self.folder, timeout=120)
+        self.assertEqual(done.returncode, status, done.stderr)
+        self.assertEqual(list(self.folder.glob("-*")), [])
+        self.assertTrue(done.stderr)  # the words for people
+        return done.stdout
+
+    def test_a_file_named_minus_goes_to_standard_output_alone(self):
+        engine, model = DATA / "engines/diesel_22.toml", DATA / "models/satellite_orbit.toml"
+        scenario = self.folder / "scenario.toml"
+        scenario.write_text(SCENARIO)
+        log = self.out("run", scenario, "--nominal", "--set", "run.cycles=3", "--record", "-")
+        (self.folder / "kept.sdlog").write_bytes(log)
+        for words in (["calibrate", engine, "--out", self.folder / "page"], ["run", scenario, "--nominal"], ["sensors", model],
+                      ["replay", self.folder / "kept.sdlog"], ["study", "observers"], ["bench", *SHORTER["bench"]]):
+            for option in (["--json", "-"], ["--json=-"]):
+                with self.subTest(command=words, option=option):
+                    self.assertIsInstance(json.loads(self.out(*words, *option)), dict)
+        self.out("run", scenario, "--nominal", "--learn", "-")
+
+    def test_a_folder_cannot_be_minus(self):
+        for words in (["calibrate", "none.toml"], ["run", "none.toml"], ["replay", "none.csv"], ["sweep", "none.toml", "--over", "seed=1"],
+                      ["watch", "--transport", "lcm"]):
+            with self.subTest(command=words):
+                self.assertEqual(self.out(*words, "--out", "-", status=2), b"")
+
+
+if __name__ == "__main__":
+    unittest.main()

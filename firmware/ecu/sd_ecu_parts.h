@@ -4,6 +4,10 @@
 #define SD_ECU_PARTS_H
 #include "sd_ecu.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* sd_ecu_cycle.c: pieces of work, in their order. */
 typedef enum sd_piece {
     SD_PIECE_CYLINDERS, /* torque of each cylinder from the harmonics */
@@ -27,5 +31,9 @@ void sd_ecu_do_piece(sd_ecu_t *self, const sd_calibration_t *page, const sd_port
 sd_firings_config_t sd_ecu_firings_config(const sd_calibration_t *page, const sd_parameters_t *p);
 /* Reads or changes a parameter and sends the answer. */
 void sd_ecu_parameter(sd_ecu_t *self, const sd_calibration_t *page, const sd_port_t *port, const sd_event_t *request);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

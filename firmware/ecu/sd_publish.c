@@ -14,19 +14,22 @@ void sd_publish_init(sd_publish_t *self) {
 
 uint32_t sd_publish_part(sd_publish_t *self, const sd_port_t *port, uint32_t tick, sd_rate_t rate, uint32_t from) {
     const sd_rate_info_t *row = &sd_rate_infos[rate];
-    const float *value = (const float *)&self->signals;
+    const uint16_t *channel = &row->channels[from];
+    const uint8_t *owner = &row->owners[from];
+    const float *values = (const float *)&self->signals;
     const uint32_t left = row->count - from, count = (left < SD_PUBLISH_PART) ? left : SD_PUBLISH_PART;
-    sd_event_t event[SD_PUBLISH_PART];
-    for (uint32_t i = 0; i < count; ++i) {
-        const uint32_t channel = row->channels[from + i];
-        const sd_status_t *status = &self->status[sd_signal_infos[channel].owner];
-        event[i].tick = tick;
-        event[i].kind = SD_EVENT_SIGNAL;
-        event[i].channel = (uint16_t)channel;
-        memcpy(&event[i].value, &value[channel], sizeof event[i].value);
-        event[i].flags = status->health | ((uint32_t)status->why << 8);
+    union { float value; uint32_t bits; } both;
+    sd_event_t events[SD_PUBLISH_PART], *event = events;
+    for (uint32_t i = 0; i < count; ++i, ++event) {
+        const sd_status_t *status = &self->status[owner[i]];
+        both.value = values[channel[i]];
+        event->tick = tick;
+        event->kind = SD_EVENT_SIGNAL;
+        event->channel = channel[i];
+        event->value = both.bits;
+        event->flags = status->health | ((uint32_t)status->why << 8);
     }
-    self->unsent += count - port->send(port->context, event, count);
+    self->unsent += count - port->send(port->context, events, count);
     return (from + count < row->count) ? from + count : 0u;
 }
 

@@ -35,6 +35,11 @@ class EcuBench : public EcuFeed {
     const sd_crank_t &crank() const { return ecu_.crank; }
     /// Tooth pattern as learned so far, and learning that goes on from one kept. False: it is of another wheel.
     const sd_pattern_t &pattern() const { return ecu_.firings.pattern; }
+    sd_pattern_sums_t learned() const {
+        sd_pattern_sums_t sums;
+        sd_firings_keep(&ecu_.firings, &page_.view()->kalman, &sums);
+        return sums;
+    }
     bool resume(const sd_pattern_sums_t &learned) { return sd_ecu_resume(&ecu_, page_.view(), &learned) == SD_OK; }
 
   private:

@@ -10,6 +10,7 @@
 #define PAINT        0xdeadbeefu
 #define SETTLED_CYCLES 11u /* Longer than any block takes to settle. */
 
+_Static_assert(sizeof(sd_ecu_t) <= 16384u, "an ecu takes more RAM than there is for it");
 static sd_ecu_t ecu;
 
 /* ---- the port: one event waits, what is sent is kept ------------------------------------------------------------ */
@@ -33,7 +34,8 @@ static uint32_t send(void *context, const sd_event_t *events, uint32_t count) {
 }
 
 static const sd_port_t port = { 0, receive, send };
-static uint32_t (*volatile run)(sd_ecu_t *, const sd_calibration_t *, const sd_port_t *) = sd_ecu_run; /* not inlined: its calls are counted */
+/* Not inlined, since its calls are counted. */
+static uint32_t (*volatile run)(sd_ecu_t *, const sd_calibration_t *, const sd_port_t *) = sd_ecu_run;
 
 /* ---- the stack ---------------------------------------------------------------------------------------------------- */
 

@@ -8,6 +8,10 @@
 #ifndef SD_HAL_H
 #define SD_HAL_H
 #include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
 #ifdef SD_KERNEL
 #error "a kernel must not include hal.h: data reaches it through the ecu"
 #endif
@@ -18,6 +22,8 @@ typedef enum sd_event_kind {
     SD_EVENT_CAM_EDGE   = 2,  ///< In. tick: capture time of the cam edge.
     SD_EVENT_TIME       = 3,  ///< In, every 10 ms. tick: now. Answered by SD_EVENT_DONE.
     SD_EVENT_SAMPLE     = 4,  ///< In. A sensor was read at tick. channel: sd_input_t; value: IEEE 754 bits.
+    SD_EVENT_WHEEL_EDGE = 5,  ///< In. tick: capture time of an edge of another toothed wheel; channel: sd_wheel_t. The ecu knows
+                              ///< it and has no use for it yet: it is neither counted as unknown nor answered.
     SD_EVENT_GAP        = 8,  ///< In. A port lost events before this one: the angle is sought afresh.
     SD_EVENT_PARAMETER  = 9,  ///< In. channel: index of the parameter; flags: sd_parameter_command_t; value: to set.
                               ///< Out, its answer. value: what holds now; flags: command | sd_parameter_result_t << 8.
@@ -25,6 +31,15 @@ typedef enum sd_event_kind {
     SD_EVENT_DONE       = 17, ///< Out. tick: of the SD_EVENT_TIME up to which all is handled and said; value: signals
                               ///< the port had no room for; flags: events ignored since the start.
 } sd_event_kind_t;
+
+/// Toothed wheels beside crank and cam. A bus has room for 14.
+typedef enum sd_wheel {
+    SD_WHEEL_FRONT_LEFT     = 0, ///< Wheel speeds, as an ABS unit reads them.
+    SD_WHEEL_FRONT_RIGHT    = 1,
+    SD_WHEEL_REAR_LEFT      = 2,
+    SD_WHEEL_REAR_RIGHT     = 3,
+    SD_WHEEL_GEARBOX_OUTPUT = 4, ///< Output shaft of the gearbox.
+} sd_wheel_t;
 
 /// What an SD_EVENT_PARAMETER asks for. There are two pages: the working one rules, the reference one never changes.
 typedef enum sd_parameter_command {
@@ -60,5 +75,9 @@ typedef struct sd_port {
     /// Takes `count` events; returns how many it had room for.
     uint32_t (*send)(void *context, const sd_event_t *events, uint32_t count);
 } sd_port_t;
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

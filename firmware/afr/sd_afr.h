@@ -3,19 +3,27 @@
 /// filter (sd_afr_joint.h) or document 004's chain (sd_afr_chain.h), at the present operating point of a grid from the
 /// calibration.
 ///
-/// Once a cycle the point is interpolated over speed, intake pressure and mean lambda; once a wheel position, missing ones
-/// included, comes the step. Lambda here is document 004's, 1 - air/gas. Real-time contract: no heap, no globals, no libm;
-/// sd_afr_cycle passes over 8 grid points. One writer per state.
+/// Once a cycle the point is interpolated over speed, intake pressure and mean lambda: sd_afr_cycle notes where it is, and
+/// sd_afr_work, called once a tooth while it returns true, does it in SD_AFR_PIECES pieces, with the last of which the new
+/// point takes effect as a whole. Once a wheel position, missing ones included, comes the step. Tables are read where the
+/// caller keeps them, and must be the same in every call. Lambda here is document 004's, 1 - air/gas. Real-time contract: no
+/// heap, no globals, no libm; a piece costs no more than a step does. One writer per state.
 #ifndef SD_AFR_H
 #define SD_AFR_H
 #include "sd_afr_chain.h"
 #include "sd_afr_delay.h"
 #include "sd_afr_joint.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 #define SD_AFR_SPEEDS    4
 #define SD_AFR_PRESSURES 3
 #define SD_AFR_LAMBDAS   2
-#define SD_AFR_OPEN      96 /* positions of a cycle that a point holds */
+#define SD_AFR_OPEN      SD_EXHAUST_OPEN /* positions of a cycle that a point holds */
+#define SD_AFR_PIECE     8  /* of them are interpolated at a time */
+#define SD_AFR_PIECES    (SD_AFR_OPEN / SD_AFR_PIECE + 2)
 #define SD_AFR_NO_SAMPLE 100.0f
 
 /// Which estimator stands on manifold and delay.
@@ -46,6 +54,12 @@ typedef struct sd_afr_grid {
     sd_afr_node_t node[SD_AFR_SPEEDS][SD_AFR_PRESSURES][SD_AFR_LAMBDAS];
 } sd_afr_grid_t;
 
+/// What is read in place, of the calibration.
+typedef struct sd_afr_tables {
+    const sd_afr_grid_t *grid;
+    const int32_t *sine_q31;     ///< As in sd_afr_chain_config_t; NULL for the joint filter.
+} sd_afr_tables_t;
+
 /// Choices; read by init only.
 typedef struct sd_afr_config {
     uint8_t  method;             ///< sd_afr_method_t.
@@ -60,6 +74,23 @@ typedef struct sd_afr_config {
     float    inversion_gain, inversion_floor;
 } sd_afr_config_t;
 
+/// The coming point, as far as it is done.
+typedef struct sd_afr_coming {
+    float    speed_radps, intake_bar, fuel_mg;
+    float    part[3];                     ///< Where the point is between two nodes, on each axis, [0, 1],
+    uint8_t  node[3];                     ///< and the first of them.
+    uint8_t  piece;                       ///< The next piece; SD_AFR_PIECES: none.
+    float    rate_hz, z0_kg, transport_kg;
+} sd_afr_coming_t;
+
+/// All cylinders, by firing order, at one time. 0 while there is no estimate.
+typedef struct sd_afr_estimate {
+    float lambda[SD_AFR_CYLINDERS_MAX];
+    float deviation[SD_AFR_CYLINDERS_MAX]; ///< From the mean, over the mean.
+    float sd[SD_AFR_CYLINDERS_MAX];        ///< What the deviation may be off by (standard deviation): the filter's, or what the chain
+                                           ///< scatters by, and what delay and lags may be off by.
+} sd_afr_estimate_t;
+
 typedef struct sd_afr {
     sd_afr_config_t    config;
     sd_exhaust_f32_t   exhaust;
@@ -70,7 +101,7 @@ typedef struct sd_afr {
     sd_exhaust_now_f32_t now;             ///< What the sensor met at the last position.
     sd_afr_learned_t known;               ///< Of delay and lags, and how well.
     float    doubt;                       ///< What that leaves in deviations: sd_afr_delay_doubt.
-    float    share[SD_AFR_POSITIONS_MAX]; ///< At the present point.
+    sd_afr_coming_t coming;
     float    mean_lambda;                 ///< Of all cylinders, last cycle.
     uint32_t cycles;                      ///< Since a start.
     uint8_t  slow;                        ///< Slow mode: settles in tens of seconds; the chain has none and stays degraded.
@@ -79,27 +110,31 @@ typedef struct sd_afr {
 
 /// Harmonics of the cycle that hold every pattern of so many cylinders.
 uint8_t sd_afr_harmonics(uint8_t cylinders);
-/// SD_OK, or SD_ERR_CONFIG with the state untouched: no grid, or a field out of its range. sine_q31: as in
-/// sd_afr_chain_config_t; NULL for the joint filter.
-sd_result_t sd_afr_init(sd_afr_t *self, const sd_afr_config_t *config, const sd_afr_grid_t *grid, const int32_t *sine_q31);
-/// Operating point of the coming cycle. Out of the grid its edge stands; numbers not above 0 (NaN too) keep the last.
-void sd_afr_cycle(sd_afr_t *self, const sd_afr_grid_t *grid, float speed_radps, float intake_bar, float fuel_mg);
-/// From the next cycle on the delay is longer by late_s and the lags by the share lag (sd_afr_delay.h), +-50 ms and +-0.5;
+/// SD_OK, or SD_ERR_CONFIG with the state untouched: no grid, or a field out of its range.
+sd_result_t sd_afr_init(sd_afr_t *self, const sd_afr_config_t *config, const sd_afr_tables_t *tables);
+/// Ends a cycle: the operating point of the coming one. Out of the grid its edge stands; numbers not above 0 (NaN too) keep
+/// the last point. Whatever was left to do for an earlier point is left out.
+void sd_afr_cycle(sd_afr_t *self, float speed_radps, float intake_bar, float fuel_mg);
+/// The next piece of that. True while more is left: call it again with the next tooth.
+bool sd_afr_work(sd_afr_t *self, const sd_afr_tables_t *tables);
+/// From the next point on the delay is longer by late_s and the lags by the share lag (sd_afr_delay.h), +-50 ms and +-0.5;
 /// ignored beyond (NaN too). Their standard deviations, at least 0, go into what is stated of deviations.
 void sd_afr_correct(sd_afr_t *self, const sd_afr_learned_t *known);
 /// Angle lost, or off by a revolution: begins anew.
 void sd_afr_restart(sd_afr_t *self);
 /// Next wheel position; lambda: mean of its samples, or SD_AFR_NO_SAMPLE.
-void sd_afr_step(sd_afr_t *self, uint32_t cycle_position, float lambda);
+void sd_afr_step(sd_afr_t *self, const sd_afr_tables_t *tables, uint32_t cycle_position, float lambda);
 /// A cylinder's fuel was changed by this factor, and its gas is about to arrive.
 void sd_afr_trimmed(sd_afr_t *self, uint32_t cylinder, float fuel_factor);
-/// Of a cylinder by firing order.
+/// Of a cylinder by firing order; 0 while there is no estimate.
 float sd_afr_lambda(const sd_afr_t *self, uint32_t cylinder);
-/// Its deviation from the mean over the mean, and what that may be off by (standard deviation): the filter's, or what the
-/// chain scatters by.
-float sd_afr_deviation(const sd_afr_t *self, uint32_t cylinder);
-float sd_afr_deviation_sd(const sd_afr_t *self, uint32_t cylinder);
+/// All of them in one pass.
+void sd_afr_read(const sd_afr_t *self, sd_afr_estimate_t *out);
 /// Invalid before a point and a sample; degraded while converging (8 cycles, 200 in slow mode; there the chain always).
 sd_status_t sd_afr_status(const sd_afr_t *self);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

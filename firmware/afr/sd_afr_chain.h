@@ -16,6 +16,10 @@
 #include "sd_afr_observer.h"
 #include "sd_uego.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /// Read by init only.
 typedef struct sd_afr_chain_config {
     uint16_t cycle_positions;               ///< As in sd_uego_config_t, and the table of sines with it.
@@ -36,6 +40,8 @@ typedef struct sd_afr_chain_config {
         float    change_square;                      /* of them in a cycle, mean */                                    \
         uint8_t  cycles;                             /* that are in it, up to 8 */                                     \
     } sd_afr_chain_##N##_t;                                                                                            \
+    /* SD_OK if init takes it, else SD_ERR_CONFIG. */                                                                  \
+    sd_result_t sd_afr_chain_check_##N(const sd_afr_chain_config_t *config);                                           \
     /* SD_OK, or SD_ERR_CONFIG with the state untouched. */                                                            \
     sd_result_t sd_afr_chain_init_##N(sd_afr_chain_##N##_t *self, const sd_afr_chain_config_t *config);                \
     /* Once a cycle. Duration of a position, (0, 0.1] s; gains: oscillator form of D, NULL: Fourier form; */           \
@@ -59,5 +65,9 @@ typedef struct sd_afr_chain_config {
 
 SD_AFR_CHAIN_DECLARE(f32, float)
 SD_AFR_CHAIN_DECLARE(q31, sd_q31_t)
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -25,6 +25,10 @@
 #define SD_AFR_DELAY_H
 #include "sd_exhaust.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /// Read by init only.
 typedef struct sd_afr_delay_config {
     uint16_t cycle_positions; ///< 24 to SD_AFR_POSITIONS_MAX.
@@ -80,5 +84,9 @@ bool sd_afr_delay_cycle(sd_afr_delay_t *self, const sd_afr_trims_t *cycle);
 void sd_afr_delay_probe(sd_afr_delay_t *self, bool on);
 /// The probe's part of a cylinder's trim, in units of its size: 1 or -1 for the first, the others make the sum 0. 0 without.
 float sd_afr_delay_probe_trim(const sd_afr_delay_t *self, uint32_t cylinder);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

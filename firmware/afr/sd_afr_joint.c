@@ -18,11 +18,15 @@ static float *entry(sd_afr_joint_t *self, uint32_t i, uint32_t j) {
     return &self->covariance[(i >= j) ? i * (i + 1u) / 2u + j : j * (j + 1u) / 2u + i];
 }
 
-sd_result_t sd_afr_joint_init(sd_afr_joint_t *self, const sd_afr_joint_config_t *c) {
+sd_result_t sd_afr_joint_check(const sd_afr_joint_config_t *c) {
     const bool ok = (c->cylinders >= 1u) && (c->cylinders <= SD_AFR_CYLINDERS_MAX) && sd_within(c->tau1_s, 1e-4f, 1.0f) &&
                     sd_within(c->tau2_s, 1e-4f, 1.0f) && sd_within(c->noise_per_rthz, 1e-7f, 0.1f) &&
                     sd_within(c->drift, 1e-6f, 1.0f) && sd_within(c->start_sd, 1e-3f, 1.0f) && sd_within(c->reject, 3.0f, 1e3f);
-    if (!ok) { return SD_ERR_CONFIG; }
+    return ok ? SD_OK : SD_ERR_CONFIG;
+}
+
+sd_result_t sd_afr_joint_init(sd_afr_joint_t *self, const sd_afr_joint_config_t *c) {
+    if (sd_afr_joint_check(c) != SD_OK) { return SD_ERR_CONFIG; }
     memset(self, 0, sizeof *self);
     self->config = *c;
     sd_afr_joint_set(self, 1e-3f, c->drift, 0.0f);
@@ -162,19 +166,19 @@ float sd_afr_joint_lambda(const sd_afr_joint_t *self, uint32_t cylinder) {
     return 1.0f - self->air_fraction[cylinder];
 }
 
-float sd_afr_joint_deviation_variance(const sd_afr_joint_t *self, uint32_t cylinder) {
+/* Of a_i - mean: P_ii - 2 (sum of row i)/n + (sum of all)/n^2. */
+void sd_afr_joint_deviation_variances(const sd_afr_joint_t *self, float *variance) {
     const uint32_t n = self->config.cylinders;
-    if (cylinder >= n) { return 0.0f; }
+    const float part = 1.0f / (float)n;
     sd_afr_joint_t *s = (sd_afr_joint_t *)self; /* entry() only reads here */
-    float variance = 0.0f;
+    float all = 0.0f;
     for (uint32_t i = 0; i < n; ++i) {
-        for (uint32_t j = 0; j < n; ++j) {
-            const float wi = ((i == cylinder) ? 1.0f : 0.0f) - 1.0f / (float)n;
-            const float wj = ((j == cylinder) ? 1.0f : 0.0f) - 1.0f / (float)n;
-            variance += wi * wj * *entry(s, 1u + i, 1u + j);
-        }
+        float row = 0.0f;
+        for (uint32_t j = 0; j < n; ++j) { row += *entry(s, 1u + i, 1u + j); }
+        all += row;
+        variance[i] = *entry(s, 1u + i, 1u + i) - 2.0f * part * row;
     }
-    return variance;
+    for (uint32_t i = 0; i < n; ++i) { variance[i] += part * part * all; }
 }
 
 /* In place, by Gauss and Jordan without pivots: it is positive definite. */

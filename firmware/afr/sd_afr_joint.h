@@ -19,6 +19,10 @@
 #define SD_AFR_JOINT_H
 #include "sd_exhaust.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 #define SD_AFR_STATES_MAX (SD_AFR_CYLINDERS_MAX + 3)
 
 /// Read by init only.
@@ -57,6 +61,8 @@ typedef struct sd_afr_blame {
     float    explained; ///< Of the weighted square of what cylinders are off by: twice the gain in log likelihood.
 } sd_afr_blame_t;
 
+/// SD_OK if init takes it, else SD_ERR_CONFIG.
+sd_result_t sd_afr_joint_check(const sd_afr_joint_config_t *config);
 /// SD_OK, or SD_ERR_CONFIG with the state untouched.
 sd_result_t sd_afr_joint_init(sd_afr_joint_t *self, const sd_afr_joint_config_t *config);
 /// Duration of a position, (0, 0.1] s; drift in place of the configured one, (0, 1]; jump, [0, 1] of lambda, 0 for none.
@@ -71,8 +77,8 @@ void sd_afr_joint_step(sd_afr_joint_t *self, const sd_exhaust_now_f32_t *now, fl
 void sd_afr_joint_move(sd_afr_joint_t *self, uint32_t cylinder, float lambda_change);
 /// lambda = 1 - a of a cylinder, by firing order; 0 beyond, or while not running.
 float sd_afr_joint_lambda(const sd_afr_joint_t *self, uint32_t cylinder);
-/// Variance of a cylinder's lambda less the mean of all.
-float sd_afr_joint_deviation_variance(const sd_afr_joint_t *self, uint32_t cylinder);
+/// Variance of each cylinder's lambda minus the mean of all, by firing order: [cylinders].
+void sd_afr_joint_deviation_variances(const sd_afr_joint_t *self, float *variance);
 /// The cylinder that being rich or lean alone explains best how the cylinders are, weighing what the samples tell apart well.
 /// One that is rich and the one opposite in the firing order that is lean look nearly alike to a slow sensor; what tells them
 /// apart is which way the mean of all moved, hence usual->lambda. Once a cycle: it inverts a matrix of all cylinders. All 0
@@ -80,5 +86,9 @@ float sd_afr_joint_deviation_variance(const sd_afr_joint_t *self, uint32_t cylin
 sd_afr_blame_t sd_afr_joint_blame(const sd_afr_joint_t *self, const sd_afr_usual_t *usual);
 /// Invalid until the first sample; rejected samples degrade it.
 sd_status_t sd_afr_joint_status(const sd_afr_joint_t *self);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -17,6 +17,10 @@
 #define SD_AFR_OBSERVER_H
 #include "sd_exhaust.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /// Read by init only.
 typedef struct sd_afr_observer_config {
     uint8_t  cylinders;      ///< 1 to SD_AFR_CYLINDERS_MAX.
@@ -35,6 +39,8 @@ typedef struct sd_afr_observer_config {
         uint16_t steps, settle_steps;                                                                                  \
         uint8_t  cylinders, running;                                                                                   \
     } sd_afr_observer_##N##_t;                                                                                         \
+    /* SD_OK if init takes it, else SD_ERR_CONFIG. */                                                                  \
+    sd_result_t sd_afr_observer_check_##N(const sd_afr_observer_config_t *config);                                     \
     /* SD_OK, or SD_ERR_CONFIG with the state untouched. */                                                            \
     sd_result_t sd_afr_observer_init_##N(sd_afr_observer_##N##_t *self, const sd_afr_observer_config_t *config);       \
     /* charge_pu: one cylinder's gas in one cycle over mass_base, (0, 1); ignored outside. Once a cycle, it divides. */\
@@ -49,5 +55,9 @@ typedef struct sd_afr_observer_config {
 
 SD_AFR_OBSERVER_DECLARE(f32, float)
 SD_AFR_OBSERVER_DECLARE(q31, sd_q31_t)
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -4,6 +4,10 @@
 #define SD_AFR_PARTS_H
 #include "sd_num.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 #define JOIN_(a, b) a##_##b
 #define JOIN(a, b)  JOIN_(a, b)
 #define F(name)     JOIN(name, N) /* F(sd_mul) -> sd_mul_f32 */
@@ -24,5 +28,9 @@ static inline uint32_t sd_afr_split_q31(sd_q31_t x, uint32_t parts, sd_q31_t *re
 /* n / d for 0 <= n < d. */
 static inline float sd_afr_over_f32(float n, float d) { return n / d; }
 static inline sd_q31_t sd_afr_over_q31(sd_q31_t n, sd_q31_t d) { return (sd_q31_t)(((int64_t)n << 31) / d); }
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

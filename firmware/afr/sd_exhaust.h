@@ -13,31 +13,36 @@
 /// document's constant delay. Where the delay grows within a position, the sensor sees that much less than a position.
 ///
 /// Two variants from one body: _f32 and _q31 (masses per unit of mass_base). Real-time contract: no heap, no globals,
-/// no libm; step costs one pass over the cylinders. Call order: init; set when the operating point changes (once a
-/// cycle, it divides); step for every wheel position, missing ones included. One writer per state.
+/// no libm; step costs one pass over the cylinders and does not divide whole numbers. Call order: init; for each operating
+/// point shares, a piece at a time, then set, with which all of it takes effect (once a cycle, it divides); step for every
+/// wheel position, missing ones included. psi stays where the caller keeps it. One writer per state.
 #ifndef SD_EXHAUST_H
 #define SD_EXHAUST_H
 #include "sd_limits.h"
 #include "sd_num.h"
 #include "sd_status.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 #define SD_AFR_CYLINDERS_MAX SD_CYLINDERS_MAX
 #define SD_AFR_POSITIONS_MAX 240 /* of a cycle */
 #define SD_EXHAUST_RING      64  /* positions, a power of two: the longest delay is one less */
 #define SD_EXHAUST_PSI       32  /* intervals of psi over z from 1 to 2 */
+#define SD_EXHAUST_OPEN      96  /* positions of a cycle in which a valve may be open */
 
 /// Read by init only, need not outlive it.
 typedef struct sd_exhaust_config {
     uint16_t cycle_positions;    ///< Wheel positions a cycle, 24 to SD_AFR_POSITIONS_MAX.
     uint8_t  cylinders;          ///< 1 to SD_AFR_CYLINDERS_MAX.
     uint16_t firing_position[SD_AFR_CYLINDERS_MAX]; ///< First position at or after each firing TDC, below cycle_positions.
+    uint16_t open_position;      ///< Positions from there to the first in which the valve may be open, below cycle_positions.
     float    mass_base_kg;       ///< Base of q31: above all the gas the manifold ever holds, (0, 1].
-    float    psi[SD_EXHAUST_PSI + 1]; ///< psi(1 + k/32), each [0, 1).
 } sd_exhaust_config_t;
 
 /// Operating point; read by set only.
 typedef struct sd_exhaust_point {
-    const float *share;    ///< [cycle_positions], from firing TDC on, each [0, 1); the rest of the gas stays in the cylinder.
     float charge_kg;       ///< Gas of one cylinder in one cycle, fuel included, (0, mass_base).
     float rate_hz;         ///< Turbine area sqrt(R T)/manifold volume, [0, 1000].
     float z0_kg;           ///< Mass in the manifold at the pressure behind the turbine, (0, mass_base).
@@ -61,8 +66,7 @@ typedef struct sd_exhaust_point {
         uint32_t held;                      /* positions whose outflow is in the pipe, */                              \
         T inside, pipe;                     /* how much that is, and how much the pipe holds */                        \
         T delay;                            /* whole delay, over the ring */                                           \
-        T share[SD_AFR_POSITIONS_MAX];                                                                                 \
-        T psi[SD_EXHAUST_PSI + 1];                                                                                     \
+        T share[2][SD_EXHAUST_OPEN];        /* of the present point and of the coming one, */                          \
         T charge;                                                                                                      \
         T late;                             /* fraction of a position in the constant part of the delay, */            \
         uint32_t wait;                      /* and its whole positions; */                                             \
@@ -71,20 +75,33 @@ typedef struct sd_exhaust_point {
         sd_gain_##N##_t to_positions;       /* from parts of the ring */                                               \
         float    mass_base_kg;                                                                                         \
         uint16_t cycle_positions;                                                                                      \
-        uint16_t firing_position[SD_AFR_CYLINDERS_MAX];                                                                \
+        uint16_t open_at[SD_AFR_CYLINDERS_MAX]; /* first cycle position of each cylinder's shares */                   \
+        uint16_t open;                      /* how many of a cycle they are */                                         \
         uint8_t  cylinders, set, cut;       /* cut: the delay is longer than the ring */                               \
+        uint8_t  present, changed;          /* which shares are the present ones; 1: the others count from the next set on */ \
     } sd_exhaust_##N##_t;                                                                                              \
+    /* SD_OK if init takes it, else SD_ERR_CONFIG. */                                                                  \
+    sd_result_t sd_exhaust_check_##N(const sd_exhaust_config_t *config);                                               \
     /* SD_OK, or SD_ERR_CONFIG with the state untouched. Nothing flows until the first set. */                         \
     sd_result_t sd_exhaust_init_##N(sd_exhaust_##N##_t *self, const sd_exhaust_config_t *config);                      \
+    /* Some of the coming point's shares, `first` to `first + count - 1` counted from open_position on: which part of a */ \
+    /* cylinder's gas passes its valve in each position, [0, 1). The rest of the gas stays in the cylinder. SD_OK, or */ \
+    /* SD_ERR_CONFIG with none of them taken: one out of its range (NaN too), or beyond SD_EXHAUST_OPEN. */            \
+    sd_result_t sd_exhaust_shares_##N(sd_exhaust_##N##_t *self, uint32_t first, uint32_t count, const float *share);   \
     /* SD_OK, or SD_ERR_CONFIG with the last point kept: a field out of its range (NaN included). step_s is the */     \
-    /* duration of a position, (0, 0.1]. The first point fills the manifold to z0. */                                  \
+    /* duration of a position, (0, 0.1]. The first point fills the manifold to z0. Without new shares the last stay. */ \
     sd_result_t sd_exhaust_set_##N(sd_exhaust_##N##_t *self, const sd_exhaust_point_t *point, float step_s);           \
-    /* Next position; *now is all zero before the first set. */                                                        \
-    void sd_exhaust_step_##N(sd_exhaust_##N##_t *self, uint32_t cycle_position, sd_exhaust_now_##N##_t *now);          \
+    /* Next position, below cycle_positions. psi: [SD_EXHAUST_PSI + 1], psi(1 + k/32), each [0, 1). *now is all zero */ \
+    /* before the first set. */                                                                                        \
+    void sd_exhaust_step_##N(sd_exhaust_##N##_t *self, const T *psi, uint32_t cycle_position, sd_exhaust_now_##N##_t *now); \
     /* A pressure sensor knows better: M in kg; ignored when out of (0, mass_base) or NaN. */                          \
     void sd_exhaust_measured_##N(sd_exhaust_##N##_t *self, float mass_kg);
 
 SD_EXHAUST_DECLARE(f32, float)
 SD_EXHAUST_DECLARE(q31, sd_q31_t)
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

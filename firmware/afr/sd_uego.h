@@ -18,6 +18,10 @@
 #include "sd_num.h"
 #include "sd_status.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 #define SD_UEGO_HARMONICS_MAX 4
 #define SD_UEGO_POSITIONS_MAX 240
 #define SD_UEGO_LEAD          1.5f /* positions */
@@ -49,6 +53,8 @@ typedef struct sd_uego_config {
         uint16_t cycle_positions;                                                                                      \
         uint8_t  harmonics, oscillator, running;                                                                       \
     } sd_uego_##N##_t;                                                                                                 \
+    /* SD_OK if init takes it, else SD_ERR_CONFIG. */                                                                  \
+    sd_result_t sd_uego_check_##N(const sd_uego_config_t *config);                                                     \
     /* SD_OK, or SD_ERR_CONFIG with the state untouched. */                                                            \
     sd_result_t sd_uego_init_##N(sd_uego_##N##_t *self, const sd_uego_config_t *config);                               \
     /* Duration of a position, (0, 0.1] s, ignored outside; gains: oscillator form, NULL: Fourier form. */             \
@@ -60,5 +66,9 @@ typedef struct sd_uego_config {
 
 SD_UEGO_DECLARE(f32, float)
 SD_UEGO_DECLARE(q31, sd_q31_t)
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -9,6 +9,7 @@
 #define GAIN_LEAST 0.5f  /* of the gain, where noise explains all that deviates */
 
 enum { SMOOTH_FROM = 3 }; /* cycles; before, the mean of all so far */
+enum { IDLE = 0, WATCH, LEARN }; /* what is next */
 
 static bool config_ok(const sd_balance_config_t *c) {
     return (c->cylinders >= 2u) && (c->cylinders <= SD_BALANCE_CYLINDERS_MAX) && sd_above_to(c->gain, 0.0f, 1.0f) &&
@@ -30,11 +31,13 @@ void sd_balance_restart(sd_balance_t *self) {
     self->learned = 0;
     self->hold = 0;
     self->diverged = self->at_limit = 0;
+    self->at_work = IDLE;
 }
 
 void sd_balance_resume(sd_balance_t *self) {
     sd_watch_init(&self->watch, self->config.cylinders);
     self->diverged = 0;
+    self->at_work = IDLE;
     self->hold = self->config.hold_cycles;
 }
 
@@ -71,13 +74,13 @@ static float take_squares(sd_balance_t *self, const sd_balance_input_t *in) {
     return noise;
 }
 
-static void learn(sd_balance_t *self, const float *deviation) {
+static void learn(sd_balance_t *self) {
     const uint32_t n = self->config.cylinders;
     const float real = (self->mean_square > self->noise) ? 1.0f - self->noise / self->mean_square : 0.0f;
     const float gain = self->config.gain * (GAIN_LEAST + (1.0f - GAIN_LEAST) * real);
     float mean = 0.0f;
     for (uint32_t i = 0; i < n; ++i) {
-        self->trim[i] -= limited(gain * deviation[i], self->config.rate);
+        self->trim[i] -= limited(gain * self->deviation[i], self->config.rate);
         mean += self->trim[i] / (float)n;
     }
     self->at_limit = 0;
@@ -93,7 +96,8 @@ static void retreat(sd_balance_t *self) {
     self->at_limit = 0;
 }
 
-void sd_balance_step(sd_balance_t *self, const sd_balance_input_t *in) {
+void sd_balance_begin(sd_balance_t *self, const sd_balance_input_t *in) {
+    self->at_work = IDLE;
     if (self->diverged != 0u) {
         retreat(self);
         return;
@@ -104,10 +108,22 @@ void sd_balance_step(sd_balance_t *self, const sd_balance_input_t *in) {
         return;
     }
     if (self->hold > 0u) { self->hold--; return; }
+    memcpy(self->deviation, in->deviation, self->config.cylinders * sizeof(float));
     const float variance = take_squares(self, in);
-    sd_watch_step(&self->watch, in->deviation, self->trim, in->told != 0u, variance, in->follow);
-    self->diverged = sd_watch_wrong(&self->watch) ? 1u : 0u;
-    if (self->diverged == 0u) { learn(self, in->deviation); }
+    sd_watch_begin(&self->watch, in->deviation, self->trim, in->told != 0u, variance, in->follow);
+    self->at_work = WATCH;
+}
+
+bool sd_balance_work(sd_balance_t *self) {
+    if (self->at_work == (uint8_t)WATCH) {
+        if (sd_watch_work(&self->watch)) { return true; }
+        self->diverged = sd_watch_wrong(&self->watch) ? 1u : 0u;
+        self->at_work = (self->diverged == 0u) ? LEARN : IDLE;
+    } else {
+        if (self->at_work == (uint8_t)LEARN) { learn(self); }
+        self->at_work = IDLE;
+    }
+    return self->at_work != (uint8_t)IDLE;
 }
 
 sd_status_t sd_balance_status(const sd_balance_t *self) {

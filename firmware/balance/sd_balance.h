@@ -12,11 +12,17 @@
 /// A loop whose phase is wrong is caught by its watch (sd_balance_watch.h), from how the estimate answers to the trims and
 /// not from how far it has run away: the status is invalid until sd_balance_restart, and trims go back to 0 with the rate.
 ///
-/// Float only. Real-time contract: no heap, no globals, no libm; some passes over the cylinders. One writer per state.
+/// Once a cycle sd_balance_begin takes the estimate, and sd_balance_work, called once a tooth while it returns true, does the
+/// rest piece by piece; trims change with the last one. Float only. Real-time contract: no heap, no globals, no libm; a piece
+/// is some passes over the cylinders. One writer per state.
 #ifndef SD_BALANCE_H
 #define SD_BALANCE_H
 #include "sd_balance_watch.h"
 #include "sd_status.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
 
 /// Read by init only.
 typedef struct sd_balance_config {
@@ -43,8 +49,10 @@ typedef struct sd_balance {
     float    trim[SD_BALANCE_CYLINDERS_MAX]; ///< Fuel factor less 1.
     float    mean_square, noise;             ///< Of the deviations, smoothed; of their stated variance.
     uint32_t learned;                        ///< Cycles since restart in which trims moved.
+    float    deviation[SD_BALANCE_CYLINDERS_MAX]; ///< Of the cycle at work.
     uint16_t hold;                           ///< Cycles left on hold.
     uint8_t  diverged, at_limit;
+    uint8_t  at_work;                        ///< What sd_balance_work does next, 0: nothing.
 } sd_balance_t;
 
 /// SD_OK, or SD_ERR_CONFIG with the state untouched. Trims are 0.
@@ -55,9 +63,15 @@ sd_result_t sd_balance_configure(sd_balance_t *self, const sd_balance_config_t *
 void sd_balance_restart(sd_balance_t *self);
 /// The estimate was mended: the watch begins anew, and trims go on from where they are after a hold.
 void sd_balance_resume(sd_balance_t *self);
-/// One cycle. A number that is not finite counts as an invalid estimate.
-void sd_balance_step(sd_balance_t *self, const sd_balance_input_t *input);
+/// A cycle has ended. A number that is not finite counts as an invalid estimate. What was left of the last one is left out.
+void sd_balance_begin(sd_balance_t *self, const sd_balance_input_t *input);
+/// The next piece of that. True while more is left: call it again with the next tooth.
+bool sd_balance_work(sd_balance_t *self);
 /// Valid while learning; degraded on hold or at a limit; invalid when the phase is wrong.
 sd_status_t sd_balance_status(const sd_balance_t *self);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

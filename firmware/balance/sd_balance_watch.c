@@ -28,7 +28,7 @@ void sd_watch_init(sd_watch_t *self, uint8_t cylinders) {
     }
 }
 
-void sd_watch_resume(sd_watch_t *self) { self->begun = 0; }
+void sd_watch_resume(sd_watch_t *self) { self->begun = self->order = 0; }
 
 static complex_t turn_of(const sd_watch_t *self, uint32_t k) {
     const float *t = self->turn[k % (3u * self->cylinders)];
@@ -54,26 +54,16 @@ static float misfit(complex_t injector, complex_t shown, complex_t turn) {
     return re * re + im * im;
 }
 
-/* Log likelihood ratio of this cycle, both signs. */
-static void weigh(sd_watch_t *self, const float *injector, float variance, float follow) {
-    const uint32_t n = self->cylinders;
-    /* Errors of an estimate hang together over 1/follow cycles: so much less does a cycle say. */
-    const float scale = 0.25f * follow / (variance * (float)n);
-    float gain[2] = { 0.0f, 0.0f };
-    for (uint32_t m = 1; 2u * m <= n; ++m) {
-        const complex_t seen = pattern(self, injector, self->usual_injector, m), shown = pattern(self, self->shown, self->usual_shown, m);
-        complex_t right = turn_of(self, m), wrong = turn_of(self, 2u * m);
-        const bool alternating = 2u * m == n; /* has no phase: only what is in line with it comes back */
-        if (alternating) { right.im = wrong.im = 0.0f; }
-        for (uint32_t sign = 0; sign < 2u; ++sign) {
-            gain[sign] += (alternating ? 1.0f : 2.0f) * (misfit(seen, shown, right) - misfit(seen, shown, wrong));
-            right.im = -right.im;
-            wrong.im = -wrong.im;
-        }
-    }
+/* What one order says of this cycle, both signs. */
+static void weigh(sd_watch_t *self, uint32_t m) {
+    const complex_t seen = pattern(self, self->last_injector, self->usual_injector, m), shown = pattern(self, self->shown, self->usual_shown, m);
+    complex_t right = turn_of(self, m), wrong = turn_of(self, 2u * m);
+    const bool alternating = 2u * m == self->cylinders; /* has no phase: only what is in line with it comes back */
+    if (alternating) { right.im = wrong.im = 0.0f; }
     for (uint32_t sign = 0; sign < 2u; ++sign) {
-        self->evidence[sign] += scale * gain[sign];
-        if (!(self->evidence[sign] > 0.0f)) { self->evidence[sign] = 0.0f; }
+        self->gain[sign] += (alternating ? 1.0f : 2.0f) * (misfit(seen, shown, right) - misfit(seen, shown, wrong));
+        right.im = -right.im;
+        wrong.im = -wrong.im;
     }
 }
 
@@ -87,7 +77,7 @@ static bool jumped(const sd_watch_t *self, const float *injector, float shown_mo
     return false;
 }
 
-void sd_watch_step(sd_watch_t *self, const float *deviation, const float *trim, bool told, float variance, float follow) {
+void sd_watch_begin(sd_watch_t *self, const float *deviation, const float *trim, bool told, float variance, float follow) {
     float injector[SD_BALANCE_CYLINDERS_MAX] = { 0.0f }, shown_move = 0.0f;
     const float spread = (variance > VARIANCE_LEAST) ? variance : VARIANCE_LEAST;
     for (uint32_t i = 0; i < self->cylinders; ++i) {
@@ -103,12 +93,31 @@ void sd_watch_step(sd_watch_t *self, const float *deviation, const float *trim, 
     }
     memcpy(self->last_injector, injector, sizeof injector);
     self->begun = 1;
-    weigh(self, injector, spread, follow);
-    const float usual = (follow < PROMPT) ? USUAL * follow / PROMPT : USUAL;
-    for (uint32_t i = 0; i < self->cylinders; ++i) {
-        self->usual_injector[i] += usual * (injector[i] - self->usual_injector[i]);
-        self->usual_shown[i] += usual * (self->shown[i] - self->usual_shown[i]);
+    /* Errors of an estimate hang together over 1/follow cycles: so much less does a cycle say. */
+    self->scale = 0.25f * follow / (spread * (float)self->cylinders);
+    self->usual = (follow < PROMPT) ? USUAL * follow / PROMPT : USUAL;
+    self->gain[0] = self->gain[1] = 0.0f;
+    self->order = 1;
+}
+
+/* The log likelihood ratio of the cycle, summed; and its values go into the means. */
+static void finish(sd_watch_t *self) {
+    for (uint32_t sign = 0; sign < 2u; ++sign) {
+        self->evidence[sign] += self->scale * self->gain[sign];
+        if (!(self->evidence[sign] > 0.0f)) { self->evidence[sign] = 0.0f; }
     }
+    for (uint32_t i = 0; i < self->cylinders; ++i) {
+        self->usual_injector[i] += self->usual * (self->last_injector[i] - self->usual_injector[i]);
+        self->usual_shown[i] += self->usual * (self->shown[i] - self->usual_shown[i]);
+    }
+}
+
+bool sd_watch_work(sd_watch_t *self) {
+    if (self->order == 0u) { return false; }
+    weigh(self, self->order);
+    self->order = (2u * (self->order + 1u) <= self->cylinders) ? (uint8_t)(self->order + 1u) : 0u;
+    if (self->order == 0u) { finish(self); }
+    return self->order != 0u;
 }
 
 bool sd_watch_wrong(const sd_watch_t *self) {

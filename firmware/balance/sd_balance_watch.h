@@ -16,6 +16,10 @@
 #include "sd_limits.h"
 #include "sd_num.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 #define SD_BALANCE_CYLINDERS_MAX SD_CYLINDERS_MAX
 #define SD_WATCH_LIMIT           5.0f
 
@@ -25,6 +29,9 @@ typedef struct sd_watch {
     float    usual_injector[SD_BALANCE_CYLINDERS_MAX], usual_shown[SD_BALANCE_CYLINDERS_MAX]; ///< Means of some 12 cycles.
     float    last_injector[SD_BALANCE_CYLINDERS_MAX];
     float    evidence[2];                            ///< For a delay that is too long, too short.
+    float    gain[2];                                ///< Of the cycle at work: what its orders say so far, unscaled,
+    float    scale, usual;                           ///< its scale, and the share by which means follow.
+    uint8_t  order;                                  ///< The next of its orders; 0: none.
     uint8_t  cylinders, begun;
 } sd_watch_t;
 
@@ -32,9 +39,15 @@ typedef struct sd_watch {
 void sd_watch_init(sd_watch_t *self, uint8_t cylinders);
 /// After a gap: what was before it says nothing of what follows; evidence stays.
 void sd_watch_resume(sd_watch_t *self);
-/// One cycle. deviation: the estimate, of the mean; trim: as it was in this cycle; told: the estimate knew of it, else it only
+/// One cycle begins to be weighed: sd_watch_work does it, an order of its patterns a call. deviation: the estimate, of the mean; trim: as it was in this cycle; told: the estimate knew of it, else it only
 /// follows; variance: of a deviation; follow: the share of a change that it takes up in a cycle, (0, 1].
-void sd_watch_step(sd_watch_t *self, const float *deviation, const float *trim, bool told, float variance, float follow);
+void sd_watch_begin(sd_watch_t *self, const float *deviation, const float *trim, bool told, float variance, float follow);
+/// True while more of the cycle is left to be weighed; evidence takes it in with the last call.
+bool sd_watch_work(sd_watch_t *self);
 bool sd_watch_wrong(const sd_watch_t *self);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -20,6 +20,10 @@
 
 #include "sd_status.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 #define SD_CRANK_POSITIONS_MIN 12u
 #define SD_CRANK_POSITIONS_MAX 120u
 #define SD_CRANK_MISSING_MAX   12u ///< Missing positions of a wheel.
@@ -158,5 +162,9 @@ float sd_crank_speed_radps(const sd_crank_t *self, const sd_tooth_t *tooth, floa
 
 /// Angular acceleration from the leading clock, rad/s^2; 0 when there is no period.
 float sd_crank_acceleration_radps2(const sd_crank_t *self, const sd_tooth_t *tooth, float tick_hz);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

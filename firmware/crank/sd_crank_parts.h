@@ -4,6 +4,10 @@
 #define SD_CRANK_PARTS_H
 #include "sd_crank.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 #define ONE SD_SPACING_ONE
 
 enum { WAITING, SEARCHING, TRYING, SYNCED }; /* sd_crank_t.mode */
@@ -42,5 +46,9 @@ void sd_wheel_reset_widths(sd_crank_t *self);
 int32_t sd_wheel_plausible_width(int64_t spacings);
 bool sd_wheel_find_marks(sd_crank_t *self);
 void sd_mark_vote(sd_crank_t *self);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

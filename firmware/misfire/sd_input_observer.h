@@ -20,6 +20,10 @@
 #include "sd_plant_step.h"
 #include "sd_status.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 #define SD_INPUT_CYLINDERS_MAX SD_CYLINDERS_MAX
 #define SD_INPUT_STATES_MAX    (SD_INPUT_CYLINDERS_MAX + 2)
 
@@ -68,5 +72,9 @@ void sd_input_start(sd_input_observer_t *self, float speed_mps, float accel_mps2
 float sd_input_step(sd_input_observer_t *self, float y_mps, const float *input_mps3, uint8_t active);
 
 void sd_input_read(const sd_input_observer_t *self, sd_input_estimate_t *estimate);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -10,6 +10,10 @@
 #define SD_PLANT_STEP_H
 #include <stdint.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 #define SD_PLANT_STEPS_MAX 8 ///< Lengths in a table.
 
 /// SI units.
@@ -19,5 +23,9 @@ typedef struct sd_plant_step {
     float    from_input[2];  ///< g.
     float    from_output[2]; ///< h; zero where no measurement enters the equations.
 } sd_plant_step_t;
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

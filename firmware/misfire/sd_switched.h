@@ -22,6 +22,10 @@
 #include "sd_plant_step.h"
 #include "sd_status.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /// SI units; read by init only, need not outlive it.
 typedef struct sd_switched_config {
     const sd_plant_step_t *steps; ///< [step_count], period_ticks ascending.
@@ -73,5 +77,9 @@ typedef struct sd_switched_estimate {
 
 SD_SWITCHED_DECLARE(f32, float)
 SD_SWITCHED_DECLARE(q31, sd_q31_t)
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

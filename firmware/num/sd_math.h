@@ -4,6 +4,10 @@
 #define SD_MATH_H
 #include "sd_num.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 #define SD_PI            3.14159265f
 #define SD_TWO_PI        6.2831853f
 #define SD_RAD_PER_DEG   0.017453293f
@@ -21,5 +25,9 @@ static inline float sd_root(float x) { return (x > 1e-30f) ? x * sd_rsqrt_f32(x)
 /// 1 - exp(-x) for x >= 0: what a first-order lag moves by in x of its time constants. The Pade approximant of order (2, 2),
 /// whose denominator cannot vanish; 5.4e-4 too small at x = 1.
 static inline float sd_lag_move(float x) { return x / (1.0f + 0.5f * x + x * x * (1.0f / 12.0f)); }
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -4,6 +4,10 @@
 #define SD_STATUS_H
 #include <stdint.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /// How far an output may be trusted. Ordered: a larger value is never more trustworthy than a smaller one.
 typedef enum sd_health {
     SD_VALID    = 0, ///< Use it.
@@ -39,5 +43,15 @@ typedef struct sd_status {
     float    innovation; ///< Last measurement minus its prediction, in the block's own unit.
     float    test_ratio; ///< |innovation| over its acceptance limit; above 1 the measurement was left out.
 } sd_status_t;
+
+/// Health becomes no better than this; reasons add up.
+static inline void sd_status_worst_of(sd_status_t *status, uint8_t health, uint16_t why) {
+    if (health > status->health) { status->health = health; }
+    status->why = (uint16_t)(status->why | why);
+}
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

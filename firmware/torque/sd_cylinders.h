@@ -13,6 +13,10 @@
 #include "sd_fourier.h"
 #include "sd_limits.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef struct sd_cylinder_map {
     uint8_t cylinders; ///< 1 to SD_CYLINDERS_MAX; 0: the harmonics are too few to tell the cylinders apart.
     uint8_t harmonics; ///< n_h of the observer.
@@ -35,5 +39,9 @@ float sd_cylinders_torque(const sd_cylinder_map_t *map, const sd_fourier_estimat
 /// Standard deviation of that torque, N m: what white errors of the tooth times make of it, in rad at speed_radps.
 /// Errors of the engine model are not in it.
 float sd_cylinders_sd(const sd_cylinder_map_t *map, uint32_t index, float speed_radps, float tooth_error_rad);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -16,6 +16,10 @@
 #define SD_ROAD_H
 #include "sd_kalman.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef struct sd_road {
     float   difference_nm[SD_KALMAN_FIRINGS_MAX]; ///< Of the last cycle, by firing.
     float   evidence; ///< [0, 4].
@@ -29,5 +33,9 @@ void sd_road_restart(sd_road_t *self);
 /// Takes what both filters say of one firing; returns true while the road is rough. An index beyond
 /// SD_KALMAN_FIRINGS_MAX, another index in *rough, or no number: nothing changes.
 bool sd_road_step(sd_road_t *self, const sd_firing_t *smooth, const sd_firing_t *rough);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

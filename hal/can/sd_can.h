@@ -8,6 +8,10 @@
 #define SD_CAN_H
 #include "sd_can_codec.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef struct sd_can {
     int fd;
     sd_can_codec_t codec;
@@ -25,5 +29,9 @@ int  sd_can_flush(sd_can_t *self);
 /// Reads frames until one brings truth (1; codec.truth holds it) or none is left, or a few thousand are read (0). For a tool: its receive only
 /// hands out what this has read.
 int  sd_can_read(sd_can_t *self);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -5,6 +5,8 @@
 
 _Static_assert(SD_BUS_TRUTH_EDGE_FRAME_ID == SD_CAN_TRUTH_FIRST, "the filter of an ecu must hold what sixdeg.dbc says");
 
+enum { CRANK = 0, CAM = 1, FIRST_WHEEL = 2 }; /* what a tick of a teeth frame is an edge of */
+
 static uint32_t room(const sd_can_codec_t *self) { return SD_CAN_FRAMES - (self->written - self->read); }
 
 static sd_frame_t *next_frame(sd_can_codec_t *self, uint32_t id, int fd) {
@@ -23,20 +25,25 @@ static sd_frame_t *next_frame(sd_can_codec_t *self, uint32_t id, int fd) {
         (void)sd_bus_##name##_pack(frame->bytes, &(message), sizeof frame->bytes);                                     \
     } while (0)
 
-_Static_assert(offsetof(struct sd_bus_teeth_t, tick_13) - offsetof(struct sd_bus_teeth_t, tick_0) == 4u * (SD_CAN_TEETH - 1u),
+_Static_assert(offsetof(struct sd_bus_teeth_t, tick_12) - offsetof(struct sd_bus_teeth_t, tick_0) == 4u * (SD_CAN_TEETH - 1u),
                "ticks of a teeth frame lie in a row");
+_Static_assert(offsetof(struct sd_bus_teeth_t, edge_12) - offsetof(struct sd_bus_teeth_t, edge_0) == SD_CAN_TEETH - 1u,
+               "and so do their wheels");
 
 static void send_teeth(sd_can_codec_t *self) {
     if (self->ticks == 0u) { return; }
-    struct sd_bus_teeth_t m = { .sequence = self->sequence++, .session = self->session, .count = self->ticks, .cam = self->cam };
+    struct sd_bus_teeth_t m = { .sequence = self->sequence++, .session = self->session, .count = self->ticks };
     memcpy(&m.tick_0, self->tick, sizeof self->tick);
+    memcpy(&m.edge_0, self->edge, sizeof self->edge);
     PACK(self, teeth, TEETH, 1, m);
     self->ticks = 0;
-    self->cam = 0;
+    memset(self->edge, 0, sizeof self->edge);
 }
 
 static void add_edge(sd_can_codec_t *self, const sd_event_t *event) {
-    if (event->kind == SD_EVENT_CAM_EDGE) { self->cam |= (uint16_t)(1u << self->ticks); }
+    const int wheel = event->kind == SD_EVENT_WHEEL_EDGE;
+    if (wheel && (event->channel >= SD_BUS_WHEELS)) { self->counts.unsent++; return; }
+    self->edge[self->ticks] = wheel ? (uint8_t)(FIRST_WHEEL + event->channel) : (event->kind == SD_EVENT_CAM_EDGE) ? CAM : CRANK;
     self->tick[self->ticks++] = event->tick;
     if (self->ticks == SD_CAN_TEETH) { send_teeth(self); }
 }
@@ -62,10 +69,11 @@ static void send_done(sd_can_codec_t *self, const sd_event_t *event) {
 }
 
 static void send_row(sd_can_codec_t *self, const sd_event_t *event) {
-    if (!sd_row_take(&self->row, event)) { return; }
+    const sd_row_t *row = sd_row_take(self->row, event);
+    if (row == NULL) { return; }
     uint8_t bytes[64];
     uint32_t id = 0, length;
-    for (uint32_t part = 0; (length = sd_bus_row_pack(&self->row, part, &id, bytes)) != 0u; ++part) {
+    for (uint32_t part = 0; (length = sd_bus_row_pack(row, part, &id, bytes)) != 0u; ++part) {
         sd_frame_t *frame = next_frame(self, id, 1);
         frame->length = (uint8_t)length;
         memcpy(frame->bytes, bytes, sizeof bytes);
@@ -86,12 +94,15 @@ static void send_parameter(sd_can_codec_t *self, const sd_event_t *event) {
     }
 }
 
+#define FRAMES_AN_EVENT (SD_BUS_ROW_FRAMES + 1u) /* at most: those of a row, behind teeth that waited */
+
 int sd_can_encode(sd_can_codec_t *self, const sd_event_t *event) {
-    if (room(self) < 10u) { return 0; }
-    const int edge = (event->kind == SD_EVENT_CRANK_EDGE) || (event->kind == SD_EVENT_CAM_EDGE);
+    if (room(self) < FRAMES_AN_EVENT) { return 0; }
+    const int edge = (event->kind == SD_EVENT_CRANK_EDGE) || (event->kind == SD_EVENT_CAM_EDGE) || (event->kind == SD_EVENT_WHEEL_EDGE);
     if (!edge) { send_teeth(self); } /* nothing overtakes an edge */
     switch (event->kind) {
     case SD_EVENT_CRANK_EDGE:
+    case SD_EVENT_WHEEL_EDGE:
     case SD_EVENT_CAM_EDGE:  add_edge(self, event); break;
     case SD_EVENT_SAMPLE:    send_sample(self, event); break;
     case SD_EVENT_TIME:      send_time(self, event); break;
@@ -152,11 +163,14 @@ static int take_teeth(sd_can_codec_t *self, const sd_frame_t *frame) {
     if ((frame->length != SD_BUS_TEETH_LENGTH) || (sd_bus_teeth_unpack(&m, frame->bytes, frame->length) != 0)) { return 0; }
     if ((m.count == 0u) || (m.count > SD_CAN_TEETH)) { return 0; }
     uint32_t tick[SD_CAN_TEETH];
+    uint8_t edge[SD_CAN_TEETH];
     memcpy(tick, &m.tick_0, sizeof tick);
+    memcpy(edge, &m.edge_0, sizeof edge);
     if (!arrives(self, m.session, m.sequence, 1, tick[0])) { return 1; }
     for (uint32_t i = 0; i < m.count; ++i) {
-        const sd_event_kind_t kind = (((uint32_t)m.cam >> i) & 1u) ? SD_EVENT_CAM_EDGE : SD_EVENT_CRANK_EDGE;
-        put(self, tick[i], kind, 0, 0.0f, 0);
+        const int wheel = edge[i] >= FIRST_WHEEL;
+        const sd_event_kind_t kind = wheel ? SD_EVENT_WHEEL_EDGE : (edge[i] == CAM) ? SD_EVENT_CAM_EDGE : SD_EVENT_CRANK_EDGE;
+        put(self, tick[i], kind, (uint16_t)(wheel ? edge[i] - FIRST_WHEEL : 0), 0.0f, 0);
     }
     return 1;
 }

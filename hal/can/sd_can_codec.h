@@ -5,6 +5,10 @@
 #include "sd_role.h"
 #include "sd_row.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 #define SD_CAN_TRUTH_FIRST 0xf0u ///< Identifiers of truth: 0xf0 to 0xf3.
 
 typedef struct sd_frame {
@@ -13,7 +17,7 @@ typedef struct sd_frame {
 } sd_frame_t;
 
 #define SD_CAN_FRAMES 512u ///< A power of two.
-#define SD_CAN_TEETH  14u  ///< Ticks in a teeth frame.
+#define SD_CAN_TEETH  13u  ///< Ticks in a teeth frame.
 
 /// Zero it, then set role and session. Caller-owned.
 typedef struct sd_can_codec {
@@ -21,9 +25,9 @@ typedef struct sd_can_codec {
     uint16_t  session;     ///< Drawn anew at each start.
     uint16_t  sequence;    ///< Of the next teeth frame to send.
     uint32_t  tick[SD_CAN_TEETH];
-    uint16_t  cam;         ///< Bit i: tick i is a cam edge.
+    uint8_t   edge[SD_CAN_TEETH]; ///< Of which wheel each tick is an edge, as in sixdeg.dbc.
     uint8_t   ticks;
-    sd_row_t  row;         ///< Being collected.
+    sd_row_t  row[SD_RATE_COUNT]; ///< Being collected.
     sd_order_t order;      ///< Of the plant's teeth frames.
     uint16_t  peer_session;
     uint8_t   peer_seen;
@@ -44,5 +48,9 @@ int sd_can_encode_claim(sd_can_codec_t *self, sd_claim_t claim);
 
 /// Takes any frame at all. 1: self->truth holds what it said.
 int sd_can_decode(sd_can_codec_t *self, const sd_frame_t *frame);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

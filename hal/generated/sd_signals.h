@@ -6,18 +6,22 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /// Changes whenever the table does; calibration pages and logs carry it.
-#define SD_SIGNALS_SIGNATURE 0xdc423732u
+#define SD_SIGNALS_SIGNATURE 0x953592efu
 
 /// Channel of an SD_EVENT_SAMPLE.
 typedef enum sd_input {
     SD_INPUT_AIR_INTAKE_PRESSURE = 0, ///< Absolute pressure in the intake manifold. [bar]
     SD_INPUT_FUEL_INJECTED = 1, ///< The controller's own command, a stroke and cylinder; 0 in fuel cut. [mg]
     SD_INPUT_FUEL_LEVEL = 2, ///< How full the tank is; needed only for the misfire monitor to keep silent on a nearly empty one. [%]
-    SD_INPUT_DRIVELINE_SHIFT = 3, ///< 1: the controller or the gearbox shifts gear; said again within 0.5 s. [-]
+    SD_INPUT_DRIVELINE_SHIFT = 3, ///< 1: the controller or the gearbox shifts gear. [-]
     SD_INPUT_EXHAUST_LAMBDA = 4, ///< Air to fuel, over stoichiometric, as the wide-range oxygen sensor (UEGO) reads it. [-]
     SD_INPUT_EXHAUST_PRESSURE = 5, ///< Absolute pressure in the exhaust manifold. [bar]
-    SD_INPUT_BALANCE_ENABLE = 6, ///< Above 0.5 the trims learn; otherwise, and until it is read, they are 0. [-]
+    SD_INPUT_BALANCE_ENABLE = 6, ///< Above 0.5 the trims learn; otherwise, and while nothing is said, they are 0. [-]
 } sd_input_t;
 #define SD_INPUT_COUNT 7u
 
@@ -64,8 +68,10 @@ typedef enum sd_signal {
     SD_SIGNAL_MISFIRE_LAMP = 87, ///< Decision in the shape of OBD II, not verified against it: 0 off, 1 pending, 2 on, 3 blinking. [-]
     SD_SIGNAL_MISFIRE_COUNT = 88, ///< Misfires since init. [-]
     SD_SIGNAL_MISFIRE_PARTIAL_BURNS = 89, ///< Partial burns since init. [-]
+    SD_SIGNAL_INPUTS_STALE = 90, ///< Inputs read once whose last reading is older than it counts: bit i of element n is input 16 (n - 1) + i. [-, 2 channels]
+    SD_SIGNAL_INPUTS_MISSING = 92, ///< The same of inputs never read. [-, 2 channels]
 } sd_signal_t;
-#define SD_SIGNAL_COUNT 90u
+#define SD_SIGNAL_COUNT 94u
 
 /// Present values, in channel order.
 typedef struct sd_signals {
@@ -110,6 +116,8 @@ typedef struct sd_signals {
     float misfire_lamp;
     float misfire_count;
     float misfire_partial_burns;
+    float inputs_stale[2];
+    float inputs_missing[2];
 } sd_signals_t;
 
 /// Parameters of the working page; names, ranges and defaults in sd_parameter_infos.
@@ -176,8 +184,27 @@ typedef struct sd_parameters {
 } sd_parameters_t;
 #define SD_PARAMETER_COUNT 59u
 
-typedef enum sd_rate { SD_RATE_EDGE, SD_RATE_CYCLE, SD_RATE_FIRING } sd_rate_t;
-typedef enum sd_owner { SD_OWNER_CRANK, SD_OWNER_TORQUE, SD_OWNER_CYLINDER, SD_OWNER_FIRING, SD_OWNER_MISFIRE, SD_OWNER_AFR, SD_OWNER_BALANCE, SD_OWNER_COUNT } sd_owner_t;
+/// What is said together, and when.
+typedef enum sd_rate {
+    SD_RATE_EDGE = 0, ///< Every crank edge.
+    SD_RATE_CYCLE = 1, ///< Every 720 deg. The tick is that of the tooth that ended the cycle; a row may be said over some of the teeth that follow.
+    SD_RATE_FIRING = 2, ///< Each firing, 300 deg after its TDC.
+    SD_RATE_TASK = 3, ///< Every 10 ms, with the clock event, whether the engine turns or not.
+} sd_rate_t;
+#define SD_RATE_COUNT 4u
+
+/// Whose health comes with a value.
+typedef enum sd_owner {
+    SD_OWNER_CRANK = 0, ///< The crank decoder: angle, speed, and the wheel's pattern.
+    SD_OWNER_TORQUE = 1, ///< The Fourier observer of the torque.
+    SD_OWNER_CYLINDER = 2, ///< Torque of each cylinder, from the harmonics.
+    SD_OWNER_FIRING = 3, ///< The filter on tooth times: torque of each firing.
+    SD_OWNER_MISFIRE = 4, ///< The misfire monitor. A firing whose fuel is unknown is not judged; a tank or a gearbox that says nothing forbids nothing.
+    SD_OWNER_AFR = 5, ///< Mixture of each cylinder, from the lambda sensor.
+    SD_OWNER_BALANCE = 6, ///< Trims of the fuel. They hold while the estimate that they follow is not valid, whatever it lacks.
+    SD_OWNER_INPUTS = 7, ///< What the ecu knows of its inputs; always valid.
+} sd_owner_t;
+#define SD_OWNER_COUNT 8u
 
 /// One row of the table. `value` is the default of a parameter.
 typedef struct sd_signal_info {
@@ -187,8 +214,38 @@ typedef struct sd_signal_info {
     uint8_t at_start; ///< 1: a parameter that comes with the page and is not set later, since the host makes tables of it.
 } sd_signal_info_t;
 
+/// What may come in.
+typedef struct sd_input_info {
+    const char *name, *unit;
+    float low, high;
+    float usual; ///< Stands in for a reading where none counts.
+    float age_s; ///< For how long a reading counts, up to 10; 0: for ever.
+} sd_input_info_t;
+
+/// Who says values. Bit i of a mask is input i.
+typedef struct sd_owner_info {
+    const char *name;
+    uint32_t degraded_without; ///< While one of these has no reading that counts, its values are no better than degraded,
+    uint32_t invalid_without;  ///< and while one of these has none, invalid.
+} sd_owner_info_t;
+
+/// What is said together.
+typedef struct sd_rate_info {
+    const char *name;
+    float period_s;           ///< 0: when the crank says so.
+    const uint16_t *channels; ///< Of its signals, ascending,
+    const uint8_t *owners;    ///< the sd_owner_t of each,
+    uint32_t count;           ///< and how many; at least 1.
+} sd_rate_info_t;
+
 extern const sd_signal_info_t sd_signal_infos[SD_SIGNAL_COUNT];       ///< By channel; an array has a row an element.
-extern const sd_signal_info_t sd_input_infos[SD_INPUT_COUNT];         ///< By channel; rate and owner say nothing.
 extern const sd_signal_info_t sd_parameter_infos[SD_PARAMETER_COUNT]; ///< In the order of sd_parameters_t.
+extern const sd_input_info_t  sd_input_infos[SD_INPUT_COUNT];         ///< By channel.
+extern const sd_owner_info_t  sd_owner_infos[SD_OWNER_COUNT];
+extern const sd_rate_info_t   sd_rate_infos[SD_RATE_COUNT];
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

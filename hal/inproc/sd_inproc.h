@@ -4,6 +4,10 @@
 #define SD_INPROC_H
 #include "hal.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 #define SD_INPROC_EVENTS 256u ///< A power of two; a ring holds that many.
 
 typedef struct sd_inproc_ring {
@@ -19,5 +23,9 @@ typedef struct sd_inproc {
 
 sd_port_t sd_inproc_ecu_side(sd_inproc_t *self);
 sd_port_t sd_inproc_host_side(sd_inproc_t *self);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -72,8 +72,8 @@ static void publish_inputs(sd_lcm_t *self) {
 
 static void publish_outputs(sd_lcm_t *self, const sd_event_t *done) {
     sd_lcm_codec_t *c = &self->codec;
-    sixdeg_outputs_t m = { .edges = c->edges, .cycles = c->cycles, .firings = c->firings, .session = c->session,
-                           .edge = c->edge, .cycle = c->cycle, .firing = c->firing };
+    sixdeg_outputs_t m = { .session = c->session };
+    sd_lcm_rows_to_message(&m, &c->rows);
     if (done != NULL) {
         m.done = 1;
         m.tick = (int32_t)done->tick;
@@ -81,7 +81,7 @@ static void publish_outputs(sd_lcm_t *self, const sd_event_t *done) {
         m.unsent = (int32_t)done->value;
     }
     PUBLISH(self, SD_LCM_OUTPUTS, sixdeg_outputs_t, &m);
-    c->edges = c->cycles = c->firings = 0;
+    sd_lcm_rows_clear(&c->rows);
 }
 
 static void send_input(sd_lcm_t *self, const sd_event_t *event) {
@@ -107,7 +107,7 @@ static uint32_t send_events(void *context, const sd_event_t *events, uint32_t co
         switch (events[i].kind) {
         case SD_EVENT_SIGNAL:
             sd_lcm_add_signal(c, &events[i]);
-            if ((c->edges == SD_LCM_ROWS) || (c->cycles == SD_LCM_ROWS) || (c->firings == SD_LCM_ROWS)) { publish_outputs(self, NULL); }
+            if (sd_lcm_rows_full(&c->rows)) { publish_outputs(self, NULL); }
             break;
         case SD_EVENT_DONE:      publish_outputs(self, &events[i]); break;
         case SD_EVENT_PARAMETER: send_parameter(self, &events[i]); break;

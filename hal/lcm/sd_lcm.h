@@ -9,6 +9,10 @@
 
 #include "sd_lcm_codec.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef struct sd_lcm {
     lcm_t *lcm;
     sd_lcm_codec_t codec;
@@ -23,5 +27,9 @@ int  sd_lcm_wait(sd_lcm_t *self, int milliseconds);
 void sd_lcm_claim(sd_lcm_t *self, sd_claim_t claim);
 /// Adds to the truth that goes with the next clock event; SD_TRUTH_END goes at once.
 void sd_lcm_truth(sd_lcm_t *self, const sd_truth_t *truth);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

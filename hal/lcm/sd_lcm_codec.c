@@ -17,22 +17,13 @@ int sd_lcm_listens(sd_role_t role, sd_lcm_channel_t channel) {
 }
 
 void sd_lcm_add_signal(sd_lcm_codec_t *self, const sd_event_t *event) {
-    if (!sd_row_take(&self->row, event)) { return; }
-    if ((self->row.rate == SD_RATE_EDGE) && (self->edges < SD_LCM_ROWS)) {
-        sd_lcm_edge_from_row(&self->edge[self->edges++], &self->row);
-    } else if ((self->row.rate == SD_RATE_CYCLE) && (self->cycles < SD_LCM_ROWS)) {
-        sd_lcm_cycle_from_row(&self->cycle[self->cycles++], &self->row);
-    } else if ((self->row.rate == SD_RATE_FIRING) && (self->firings < SD_LCM_ROWS)) {
-        sd_lcm_firing_from_row(&self->firing[self->firings++], &self->row);
-    } else {
-        self->counts.unsent++;
-    }
+    const sd_row_t *row = sd_row_take(self->row, event);
+    if ((row != NULL) && !sd_lcm_rows_add(&self->rows, row)) { self->counts.unsent++; }
 }
 
 /* ---- messages to events ---------------------------------------------------------------------------------------- */
 
-enum { RATES = SD_RATE_FIRING + 1 }; /* each has its length at the head of an outputs message */
-_Static_assert(offsetof(sixdeg_outputs_t, done) == RATES * sizeof(int32_t), "a new rate needs its rows here");
+_Static_assert(offsetof(sixdeg_outputs_t, done) == SD_RATE_COUNT * sizeof(int32_t), "each rate has its length at the head of an outputs message");
 
 /* lcm-gen's decoders believe the lengths in a message and get memory for them, so these are looked at first. They are
    the first fields, big endian, after the 8 bytes of the type's fingerprint. */
@@ -45,7 +36,7 @@ static int length_is_sane(const void *bytes, int size, int field) {
 static int are_inputs(const sixdeg_inputs_t *m) {
     for (int32_t i = 0; i < m->count; ++i) {
         const uint16_t kind = (uint16_t)m->event[i].kind;
-        if ((kind < (uint16_t)SD_EVENT_CRANK_EDGE) || (kind > (uint16_t)SD_EVENT_SAMPLE)) { return 0; }
+        if ((kind < (uint16_t)SD_EVENT_CRANK_EDGE) || (kind > (uint16_t)SD_EVENT_WHEEL_EDGE)) { return 0; }
     }
     return 1;
 }
@@ -74,30 +65,19 @@ static int take_inputs(sd_lcm_codec_t *self, const void *bytes, int size) {
     return whole;
 }
 
-/* In the order in which the ecu said them: what ends with an edge comes before the edge's own row. */
+/* In the order in which the ecu said them. */
 static int take_rows(sd_lcm_codec_t *self, const sixdeg_outputs_t *m) {
     sd_row_t row;
     int sound = 1;
-    int32_t cycle = 0, firing = 0;
-    for (int32_t i = 0; i < m->edges; ++i) {
-        for (; (cycle < m->cycles) && (m->cycle[cycle].tick == m->edge[i].tick); ++cycle) {
-            sd_lcm_cycle_to_row(&row, &m->cycle[cycle]);
-            sound &= sd_row_events(&row, &self->in);
-        }
-        for (; (firing < m->firings) && (m->firing[firing].tick == m->edge[i].tick); ++firing) {
-            sd_lcm_firing_to_row(&row, &m->firing[firing]);
-            sound &= sd_row_events(&row, &self->in);
-        }
-        sd_lcm_edge_to_row(&row, &m->edge[i]);
-        sound &= sd_row_events(&row, &self->in);
-    }
+    int32_t taken[SD_RATE_COUNT] = { 0 };
+    while (sd_lcm_rows_next(&row, m, taken)) { sound &= sd_row_events(&row, &self->in); }
     return sound;
 }
 
 static int take_outputs(sd_lcm_codec_t *self, const void *bytes, int size) {
     sixdeg_outputs_t m;
     memset(&m, 0, sizeof m);
-    for (int rate = 0; rate < RATES; ++rate) {
+    for (int rate = 0; rate < (int)SD_RATE_COUNT; ++rate) {
         if (!length_is_sane(bytes, size, rate)) { return 0; }
     }
     int sound = sixdeg_outputs_t_decode(bytes, 0, size, &m) == size;

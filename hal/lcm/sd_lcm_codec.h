@@ -10,7 +10,10 @@
 #include "sixdeg_parameter_t.h"
 #include "sixdeg_truth_t.h"
 
-#define SD_LCM_ROWS   512 ///< Rows or events of one message; beyond it a message goes early.
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 #define SD_LCM_TRUTHS 1024u
 
 /// Zero it, then set role and session. Caller-owned.
@@ -19,14 +22,12 @@ typedef struct sd_lcm_codec {
     uint16_t  session;
     int32_t   sequence;                  ///< Of the next inputs message to send.
     sixdeg_event_t event[SD_LCM_ROWS];   ///< Going out.
-    sixdeg_edge_t  edge[SD_LCM_ROWS];
-    sixdeg_cycle_t cycle[SD_LCM_ROWS];
-    sixdeg_firing_t firing[SD_LCM_ROWS];
-    int32_t   events, edges, cycles, firings;
+    int32_t   events;
+    sd_lcm_rows_t rows;                  ///< Going out.
     sixdeg_truth_edge_t  truth_edge[SD_LCM_ROWS];
     sixdeg_truth_cycle_t truth_cycle[SD_LCM_ROWS];
     int32_t   truth_edges, truth_cycles, sent_edges, sent_cycles;
-    sd_row_t  row;
+    sd_row_t  row[SD_RATE_COUNT];        ///< Being collected.
     sd_order_t order;
     uint16_t  peer_session;
     uint8_t   peer_seen;
@@ -51,5 +52,9 @@ int sd_lcm_listens(sd_role_t role, sd_lcm_channel_t channel);
 void sd_lcm_decode(sd_lcm_codec_t *self, sd_lcm_channel_t channel, const void *bytes, int size);
 /// A row's event joins what goes out.
 void sd_lcm_add_signal(sd_lcm_codec_t *self, const sd_event_t *event);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -16,29 +16,18 @@ uint32_t sd_queue_take(sd_queue_t *queue, sd_event_t *events, uint32_t room) {
     return count;
 }
 
-static int is_last_of_rate(uint32_t channel) {
-    for (uint32_t c = channel + 1u; c < SD_SIGNAL_COUNT; ++c) {
-        if (sd_signal_infos[c].rate == sd_signal_infos[channel].rate) { return 0; }
-    }
-    return 1;
-}
-
-static int is_whole(const sd_row_t *row) {
-    for (uint32_t c = 0; c < SD_SIGNAL_COUNT; ++c) {
-        if ((sd_signal_infos[c].rate == row->rate) && (row->present[c] == 0u)) { return 0; }
-    }
-    return 1;
-}
-
-int sd_row_take(sd_row_t *row, const sd_event_t *event) {
-    if (event->channel >= SD_SIGNAL_COUNT) { return 0; }
+const sd_row_t *sd_row_take(sd_row_t rows[SD_RATE_COUNT], const sd_event_t *event) {
+    if (event->channel >= SD_SIGNAL_COUNT) { return NULL; }
     const sd_signal_info_t *info = &sd_signal_infos[event->channel];
-    if ((event->tick != row->tick) || (info->rate != row->rate)) { sd_row_begin(row, event->tick, info->rate); }
+    sd_row_t *row = &rows[info->rate];
+    if ((row->left == 0u) || (event->tick != row->tick) || (row->present[event->channel] != 0u)) {
+        sd_row_begin(row, event->tick, info->rate);
+    }
     float value;
     memcpy(&value, &event->value, sizeof value);
     sd_row_put(row, event->channel, value);
     sd_row_status(row, info->owner, (uint8_t)(event->flags & 0xffu), (uint16_t)(event->flags >> 8));
-    return is_last_of_rate(event->channel) && is_whole(row);
+    return (row->left == 0u) ? row : NULL;
 }
 
 int sd_row_events(const sd_row_t *row, sd_queue_t *queue) {

@@ -10,9 +10,14 @@
 #include "hal.h"
 #include "sd_signals.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef struct sd_row {
     uint32_t tick;
     uint8_t  rate;                      ///< sd_rate_t.
+    uint16_t left;                      ///< Channels of its rate that it does not hold yet.
     uint8_t  health[SD_OWNER_COUNT];    ///< sd_health_t.
     uint16_t why[SD_OWNER_COUNT];       ///< sd_why_t bits.
     uint8_t  present[SD_SIGNAL_COUNT];  ///< 1: this channel is in the row.
@@ -23,6 +28,7 @@ static inline void sd_row_begin(sd_row_t *row, uint32_t tick, uint8_t rate) {
     memset(row, 0, sizeof *row);
     row->tick = tick;
     row->rate = rate;
+    row->left = (uint16_t)sd_rate_infos[rate].count;
 }
 
 static inline void sd_row_status(sd_row_t *row, uint32_t owner, uint8_t health, uint16_t why) {
@@ -31,6 +37,7 @@ static inline void sd_row_status(sd_row_t *row, uint32_t owner, uint8_t health, 
 }
 
 static inline void sd_row_put(sd_row_t *row, uint32_t channel, float value) {
+    row->left = (uint16_t)(row->left - (1u - row->present[channel]));
     row->present[channel] = 1;
     row->value[channel] = value;
 }
@@ -46,8 +53,10 @@ typedef struct sd_queue {
 void     sd_queue_put(sd_queue_t *queue, const sd_event_t *event);
 uint32_t sd_queue_take(sd_queue_t *queue, sd_event_t *events, uint32_t room);
 
-/// Adds an SD_EVENT_SIGNAL to the row. 1: the row now holds every channel of its rate and may go.
-int sd_row_take(sd_row_t *row, const sd_event_t *event);
+/// Adds an SD_EVENT_SIGNAL to the row of its rate; `rows` holds one for each, zeroed to begin. Returns that row when it now
+/// holds every channel of its rate and may go, else NULL. Rows of different rates may come in pieces, one between the
+/// others. A piece of another tick, or a channel said twice, begins a row anew: the one before was torn.
+const sd_row_t *sd_row_take(sd_row_t rows[SD_RATE_COUNT], const sd_event_t *event);
 
 /// The row as events, in order of channels. 0, and nothing queued, when a health is none or a value no finite number.
 int sd_row_events(const sd_row_t *row, sd_queue_t *queue);
@@ -111,5 +120,9 @@ typedef struct sd_claim {
 } sd_claim_t;
 #define SD_CLAIM_RUNNING 0u
 #define SD_CLAIM_WHO     0xffffffffu
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

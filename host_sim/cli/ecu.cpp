@@ -23,12 +23,10 @@ struct Options {
 sd_calibration_t read_calibration(const Options &options, nlohmann::ordered_json &about) {
     const std::string content = read_file(options.file);
     about["files"][options.file] = sha256(content);
-    if (content.rfind("SDC1", 0) == 0) {
-        sd_calibration_t page;
-        const auto *bytes = reinterpret_cast<const std::uint8_t *>(content.data());
+    if (content.rfind("SDC2", 0) == 0) {
+        const auto page = read_page(content);
         const auto ecu = std::make_unique<sd_ecu_t>();
-        if (sd_calibration_decode(&page, bytes, std::uint32_t(content.size())) == SD_OK && sd_ecu_init(ecu.get(), &page) == SD_OK)
-            return page;
+        if (page && sd_ecu_init(ecu.get(), page.get()) == SD_OK) return *page;
         throw InputError(options.file, "", "the calibration page is damaged, or of another table of signals");
     }
     TomlFile engine_toml{std::filesystem::path(options.file)};

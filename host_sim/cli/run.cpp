@@ -70,11 +70,11 @@ std::optional<Scenario> read_lesson(const Options &options, const Scenario &run)
 
 sd_pattern_sums_t read_learned(const std::string &path, Json &files) {
     const std::string bytes = read_file(path);
-    sd_pattern_sums_t learned;
-    if (sd_learned_decode(&learned, reinterpret_cast<const std::uint8_t *>(bytes.data()), std::uint32_t(bytes.size())) != SD_OK)
+    const sd_pattern_sums_t *learned = sd_learned_view(bytes.data(), std::uint32_t(bytes.size()));
+    if (!learned)
         throw InputError(path, "learned page", "it is damaged, or of another version of the signal table");
     files[path] = sha256(bytes);
-    return learned;
+    return *learned;
 }
 
 Inputs read_inputs(const Options &options) {
@@ -105,9 +105,9 @@ Inputs read_inputs(const Options &options) {
 }
 
 std::string learned_page(const sd_pattern_sums_t &learned) {
-    std::string bytes(SD_LEARNED_BYTES_MAX, '\0');
-    bytes.resize(sd_learned_encode(&learned, reinterpret_cast<std::uint8_t *>(bytes.data())));
-    return bytes;
+    sd_learned_t page{};
+    sd_learned_make(&page, &learned);
+    return {reinterpret_cast<const char *>(&page), sizeof page};
 }
 
 /// What the event log says of itself. With the engine file other parameters can be tried on it.

@@ -35,7 +35,7 @@ sd_misfire_config_t monitor_config(const Options &options) {
     calibration.parameters = read_tune(tune);
     calibration.cylinders = std::uint8_t(options.cylinders);
     for (int i = 0; i < options.cylinders; ++i) calibration.firing_order[i] = std::uint8_t(i + 1);
-    return sd_calibration_misfire(&calibration);
+    return sd_calibration_misfire(&calibration, &calibration.parameters);
 }
 
 void print_per_trips(const char *name, std::uint64_t hits, std::uint64_t trips) {

@@ -13,6 +13,7 @@ import argparse
 import collections
 import csv
 import pathlib
+import shutil
 import subprocess
 import sys
 import tomllib
@@ -30,7 +31,7 @@ Counts = collections.namedtuple("Counts", "events calls total most")
 
 def build(core):
     """The programs, where anything changed; quiet when all is well."""
-    for preset, targets in (("host", ["budget_input", "budget_plugin"]), (core, ["budget_ecu"])):
+    for preset, targets in (("host", ["budget_input", "budget_plugin"]), (core, ["budget_ecu", "budget_blocks"])):
         done = subprocess.run([ROOT / "tools" / "build", preset] + targets, capture_output=True, text=True)
         if done.returncode != 0:
             raise SystemExit(done.stdout[-4000:] + done.stderr[-2000:])
@@ -42,46 +43,59 @@ def words(text):
 
 
 class Run:
-    """One golden run on host and target: said (by name), sizes (by symbol) and counts (by group or function, and class)."""
+    """One golden run on host and target, or blocks one at a time on the target: said (by name), sizes (by symbol) and counts
+    (by group or function, and class)."""
 
     def __init__(self, name, core):
         self.folder = ROOT / "build" / "budget" / core
         self.folder.mkdir(parents=True, exist_ok=True)
-        self.name, self.image = name, ROOT / "build" / core / "tests" / "budget" / "target" / "budget_ecu"
-        page, events, counts = (self.folder / f"{name}.{end}" for end in ("page", "events", "csv"))
-        host = subprocess.run([ROOT / "build/host/tests/budget/budget_input", ROOT / f"tests/golden/{name}.run", page, events],
-                              capture_output=True, text=True)
-        if host.returncode != 0:
-            raise SystemExit(host.stderr)
+        of_blocks = name == "blocks"
+        self.name, self.core = name, core
+        self.image = ROOT / "build" / core / "tests/budget/target" / ("budget_blocks" if of_blocks else "budget_ecu")
         self.sizes = self.symbols()
+        loaded, host = ([], {}) if of_blocks else self.inputs()
+        target = words(self.emulate(loaded))
+        self.same = host.pop("hash", None) == target.pop("hash", None)
+        self.said = host | target
+        if "stack_run" in self.said:
+            self.said["ram"] = self.sizes["ecu"] + self.sizes.get("page", 0) + max(self.said["stack_init"], self.said["stack_run"])
+        names = PLAN["block_classes" if of_blocks else "classes"]
+        self.counts = {(row["name"], names[int(row["class"])]): Counts(*(int(row[key]) for key in Counts._fields))
+                       for row in csv.DictReader(self.file("csv").open())}
+
+    def file(self, end):
+        return self.folder / f"{self.name}.{end}"
+
+    def inputs(self):
+        """Makes page and events; returns what the emulator loads, and what the host says of them."""
+        made = subprocess.run([ROOT / "build/host/tests/budget/budget_input", ROOT / f"tests/golden/{self.name}.run",
+                               self.file("page"), self.file("events")], capture_output=True, text=True)
+        if made.returncode != 0:
+            raise SystemExit(made.stderr)
+        loaded = [f"loader,file={self.file(end)},addr={at:#x},force-raw=on" for end, at in (("page", PAGE_AT), ("events", EVENTS_AT))]
+        return loaded, words(made.stdout)
+
+    def emulate(self, loaded):
+        """Runs the image; returns what it prints. The plugin writes the counts."""
         plugin = ROOT / "build/host/tests/budget/libbudget_plugin.so"
-        target = subprocess.run(
-            ["qemu-system-arm", "-M", BOARD[core], "-display", "none", "-monitor", "none", "-serial", "none",
+        done = subprocess.run(
+            ["qemu-system-arm", "-M", BOARD[self.core], "-display", "none", "-monitor", "none", "-serial", "none",
              "-semihosting-config", "enable=on,target=native", "-kernel", self.image,
-             "-device", f"loader,file={page},addr={PAGE_AT:#x},force-raw=on", "-device", f"loader,file={events},addr={EVENTS_AT:#x},force-raw=on",
-             "-plugin", f"{plugin},symbols={self.folder}/symbols,groups={self.folder}/groups,out={counts}"],
-            capture_output=True, text=True, timeout=600)
-        if target.returncode != 0:
-            raise SystemExit(f"{name}: the target ended with {target.returncode}: {target.stdout}{target.stderr}")
-        mine, its = words(host.stdout), words(target.stderr + target.stdout)
-        self.same = mine.pop("hash") == its.pop("hash")
-        self.said = mine | its | {"ram": self.ram(its)}
-        self.counts = {(row["name"], PLAN["classes"][int(row["class"])]): Counts(*(int(row[key]) for key in Counts._fields))
-                       for row in csv.DictReader(counts.open())}
+             "-plugin", f"{plugin},symbols={self.file('symbols')},groups={self.file('groups')},out={self.file('csv')}"]
+            + [word for device in loaded for word in ("-device", device)], capture_output=True, text=True, timeout=600)
+        if done.returncode != 0:
+            raise SystemExit(f"{self.name}: the target ended with {done.returncode}: {done.stdout}{done.stderr}")
+        return done.stderr + done.stdout
 
     def symbols(self):
         """Writes what the plugin reads; returns the sizes of the image's variables, and of code and constants."""
-        (self.folder / "groups").write_text("".join(f"{group} {function}\n" for group, of in PLAN["groups"].items() for function in of))
+        self.file("groups").write_text("".join(f"{group} {function}\n" for group, of in PLAN["groups"].items() for function in of))
         text = subprocess.run(["arm-none-eabi-nm", "-S", self.image], capture_output=True, text=True, check=True).stdout
-        (self.folder / "symbols").write_text(text)
+        self.file("symbols").write_text(text)
         rows = [line.split() for line in text.splitlines()]
         rows = [row for row in rows if len(row) == 4]
         code = sum(int(row[1], 16) for row in rows if row[2] in "tTwWrR")
         return {row[3]: int(row[1], 16) for row in rows if row[2] in "bBdD"} | {"code": code}
-
-    def ram(self, said):
-        """State, what of the page stands in RAM, and the deeper stack."""
-        return self.sizes["ecu"] + self.sizes.get("page", 0) + max(said["stack_init"], said["stack_run"])
 
     def figure(self, plan):
         """None: nothing of the kind has run."""
@@ -97,9 +111,10 @@ class Run:
 
     def functions(self):
         """Every group and function by class: calls an event, mean and worst of an event."""
-        print(f"{'':32}{'class':>12}{'events':>8}{'calls':>7}{'mean':>9}{'worst':>8}")
+        print(f"{'':32}" + f"{'class':>12}" + "".join(f"{head:>8}" for head in ("events", "calls", "mean", "worst")))
         for (name, event_class), count in sorted(self.counts.items()):
-            print(f"{name:32}{event_class:>12}{count.events:8}{count.calls / count.events:7.1f}{count.total / count.events:9.0f}{count.most:8}")
+            cells = (count.events, f"{count.calls / count.events:.1f}", round(count.total / count.events), count.most)
+            print(f"{name:32}{event_class:>12}" + "".join(f"{cell:>8}" for cell in cells))
 
 
 def verdict(figure, kept):
@@ -121,12 +136,15 @@ def report(runs, kept):
             continue
         name, value = plan["name"], runs[plan["run"]].figure(plan)
         judged = verdict(value, kept.get(name))
+        above = value is not None and value > plan.get("goal", value)
         figures[name] = value
         cells = ["-" if cell is None else str(cell) for cell in (value, kept.get(name), plan.get("goal"))]
-        print(f"{name:38}{plan['run']:>10}{cells[0]:>10}{cells[1]:>10}{cells[2]:>8}  {judged}")
+        print(f"{name:38}{plan['run']:>10}{cells[0]:>10}{cells[1]:>10}{cells[2]:>8}  {judged}{', above the goal' if above else ''}")
         if judged not in ("ok", "new"):
             wrong.append(f"{name}: {judged}")
-    print("host and target " + ("say the same, to the bit, in " + ", ".join(run.name for run in runs.values() if run.same)))
+    compared = [run.name for run in runs.values() if run.same and run.name != "blocks"]
+    if compared:
+        print("host and target say the same, to the bit, in " + ", ".join(compared))
     return figures, wrong
 
 
@@ -143,6 +161,8 @@ def main():
     parser.add_argument("--update", action="store_true", help="keep the figures as they are now")
     parser.add_argument("--no-build", action="store_true", help="all is built")
     arguments = parser.parse_args()
+    if not all(map(shutil.which, ("qemu-system-arm", "arm-none-eabi-gcc"))):
+        raise SystemExit("budget: needs the Arm compiler and the emulator; tools/setup --cross installs them")
     if not arguments.no_build:
         build(arguments.core)
     runs = {name: Run(name, arguments.core) for name in arguments.run or PLAN["runs"]}

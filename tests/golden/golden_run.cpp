@@ -17,8 +17,8 @@ namespace sixdeg {
 namespace {
 
 /// Index of `name` in a generated table, or its size.
-template <std::size_t N> std::size_t index_of(const sd_signal_info_t (&infos)[N], const std::string &name) {
-    return std::size_t(std::find_if(infos, infos + N, [&](const sd_signal_info_t &info) { return name == info.name; }) - infos);
+template <class Info, std::size_t N> std::size_t index_of(const Info (&infos)[N], const std::string &name) {
+    return std::size_t(std::find_if(infos, infos + N, [&](const Info &info) { return name == info.name; }) - infos);
 }
 
 std::uint32_t bits(float value) {

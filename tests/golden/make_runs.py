@@ -37,8 +37,10 @@ RUNS = {
               [(4, "p firing.pattern 0.05"), (4.5, "d all")], 0),
     "misfires": (PLAIN, USUAL + ["run={duration_s=6}", "speed.rpm=3000", "load.bmep_bar=8", "misfires.one_in=25",
                                  "misfires.burned_fraction=0.1"], {},
-                 [(3, "q misfire.cyclic"), (4, "p misfire.definition 0.6"), (5, "p misfire.partial 0.3"), (5.2, "d misfire.definition")], 0),
-    "fuel_cut": (LEARN, ["load.bmep_bar=6", "load.fuel_cut_s=[0.3,6.5]"], {}, [(7.5, "p firing.enabled 0"), (7.6, "p firing.enabled 1")], 0),
+                 [(3, "q misfire.cyclic"), (4, "p misfire.definition 0.6"), (5, "p misfire.partial 0.3"),
+                  (5.2, "d misfire.definition")], 0),
+    "fuel_cut": (LEARN, ["load.bmep_bar=6", "load.fuel_cut_s=[0.3,6.5]"], {},
+                 [(7.5, "p firing.enabled 0"), (7.6, "p firing.enabled 1")], 0),
     "tip_in": (TIP_IN, ["run.duration_s=8", "load.time_s=[0,4,4.2,6,6.2]", "encoder.jitter_deg=0.01", "uego.sample_us=2000"],
                {"afr.identify": 2}, [(5, "p balance.gain 0.05"), (7, "p balance.source 2"), (7.5, "q afr.lag_error")], 0),
     "faults": (PLAIN, USUAL + ["run={duration_s=8}", "speed={mode=\"dyno\",rpm=[700,700,4000,1500],time_s=[0,1,5,8]}", "load.bmep_bar=5",
@@ -48,10 +50,12 @@ RUNS = {
             [(4, "p torque.harmonics 8")], 0),
     "chain": (FIGURE16, ["run.duration_s=5", "encoder.jitter_deg=0.01", "uego.sample_us=2000"], {"afr.method": 2},
               [(4, "p afr.method 3")], 0),
-    "twist": (PLAIN, USUAL + [f'engine="{ENGINES}eight_diesel.toml"', "run={duration_s=5}", "load.bmep_bar=8", "misfires.one_in=60"], {}, [], 0),
+    "twist": (PLAIN, USUAL + [f'engine="{ENGINES}eight_diesel.toml"', "run={duration_s=5}", "load.bmep_bar=8",
+                              "misfires.one_in=60"], {}, [], 0),
     "dual_mass": (PLAIN, USUAL + [f'engine="{ENGINES}triple_10.toml"', "run={duration_s=5}", "speed.rpm=1200", "load.bmep_bar=6",
                                   "misfires.one_in=40"], {}, [], 0),
-    "single": (PLAIN, USUAL + [f'engine="{ENGINES}single_generator.toml"', "run={duration_s=5}", "speed.rpm=3000", "load.bmep_bar=4"], {}, [], 0),
+    "single": (PLAIN, USUAL + [f'engine="{ENGINES}single_generator.toml"', "run={duration_s=5}", "speed.rpm=3000",
+                               "load.bmep_bar=4"], {}, [], 0),
 }
 
 

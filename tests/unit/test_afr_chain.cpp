@@ -34,12 +34,11 @@ template <class V> struct ChainRun {
         sd_exhaust_config_t e{};
         e.cycle_positions = 120, e.cylinders = 4, e.mass_base_kg = 0.01f;
         for (int i = 0; i < 4; ++i) e.firing_position[i] = std::uint16_t(30 * i);
-        const auto psi = exhaust_psi();
-        std::copy(psi.begin(), psi.end(), e.psi);
-        must(V::exhaust_init(&exhaust, &e));
         const ExhaustPoint &p = step().point;
-        share.assign(p.share.begin(), p.share.end());
-        const sd_exhaust_point_t point{share.data(), float(p.charge_kg), float(p.rate_hz), float(p.z0_kg), float(p.transport_kg), SD_UEGO_LEAD};
+        e.open_position = open_position(p.share);
+        must(V::exhaust_init(&exhaust, &e));
+        give_shares<V>(exhaust, p.share);
+        const sd_exhaust_point_t point{float(p.charge_kg), float(p.rate_hz), float(p.z0_kg), float(p.transport_kg), SD_UEGO_LEAD};
         must(V::exhaust_set(&exhaust, &point, 6.667e-4f));
         for (int k = 0; k < 120; ++k) sine.push_back(std::int32_t(std::lround(2147483647.0 * std::sin(2 * M_PI * k / 120))));
         config = {120, 4, 2, 960, 0.03f, 0.015f, 0.1f, 4, 0.03f, 0.1f, sine.data()};
@@ -48,7 +47,7 @@ template <class V> struct ChainRun {
     void cycles(int n, const std::function<double(double)> &spoil) {
         for (int k = 0; k < 120 * n; ++k) {
             if (k % 120 == 0) V::chain_set(&chain, 6.667e-4f, nullptr, float(step().point.charge_kg / 0.01));
-            V::exhaust_step(&exhaust, std::uint32_t(k % 120), &now);
+            V::exhaust_step(&exhaust, psi.data(), std::uint32_t(k % 120), &now);
             V::chain_step(&chain, &now, std::uint32_t(k % 120), V::of(spoil(0.5 + 0.01 * std::cos(2 * M_PI * k / 120))));
         }
     }
@@ -57,7 +56,7 @@ template <class V> struct ChainRun {
         for (std::uint32_t i = 0; i < 4; ++i) l[i] = double(V::chain_lambda(&chain, i));
         return l;
     }
-    std::vector<float> share;
+    std::vector<typename V::Type> psi = psi_table<V>();
     std::vector<std::int32_t> sine;
     sd_afr_chain_config_t config{};
     typename V::Exhaust exhaust;
@@ -145,12 +144,12 @@ struct ObserverLimits {
     ObserverLimits() {
         ChainRun<F32> run;
         const ExhaustPoint &p = step().point; // at the manifold: what goes in and out adds up exactly
-        const sd_exhaust_point_t point{run.share.data(), float(p.charge_kg), float(p.rate_hz), float(p.z0_kg), 0, 0};
+        const sd_exhaust_point_t point{float(p.charge_kg), float(p.rate_hz), float(p.z0_kg), 0, 0};
         must(sd_exhaust_set_f32(&run.exhaust, &point, 6.667e-4f));
         run.cycles(40, [](double a) { return a; }); // it repeats itself
         for (std::uint32_t k = 0; k < 120; ++k) {
             sd_exhaust_now_f32_t now;
-            sd_exhaust_step_f32(&run.exhaust, k, &now);
+            sd_exhaust_step_f32(&run.exhaust, run.psi.data(), k, &now);
             cycle.push_back(now);
         }
     }

@@ -21,6 +21,14 @@ sd_balance_input_t input(const float *deviation, const float *sd, std::uint8_t h
     return {deviation, sd, follow, 1, health, std::uint8_t(transient)};
 }
 
+/// A whole cycle; returns its pieces.
+int work(sd_balance_t &b, const sd_balance_input_t &in) {
+    sd_balance_begin(&b, &in);
+    int pieces = 1;
+    while (sd_balance_work(&b)) ++pieces;
+    return pieces;
+}
+
 struct Loop {
     explicit Loop(sd_balance_config_t config = kConfig) { EXPECT_EQ(sd_balance_init(&b, &config), SD_OK); }
     /// One cycle.
@@ -30,7 +38,7 @@ struct Loop {
         for (int i = 0; i < 4; ++i) deviation[i] = offset[i] + b.trim[i] - mean;
         const float sd[4] = {stated, stated, stated, stated};
         const sd_balance_input_t in = input(deviation, sd, health, transient);
-        sd_balance_step(&b, &in);
+        work(b, in);
         worst = 0;
         for (float d : deviation) worst = std::max(worst, std::fabs(d));
     }
@@ -76,7 +84,7 @@ struct Turned {
         }
         spread = *std::max_element(gas.begin(), gas.end()) - *std::min_element(gas.begin(), gas.end());
         const sd_balance_input_t in = input(deviation, sd, SD_VALID, false, float(kFollow));
-        sd_balance_step(&b, &in);
+        work(b, in);
     }
     int n;
     double delay_rad, spread = 0;
@@ -94,6 +102,32 @@ TEST(Balance, DeviationsShrinkByTheGainEachCycle) {
     EXPECT_NEAR(loop.worst / first, std::pow(0.9, 20), 1e-3);
     EXPECT_NEAR(loop.sum(), 0, 1e-6);
     EXPECT_EQ(sd_balance_status(&loop.b).health, SD_VALID);
+}
+
+// The work of a cycle comes in pieces: trims move with the last of them, and a cycle that ends earlier, a restart or a mended
+// estimate leave the rest out.
+TEST(Balance, MovesTrimsWithTheLastPiece) {
+    Loop loop;
+    const float deviation[4] = {0.1f, -0.1f, 0, 0}, sd[4] = {};
+    const sd_balance_input_t in = input(deviation, sd);
+    sd_balance_begin(&loop.b, &in);
+    int pieces = 0;
+    for (bool more = true; more; ++pieces) {
+        EXPECT_EQ(loop.b.trim[0], 0) << pieces;
+        more = sd_balance_work(&loop.b);
+    }
+    EXPECT_EQ(pieces, 3) << "two orders of the watch, then learning";
+    EXPECT_LT(loop.b.trim[0], 0);
+    const float before = loop.b.trim[0];
+    EXPECT_FALSE(sd_balance_work(&loop.b));
+    for (int way = 0; way < 2; ++way) {
+        sd_balance_begin(&loop.b, &in);
+        EXPECT_TRUE(sd_balance_work(&loop.b));
+        way == 0 ? sd_balance_resume(&loop.b) : sd_balance_restart(&loop.b);
+        EXPECT_FALSE(sd_balance_work(&loop.b));
+        EXPECT_EQ(loop.b.trim[0], way == 0 ? before : 0);
+        if (way == 0) for (int k = 0; k < 4; ++k) work(loop.b, in);
+    }
 }
 
 TEST(Balance, HoldsWhileNotTrusted) {
@@ -115,17 +149,17 @@ TEST(Balance, HoldsWhileNotTrusted) {
     held([](Loop &l) {
         const float bad[4] = {NAN, 0, 0, 0}, sd[4] = {};
         const sd_balance_input_t in = input(bad, sd);
-        sd_balance_step(&l.b, &in);
+        work(l.b, in);
     });
     held([](Loop &l) {
         const float huge[4] = {INFINITY, -INFINITY, 1e30f, 0}, sd[4] = {};
         const sd_balance_input_t in = input(huge, sd);
-        sd_balance_step(&l.b, &in);
+        work(l.b, in);
     });
     held([](Loop &l) {
         const float deviation[4] = {0.1f, -0.1f, 0, 0}, sd[4] = {};
         const sd_balance_input_t in = input(deviation, sd, SD_VALID, false, NAN);
-        sd_balance_step(&l.b, &in);
+        work(l.b, in);
     });
 }
 

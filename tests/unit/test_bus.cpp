@@ -78,6 +78,7 @@ TEST(CanFrames, CarryEveryEventOfThePlantInOrder) {
     std::vector<sd_event_t> events;
     for (std::uint32_t i = 0; i < 40; ++i)
         events.push_back({0xfffffff0u + i, std::uint16_t(i % 13 == 5 ? SD_EVENT_CAM_EDGE : SD_EVENT_CRANK_EDGE), 0, 0, 0});
+    for (std::uint16_t wheel = 0; wheel < 14; ++wheel) events.push_back({25, SD_EVENT_WHEEL_EDGE, wheel, 0, 0});
     for (std::uint16_t input = 0; input < SD_INPUT_COUNT; ++input) events.push_back({30, SD_EVENT_SAMPLE, input, bits(1.25f), 0});
     events.push_back({31, SD_EVENT_TIME, 0, 0, 0});
     events.push_back({32, SD_EVENT_CRANK_EDGE, 0, 0, 0});
@@ -87,7 +88,7 @@ TEST(CanFrames, CarryEveryEventOfThePlantInOrder) {
 
 TEST(CanFrames, CarryEveryEventOfTheEcuInOrder) {
     std::vector<sd_event_t> events = row_of(77, SD_RATE_CYCLE);
-    for (const sd_rate_t rate : {SD_RATE_FIRING, SD_RATE_EDGE}) {
+    for (const sd_rate_t rate : {SD_RATE_FIRING, SD_RATE_EDGE, SD_RATE_TASK}) {
         const auto row = row_of(77, rate);
         events.insert(events.end(), row.begin(), row.end());
     }
@@ -174,17 +175,18 @@ std::vector<std::uint8_t> valid_message(sd_lcm_channel_t channel) {
     std::vector<sixdeg_edge_t> edges(20);
     std::vector<sixdeg_cycle_t> cycles(2);
     std::vector<sixdeg_firing_t> firings(4);
+    std::vector<sixdeg_task_t> tasks(1);
     std::vector<sixdeg_truth_edge_t> truth_edges(20);
     std::vector<sixdeg_truth_cycle_t> truth_cycles(2);
     int size = 0;
     if (channel == SD_LCM_INPUTS) {
-        for (std::size_t i = 0; i < events.size(); ++i) events[i].kind = std::int16_t(1 + i % 4);
+        for (std::size_t i = 0; i < events.size(); ++i) events[i].kind = std::int16_t(1 + i % 5);
         const sixdeg_inputs_t m{20, 0, 1, events.data()};
         size = sixdeg_inputs_t_encode(bytes.data(), 0, int(bytes.size()), &m);
     } else if (channel == SD_LCM_OUTPUTS) {
         sixdeg_outputs_t m{};
-        m.edges = 20, m.cycles = 2, m.firings = 4, m.done = 1;
-        m.edge = edges.data(), m.cycle = cycles.data(), m.firing = firings.data();
+        m.edges = 20, m.cycles = 2, m.firings = 4, m.tasks = 1, m.done = 1;
+        m.edge = edges.data(), m.cycle = cycles.data(), m.firing = firings.data(), m.task = tasks.data();
         size = sixdeg_outputs_t_encode(bytes.data(), 0, int(bytes.size()), &m);
     } else if (channel == SD_LCM_TRUTH) {
         const sixdeg_truth_t m{20, 2, 1, 20, 2, truth_edges.data(), truth_cycles.data()};
@@ -265,11 +267,10 @@ struct LcmLink {
             if (event.kind == SD_EVENT_SIGNAL) sd_lcm_add_signal(ecu.get(), &event);
         }
         sixdeg_outputs_t m{};
-        m.edges = ecu->edges, m.cycles = ecu->cycles, m.firings = ecu->firings;
-        m.edge = ecu->edge, m.cycle = ecu->cycle, m.firing = ecu->firing;
-        ecu->edges = ecu->cycles = ecu->firings = 0;
+        sd_lcm_rows_to_message(&m, &ecu->rows);
         std::vector<std::uint8_t> bytes(std::size_t(sixdeg_outputs_t_encoded_size(&m)));
         EXPECT_GT(sixdeg_outputs_t_encode(bytes.data(), 0, int(bytes.size()), &m), 0);
+        sd_lcm_rows_clear(&ecu->rows);
         return {{SD_LCM_OUTPUTS, bytes}};
     }
     void at_ecu(const Packet &packet) { sd_lcm_decode(ecu.get(), packet.channel, packet.bytes.data(), int(packet.bytes.size())); }
@@ -305,6 +306,7 @@ template <class Link> struct OnePercent {
 template <class Link> struct Wheel {
     using Packets = std::vector<typename Link::Packet>;
     Link link;
+    std::optional<StoredPage> page;
     std::unique_ptr<sd_ecu_t> ecu = std::make_unique<sd_ecu_t>();
     std::vector<sd_event_t> said; ///< By the ecu, not yet sent.
     std::map<std::uint32_t, int> true_tooth;
@@ -316,8 +318,8 @@ template <class Link> struct Wheel {
 
     Wheel() {
         TomlFile file(std::filesystem::path(SD_ENGINES) / "diesel_22.toml"), tune("tune", "");
-        const sd_calibration_t page = calibrate(read_engine(file), read_tune(tune), "tune");
-        EXPECT_EQ(SD_OK, sd_ecu_init(ecu.get(), &page));
+        page.emplace(calibrate(read_engine(file), read_tune(tune), "tune"));
+        EXPECT_EQ(SD_OK, sd_ecu_init(ecu.get(), page->view()));
     }
 
     static std::uint32_t receive(void *self, sd_event_t *events, std::uint32_t room) {
@@ -350,7 +352,7 @@ template <class Link> struct Wheel {
         if (!cycle_ended || heard.health(SD_OWNER_CYLINDER) != SD_VALID) return;
         ++heard_cycles;
         const float torque = s.cycle_cylinder_torque_nm[0];
-        heard_wrong += torque != said_of[tick][1];
+        heard_wrong += torque != said_of[heard.cycle_tick()][1];
         torque_range = {std::min(torque, torque_range[0]), std::max(torque, torque_range[1])};
     }
 
@@ -368,7 +370,7 @@ template <class Link> struct Wheel {
             events.push_back({tick + 500, SD_EVENT_SAMPLE, SD_INPUT_AIR_INTAKE_PRESSURE, bits(1.0f), 0});
             events.push_back({tick + 500, SD_EVENT_TIME, 0, 0, 0});
             for (const auto &packet : to_ecu(link.to_ecu(events))) link.at_ecu(packet);
-            sd_ecu_run(ecu.get(), &port);
+            sd_ecu_run(ecu.get(), page->view(), &port);
             for (const auto &packet : to_plant(link.to_plant(said))) link.at_plant(packet);
             answers.add(events_of(link.plant->in));
             for (const sd_event_t &event : events) {
@@ -428,6 +430,102 @@ TYPED_TEST(Faults, AfterTheOtherSideStartsAnewCylindersAreValidWithinTenCycles) 
     EXPECT_EQ(1u, wheel.link.ecu->order.starts);
     EXPECT_GT(wheel.cycles_valid, before);
     EXPECT_EQ(0u, wheel.wrong);
+}
+
+/// A cycle's row in pieces of some channels, one before each of the edge rows that follow the tooth at 1000.
+std::vector<sd_event_t> spread_cycle(std::size_t pieces) {
+    std::vector<sd_event_t> events;
+    const auto cycle = row_of(1000, SD_RATE_CYCLE);
+    for (std::size_t i = 0; i < pieces; ++i) {
+        for (std::size_t c = i * cycle.size() / pieces; c < (i + 1) * cycle.size() / pieces; ++c) events.push_back(cycle[c]);
+        if (i == 1) for (const sd_event_t &event : row_of(1100, SD_RATE_FIRING)) events.push_back(event);
+        for (const sd_event_t &event : row_of(std::uint32_t(1000 + 100 * i), SD_RATE_EDGE)) events.push_back(event);
+    }
+    return events;
+}
+
+/// Rows in the order in which they end, as a bus hands them out.
+std::vector<sd_event_t> whole_rows(std::size_t pieces) {
+    std::vector<sd_event_t> events;
+    const auto add = [&events](const std::vector<sd_event_t> &row) { events.insert(events.end(), row.begin(), row.end()); };
+    for (std::size_t i = 0; i < pieces; ++i) {
+        if (i + 1 == pieces) add(row_of(1000, SD_RATE_CYCLE));
+        if (i == 1) add(row_of(1100, SD_RATE_FIRING));
+        add(row_of(std::uint32_t(1000 + 100 * i), SD_RATE_EDGE));
+    }
+    return events;
+}
+
+/// Each edge and whether a cycle was complete with it.
+std::vector<bool> cycles_at(const std::vector<sd_event_t> &events, std::size_t edges, EcuSaid &said) {
+    Answers answers;
+    answers.add(events);
+    std::vector<bool> ended;
+    for (std::size_t i = 0; i < edges; ++i) ended.push_back(answers.take(std::uint32_t(1000 + 100 * i), said));
+    EXPECT_EQ(0u, answers.missing());
+    return ended;
+}
+
+template <class Link> class SpreadRows : public ::testing::Test {};
+TYPED_TEST_SUITE(SpreadRows, Links);
+
+TYPED_TEST(SpreadRows, ACycleEndsWhenItsLastPieceCameInOneProcessAndOnABus) {
+    for (const std::size_t pieces : {1u, 2u, 5u, 69u}) {
+        TypeParam link;
+        for (const auto &packet : link.to_plant(spread_cycle(pieces))) link.at_plant(packet);
+        const auto heard = events_of(link.plant->in);
+        expect_same(whole_rows(pieces), heard);
+        EcuSaid in_process, on_bus;
+        std::vector<bool> expected(pieces, false);
+        expected.back() = true;
+        EXPECT_EQ(expected, cycles_at(spread_cycle(pieces), pieces, in_process));
+        EXPECT_EQ(expected, cycles_at(heard, pieces, on_bus));
+        EXPECT_EQ(1000u, on_bus.cycle_tick()) << "the tooth that ended it";
+        EXPECT_EQ(0, std::memcmp(&in_process.signals(), &on_bus.signals(), sizeof(sd_signals_t)));
+    }
+}
+
+TEST(Rows, ATornOneIsNeverSent) {
+    sd_row_t rows[SD_RATE_COUNT] = {};
+    auto torn = row_of(10, SD_RATE_CYCLE), next = row_of(10, SD_RATE_CYCLE);
+    torn.pop_back();
+    int whole = 0;
+    for (const auto &events : {torn, next, torn, row_of(20, SD_RATE_CYCLE)}) {
+        for (const sd_event_t &event : events) {
+            if (const sd_row_t *row = sd_row_take(rows, &event)) {
+                ++whole;
+                EXPECT_EQ(whole == 1 ? 10u : 20u, row->tick);
+                EXPECT_EQ(next.back().channel, event.channel) << "not before its last channel";
+            }
+        }
+    }
+    EXPECT_EQ(2, whole);
+}
+
+TEST(CanFrames, AWheelThatNoFrameHasRoomForIsCounted) {
+    const auto plant = codec(SD_ROLE_PLANT);
+    const sd_event_t edge{1, SD_EVENT_WHEEL_EDGE, 14, 0, 0}, time{2, SD_EVENT_TIME, 0, 0, 0};
+    EXPECT_EQ(1, sd_can_encode(plant.get(), &edge));
+    EXPECT_EQ(1, sd_can_encode(plant.get(), &time));
+    EXPECT_EQ(1u, frames_of(*plant).size()) << "the clock alone";
+    EXPECT_EQ(1u, plant->counts.unsent);
+}
+
+template <class Link> class Inputs : public ::testing::Test {};
+TYPED_TEST_SUITE(Inputs, Links);
+
+TYPED_TEST(Inputs, EveryKindReachesTheEcuInOrder) {
+    std::vector<sd_event_t> events;
+    for (std::uint32_t i = 0; i < 200; ++i) {
+        constexpr std::array kinds{SD_EVENT_CRANK_EDGE, SD_EVENT_WHEEL_EDGE, SD_EVENT_CAM_EDGE, SD_EVENT_SAMPLE};
+        const auto kind = i % 29 == 28 ? SD_EVENT_TIME : kinds[i % 7 % kinds.size()];
+        const auto channel = std::uint16_t(kind == SD_EVENT_WHEEL_EDGE ? i % 5 : kind == SD_EVENT_SAMPLE ? i % SD_INPUT_COUNT : 0);
+        events.push_back({i, std::uint16_t(kind), channel, kind == SD_EVENT_SAMPLE ? bits(float(i)) : 0, 0});
+    }
+    events.push_back({200, SD_EVENT_TIME, 0, 0, 0});
+    TypeParam link;
+    for (const auto &packet : link.to_ecu(events)) link.at_ecu(packet);
+    expect_same(events, events_of(link.ecu->in));
 }
 
 TEST(Answers, AnEdgeWithoutAWholeAnswerIsNotTrusted) {

@@ -305,6 +305,9 @@ TYPED_TEST(Fourier, InitRefusesEveryFieldThatIsNotFinite) {
     setup.tables.inertia_q31[7] = 0;
     EXPECT_EQ(SD_ERR_CONFIG, TypeParam::init(&s, &setup.config, &setup.tables));
     setup = Bench(kSmooth);
+    setup.tables.sine_q31[30] = INT32_MIN / 2;
+    EXPECT_EQ(SD_ERR_CONFIG, TypeParam::init(&s, &setup.config, &setup.tables)) << "not on a circle";
+    setup = Bench(kSmooth);
     for (float bad : {nan, 0.0f, 10.1f}) {
         setup.tables.inertia_base_kgm2 = bad;
         EXPECT_EQ(SD_ERR_CONFIG, TypeParam::init(&s, &setup.config, &setup.tables));

@@ -9,7 +9,7 @@ import numpy as np
 HEADER = struct.Struct("<4sIIId")  # magic, signature of the signal table, bytes of description and page, ticks a second
 EVENT = np.dtype([("tick", "<u4"), ("kind", "<u2"), ("channel", "<u2"), ("value", "<u4"), ("flags", "<u4")])
 OUT = 0x8000  # in kind: from the ecu
-CRANK_EDGE, CAM_EDGE, SAMPLE, SIGNAL = 1, 2, 4, 16  # sd_event_kind_t
+CRANK_EDGE, CAM_EDGE, SAMPLE, WHEEL_EDGE, SIGNAL = 1, 2, 4, 5, 16  # sd_event_kind_t
 
 
 class LogError(Exception):

@@ -17,7 +17,7 @@ import zlib
 import numpy as np
 from asammdf import MDF, Signal
 
-from event_log import CAM_EDGE, CRANK_EDGE, SAMPLE, SIGNAL, EventLog, LogError
+from event_log import CAM_EDGE, CRANK_EDGE, SAMPLE, SIGNAL, WHEEL_EDGE, EventLog, LogError
 
 TABLE = pathlib.Path(__file__).resolve().parents[2] / "hal" / "signals.toml"
 HEALTH = {"val_0": 0, "text_0": "valid", "val_1": 1, "text_1": "degraded", "val_2": 2, "text_2": "invalid", "default": ""}
@@ -63,8 +63,11 @@ def estimates(log, rows):
 
 def inputs(log, sensors):
     """What went in. Edges have no value but their time, so they are counted."""
-    for kind, name in ((CRANK_EDGE, "input.crank_edge"), (CAM_EDGE, "input.cam_edge")):
-        here = ~log.out & (log.kind == kind)
+    edges = [(CRANK_EDGE, 0, "input.crank_edge"), (CAM_EDGE, 0, "input.cam_edge")]
+    wheels = np.unique(log.channel[~log.out & (log.kind == WHEEL_EDGE)])
+    edges += [(WHEEL_EDGE, wheel, f"input.wheel_edge[{wheel}]") for wheel in wheels]
+    for kind, channel, name in edges:
+        here = ~log.out & (log.kind == kind) & (log.channel == channel)
         if here.any():
             yield [Signal(samples=np.arange(1, here.sum() + 1, dtype=np.uint32), timestamps=log.time_s[here], name=name,
                           comment="Edges so far.")]

@@ -21,12 +21,12 @@ def run(*command):
         sys.exit(f"{command[0]}: {done.stdout}{done.stderr}")
 
 
-def fresh(folder):
-    """Path below hal/generated -> text."""
+def fresh(folder, generated=GENERATED):
+    """Path below hal/generated -> text, of the sixdeg.dbc and sixdeg.lcm in `generated`; `folder` is scratch."""
     run(sys.executable, "-m", "cantools", "generate_c_source", "--use-round", "--database-name", "sd_bus",
-        "-o", folder / "can", GENERATED / "sixdeg.dbc")
+        "-o", folder / "can", generated / "sixdeg.dbc")
     (folder / "lcm").mkdir()
-    run("lcm-gen", "-c", "--c-no-pubsub", f"--c-cpath={folder}/lcm", f"--c-hpath={folder}/lcm", GENERATED / "sixdeg.lcm")
+    run("lcm-gen", "-c", "--c-no-pubsub", f"--c-cpath={folder}/lcm", f"--c-hpath={folder}/lcm", generated / "sixdeg.lcm")
     out = {}
     for path in sorted(folder.glob("*/*.[ch]")):
         tool, source = ("cantools", "sixdeg.dbc") if path.parent.name == "can" else ("lcm-gen", "sixdeg.lcm")

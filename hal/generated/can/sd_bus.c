@@ -173,64 +173,71 @@ int sd_bus_teeth_pack(
     dst_p[2] |= pack_left_shift_u16(src_p->session, 0u, 0xffu);
     dst_p[3] |= pack_right_shift_u16(src_p->session, 8u, 0xffu);
     dst_p[4] |= pack_left_shift_u8(src_p->count, 0u, 0xffu);
-    dst_p[5] |= pack_left_shift_u16(src_p->cam, 0u, 0xffu);
-    dst_p[6] |= pack_right_shift_u16(src_p->cam, 8u, 0xffu);
-    dst_p[7] |= pack_left_shift_u32(src_p->tick_0, 0u, 0xffu);
-    dst_p[8] |= pack_right_shift_u32(src_p->tick_0, 8u, 0xffu);
-    dst_p[9] |= pack_right_shift_u32(src_p->tick_0, 16u, 0xffu);
-    dst_p[10] |= pack_right_shift_u32(src_p->tick_0, 24u, 0xffu);
-    dst_p[11] |= pack_left_shift_u32(src_p->tick_1, 0u, 0xffu);
-    dst_p[12] |= pack_right_shift_u32(src_p->tick_1, 8u, 0xffu);
-    dst_p[13] |= pack_right_shift_u32(src_p->tick_1, 16u, 0xffu);
-    dst_p[14] |= pack_right_shift_u32(src_p->tick_1, 24u, 0xffu);
-    dst_p[15] |= pack_left_shift_u32(src_p->tick_2, 0u, 0xffu);
-    dst_p[16] |= pack_right_shift_u32(src_p->tick_2, 8u, 0xffu);
-    dst_p[17] |= pack_right_shift_u32(src_p->tick_2, 16u, 0xffu);
-    dst_p[18] |= pack_right_shift_u32(src_p->tick_2, 24u, 0xffu);
-    dst_p[19] |= pack_left_shift_u32(src_p->tick_3, 0u, 0xffu);
-    dst_p[20] |= pack_right_shift_u32(src_p->tick_3, 8u, 0xffu);
-    dst_p[21] |= pack_right_shift_u32(src_p->tick_3, 16u, 0xffu);
-    dst_p[22] |= pack_right_shift_u32(src_p->tick_3, 24u, 0xffu);
-    dst_p[23] |= pack_left_shift_u32(src_p->tick_4, 0u, 0xffu);
-    dst_p[24] |= pack_right_shift_u32(src_p->tick_4, 8u, 0xffu);
-    dst_p[25] |= pack_right_shift_u32(src_p->tick_4, 16u, 0xffu);
-    dst_p[26] |= pack_right_shift_u32(src_p->tick_4, 24u, 0xffu);
-    dst_p[27] |= pack_left_shift_u32(src_p->tick_5, 0u, 0xffu);
-    dst_p[28] |= pack_right_shift_u32(src_p->tick_5, 8u, 0xffu);
-    dst_p[29] |= pack_right_shift_u32(src_p->tick_5, 16u, 0xffu);
-    dst_p[30] |= pack_right_shift_u32(src_p->tick_5, 24u, 0xffu);
-    dst_p[31] |= pack_left_shift_u32(src_p->tick_6, 0u, 0xffu);
-    dst_p[32] |= pack_right_shift_u32(src_p->tick_6, 8u, 0xffu);
-    dst_p[33] |= pack_right_shift_u32(src_p->tick_6, 16u, 0xffu);
-    dst_p[34] |= pack_right_shift_u32(src_p->tick_6, 24u, 0xffu);
-    dst_p[35] |= pack_left_shift_u32(src_p->tick_7, 0u, 0xffu);
-    dst_p[36] |= pack_right_shift_u32(src_p->tick_7, 8u, 0xffu);
-    dst_p[37] |= pack_right_shift_u32(src_p->tick_7, 16u, 0xffu);
-    dst_p[38] |= pack_right_shift_u32(src_p->tick_7, 24u, 0xffu);
-    dst_p[39] |= pack_left_shift_u32(src_p->tick_8, 0u, 0xffu);
-    dst_p[40] |= pack_right_shift_u32(src_p->tick_8, 8u, 0xffu);
-    dst_p[41] |= pack_right_shift_u32(src_p->tick_8, 16u, 0xffu);
-    dst_p[42] |= pack_right_shift_u32(src_p->tick_8, 24u, 0xffu);
-    dst_p[43] |= pack_left_shift_u32(src_p->tick_9, 0u, 0xffu);
-    dst_p[44] |= pack_right_shift_u32(src_p->tick_9, 8u, 0xffu);
-    dst_p[45] |= pack_right_shift_u32(src_p->tick_9, 16u, 0xffu);
-    dst_p[46] |= pack_right_shift_u32(src_p->tick_9, 24u, 0xffu);
-    dst_p[47] |= pack_left_shift_u32(src_p->tick_10, 0u, 0xffu);
-    dst_p[48] |= pack_right_shift_u32(src_p->tick_10, 8u, 0xffu);
-    dst_p[49] |= pack_right_shift_u32(src_p->tick_10, 16u, 0xffu);
-    dst_p[50] |= pack_right_shift_u32(src_p->tick_10, 24u, 0xffu);
-    dst_p[51] |= pack_left_shift_u32(src_p->tick_11, 0u, 0xffu);
-    dst_p[52] |= pack_right_shift_u32(src_p->tick_11, 8u, 0xffu);
-    dst_p[53] |= pack_right_shift_u32(src_p->tick_11, 16u, 0xffu);
-    dst_p[54] |= pack_right_shift_u32(src_p->tick_11, 24u, 0xffu);
-    dst_p[55] |= pack_left_shift_u32(src_p->tick_12, 0u, 0xffu);
-    dst_p[56] |= pack_right_shift_u32(src_p->tick_12, 8u, 0xffu);
-    dst_p[57] |= pack_right_shift_u32(src_p->tick_12, 16u, 0xffu);
-    dst_p[58] |= pack_right_shift_u32(src_p->tick_12, 24u, 0xffu);
-    dst_p[59] |= pack_left_shift_u32(src_p->tick_13, 0u, 0xffu);
-    dst_p[60] |= pack_right_shift_u32(src_p->tick_13, 8u, 0xffu);
-    dst_p[61] |= pack_right_shift_u32(src_p->tick_13, 16u, 0xffu);
-    dst_p[62] |= pack_right_shift_u32(src_p->tick_13, 24u, 0xffu);
+    dst_p[5] |= pack_left_shift_u32(src_p->tick_0, 0u, 0xffu);
+    dst_p[6] |= pack_right_shift_u32(src_p->tick_0, 8u, 0xffu);
+    dst_p[7] |= pack_right_shift_u32(src_p->tick_0, 16u, 0xffu);
+    dst_p[8] |= pack_right_shift_u32(src_p->tick_0, 24u, 0xffu);
+    dst_p[9] |= pack_left_shift_u32(src_p->tick_1, 0u, 0xffu);
+    dst_p[10] |= pack_right_shift_u32(src_p->tick_1, 8u, 0xffu);
+    dst_p[11] |= pack_right_shift_u32(src_p->tick_1, 16u, 0xffu);
+    dst_p[12] |= pack_right_shift_u32(src_p->tick_1, 24u, 0xffu);
+    dst_p[13] |= pack_left_shift_u32(src_p->tick_2, 0u, 0xffu);
+    dst_p[14] |= pack_right_shift_u32(src_p->tick_2, 8u, 0xffu);
+    dst_p[15] |= pack_right_shift_u32(src_p->tick_2, 16u, 0xffu);
+    dst_p[16] |= pack_right_shift_u32(src_p->tick_2, 24u, 0xffu);
+    dst_p[17] |= pack_left_shift_u32(src_p->tick_3, 0u, 0xffu);
+    dst_p[18] |= pack_right_shift_u32(src_p->tick_3, 8u, 0xffu);
+    dst_p[19] |= pack_right_shift_u32(src_p->tick_3, 16u, 0xffu);
+    dst_p[20] |= pack_right_shift_u32(src_p->tick_3, 24u, 0xffu);
+    dst_p[21] |= pack_left_shift_u32(src_p->tick_4, 0u, 0xffu);
+    dst_p[22] |= pack_right_shift_u32(src_p->tick_4, 8u, 0xffu);
+    dst_p[23] |= pack_right_shift_u32(src_p->tick_4, 16u, 0xffu);
+    dst_p[24] |= pack_right_shift_u32(src_p->tick_4, 24u, 0xffu);
+    dst_p[25] |= pack_left_shift_u32(src_p->tick_5, 0u, 0xffu);
+    dst_p[26] |= pack_right_shift_u32(src_p->tick_5, 8u, 0xffu);
+    dst_p[27] |= pack_right_shift_u32(src_p->tick_5, 16u, 0xffu);
+    dst_p[28] |= pack_right_shift_u32(src_p->tick_5, 24u, 0xffu);
+    dst_p[29] |= pack_left_shift_u32(src_p->tick_6, 0u, 0xffu);
+    dst_p[30] |= pack_right_shift_u32(src_p->tick_6, 8u, 0xffu);
+    dst_p[31] |= pack_right_shift_u32(src_p->tick_6, 16u, 0xffu);
+    dst_p[32] |= pack_right_shift_u32(src_p->tick_6, 24u, 0xffu);
+    dst_p[33] |= pack_left_shift_u32(src_p->tick_7, 0u, 0xffu);
+    dst_p[34] |= pack_right_shift_u32(src_p->tick_7, 8u, 0xffu);
+    dst_p[35] |= pack_right_shift_u32(src_p->tick_7, 16u, 0xffu);
+    dst_p[36] |= pack_right_shift_u32(src_p->tick_7, 24u, 0xffu);
+    dst_p[37] |= pack_left_shift_u32(src_p->tick_8, 0u, 0xffu);
+    dst_p[38] |= pack_right_shift_u32(src_p->tick_8, 8u, 0xffu);
+    dst_p[39] |= pack_right_shift_u32(src_p->tick_8, 16u, 0xffu);
+    dst_p[40] |= pack_right_shift_u32(src_p->tick_8, 24u, 0xffu);
+    dst_p[41] |= pack_left_shift_u32(src_p->tick_9, 0u, 0xffu);
+    dst_p[42] |= pack_right_shift_u32(src_p->tick_9, 8u, 0xffu);
+    dst_p[43] |= pack_right_shift_u32(src_p->tick_9, 16u, 0xffu);
+    dst_p[44] |= pack_right_shift_u32(src_p->tick_9, 24u, 0xffu);
+    dst_p[45] |= pack_left_shift_u32(src_p->tick_10, 0u, 0xffu);
+    dst_p[46] |= pack_right_shift_u32(src_p->tick_10, 8u, 0xffu);
+    dst_p[47] |= pack_right_shift_u32(src_p->tick_10, 16u, 0xffu);
+    dst_p[48] |= pack_right_shift_u32(src_p->tick_10, 24u, 0xffu);
+    dst_p[49] |= pack_left_shift_u32(src_p->tick_11, 0u, 0xffu);
+    dst_p[50] |= pack_right_shift_u32(src_p->tick_11, 8u, 0xffu);
+    dst_p[51] |= pack_right_shift_u32(src_p->tick_11, 16u, 0xffu);
+    dst_p[52] |= pack_right_shift_u32(src_p->tick_11, 24u, 0xffu);
+    dst_p[53] |= pack_left_shift_u32(src_p->tick_12, 0u, 0xffu);
+    dst_p[54] |= pack_right_shift_u32(src_p->tick_12, 8u, 0xffu);
+    dst_p[55] |= pack_right_shift_u32(src_p->tick_12, 16u, 0xffu);
+    dst_p[56] |= pack_right_shift_u32(src_p->tick_12, 24u, 0xffu);
+    dst_p[57] |= pack_left_shift_u8(src_p->edge_0, 0u, 0x0fu);
+    dst_p[57] |= pack_left_shift_u8(src_p->edge_1, 4u, 0xf0u);
+    dst_p[58] |= pack_left_shift_u8(src_p->edge_2, 0u, 0x0fu);
+    dst_p[58] |= pack_left_shift_u8(src_p->edge_3, 4u, 0xf0u);
+    dst_p[59] |= pack_left_shift_u8(src_p->edge_4, 0u, 0x0fu);
+    dst_p[59] |= pack_left_shift_u8(src_p->edge_5, 4u, 0xf0u);
+    dst_p[60] |= pack_left_shift_u8(src_p->edge_6, 0u, 0x0fu);
+    dst_p[60] |= pack_left_shift_u8(src_p->edge_7, 4u, 0xf0u);
+    dst_p[61] |= pack_left_shift_u8(src_p->edge_8, 0u, 0x0fu);
+    dst_p[61] |= pack_left_shift_u8(src_p->edge_9, 4u, 0xf0u);
+    dst_p[62] |= pack_left_shift_u8(src_p->edge_10, 0u, 0x0fu);
+    dst_p[62] |= pack_left_shift_u8(src_p->edge_11, 4u, 0xf0u);
+    dst_p[63] |= pack_left_shift_u8(src_p->edge_12, 0u, 0x0fu);
 
     return (64);
 }
@@ -249,64 +256,71 @@ int sd_bus_teeth_unpack(
     dst_p->session = unpack_right_shift_u16(src_p[2], 0u, 0xffu);
     dst_p->session |= unpack_left_shift_u16(src_p[3], 8u, 0xffu);
     dst_p->count = unpack_right_shift_u8(src_p[4], 0u, 0xffu);
-    dst_p->cam = unpack_right_shift_u16(src_p[5], 0u, 0xffu);
-    dst_p->cam |= unpack_left_shift_u16(src_p[6], 8u, 0xffu);
-    dst_p->tick_0 = unpack_right_shift_u32(src_p[7], 0u, 0xffu);
-    dst_p->tick_0 |= unpack_left_shift_u32(src_p[8], 8u, 0xffu);
-    dst_p->tick_0 |= unpack_left_shift_u32(src_p[9], 16u, 0xffu);
-    dst_p->tick_0 |= unpack_left_shift_u32(src_p[10], 24u, 0xffu);
-    dst_p->tick_1 = unpack_right_shift_u32(src_p[11], 0u, 0xffu);
-    dst_p->tick_1 |= unpack_left_shift_u32(src_p[12], 8u, 0xffu);
-    dst_p->tick_1 |= unpack_left_shift_u32(src_p[13], 16u, 0xffu);
-    dst_p->tick_1 |= unpack_left_shift_u32(src_p[14], 24u, 0xffu);
-    dst_p->tick_2 = unpack_right_shift_u32(src_p[15], 0u, 0xffu);
-    dst_p->tick_2 |= unpack_left_shift_u32(src_p[16], 8u, 0xffu);
-    dst_p->tick_2 |= unpack_left_shift_u32(src_p[17], 16u, 0xffu);
-    dst_p->tick_2 |= unpack_left_shift_u32(src_p[18], 24u, 0xffu);
-    dst_p->tick_3 = unpack_right_shift_u32(src_p[19], 0u, 0xffu);
-    dst_p->tick_3 |= unpack_left_shift_u32(src_p[20], 8u, 0xffu);
-    dst_p->tick_3 |= unpack_left_shift_u32(src_p[21], 16u, 0xffu);
-    dst_p->tick_3 |= unpack_left_shift_u32(src_p[22], 24u, 0xffu);
-    dst_p->tick_4 = unpack_right_shift_u32(src_p[23], 0u, 0xffu);
-    dst_p->tick_4 |= unpack_left_shift_u32(src_p[24], 8u, 0xffu);
-    dst_p->tick_4 |= unpack_left_shift_u32(src_p[25], 16u, 0xffu);
-    dst_p->tick_4 |= unpack_left_shift_u32(src_p[26], 24u, 0xffu);
-    dst_p->tick_5 = unpack_right_shift_u32(src_p[27], 0u, 0xffu);
-    dst_p->tick_5 |= unpack_left_shift_u32(src_p[28], 8u, 0xffu);
-    dst_p->tick_5 |= unpack_left_shift_u32(src_p[29], 16u, 0xffu);
-    dst_p->tick_5 |= unpack_left_shift_u32(src_p[30], 24u, 0xffu);
-    dst_p->tick_6 = unpack_right_shift_u32(src_p[31], 0u, 0xffu);
-    dst_p->tick_6 |= unpack_left_shift_u32(src_p[32], 8u, 0xffu);
-    dst_p->tick_6 |= unpack_left_shift_u32(src_p[33], 16u, 0xffu);
-    dst_p->tick_6 |= unpack_left_shift_u32(src_p[34], 24u, 0xffu);
-    dst_p->tick_7 = unpack_right_shift_u32(src_p[35], 0u, 0xffu);
-    dst_p->tick_7 |= unpack_left_shift_u32(src_p[36], 8u, 0xffu);
-    dst_p->tick_7 |= unpack_left_shift_u32(src_p[37], 16u, 0xffu);
-    dst_p->tick_7 |= unpack_left_shift_u32(src_p[38], 24u, 0xffu);
-    dst_p->tick_8 = unpack_right_shift_u32(src_p[39], 0u, 0xffu);
-    dst_p->tick_8 |= unpack_left_shift_u32(src_p[40], 8u, 0xffu);
-    dst_p->tick_8 |= unpack_left_shift_u32(src_p[41], 16u, 0xffu);
-    dst_p->tick_8 |= unpack_left_shift_u32(src_p[42], 24u, 0xffu);
-    dst_p->tick_9 = unpack_right_shift_u32(src_p[43], 0u, 0xffu);
-    dst_p->tick_9 |= unpack_left_shift_u32(src_p[44], 8u, 0xffu);
-    dst_p->tick_9 |= unpack_left_shift_u32(src_p[45], 16u, 0xffu);
-    dst_p->tick_9 |= unpack_left_shift_u32(src_p[46], 24u, 0xffu);
-    dst_p->tick_10 = unpack_right_shift_u32(src_p[47], 0u, 0xffu);
-    dst_p->tick_10 |= unpack_left_shift_u32(src_p[48], 8u, 0xffu);
-    dst_p->tick_10 |= unpack_left_shift_u32(src_p[49], 16u, 0xffu);
-    dst_p->tick_10 |= unpack_left_shift_u32(src_p[50], 24u, 0xffu);
-    dst_p->tick_11 = unpack_right_shift_u32(src_p[51], 0u, 0xffu);
-    dst_p->tick_11 |= unpack_left_shift_u32(src_p[52], 8u, 0xffu);
-    dst_p->tick_11 |= unpack_left_shift_u32(src_p[53], 16u, 0xffu);
-    dst_p->tick_11 |= unpack_left_shift_u32(src_p[54], 24u, 0xffu);
-    dst_p->tick_12 = unpack_right_shift_u32(src_p[55], 0u, 0xffu);
-    dst_p->tick_12 |= unpack_left_shift_u32(src_p[56], 8u, 0xffu);
-    dst_p->tick_12 |= unpack_left_shift_u32(src_p[57], 16u, 0xffu);
-    dst_p->tick_12 |= unpack_left_shift_u32(src_p[58], 24u, 0xffu);
-    dst_p->tick_13 = unpack_right_shift_u32(src_p[59], 0u, 0xffu);
-    dst_p->tick_13 |= unpack_left_shift_u32(src_p[60], 8u, 0xffu);
-    dst_p->tick_13 |= unpack_left_shift_u32(src_p[61], 16u, 0xffu);
-    dst_p->tick_13 |= unpack_left_shift_u32(src_p[62], 24u, 0xffu);
+    dst_p->tick_0 = unpack_right_shift_u32(src_p[5], 0u, 0xffu);
+    dst_p->tick_0 |= unpack_left_shift_u32(src_p[6], 8u, 0xffu);
+    dst_p->tick_0 |= unpack_left_shift_u32(src_p[7], 16u, 0xffu);
+    dst_p->tick_0 |= unpack_left_shift_u32(src_p[8], 24u, 0xffu);
+    dst_p->tick_1 = unpack_right_shift_u32(src_p[9], 0u, 0xffu);
+    dst_p->tick_1 |= unpack_left_shift_u32(src_p[10], 8u, 0xffu);
+    dst_p->tick_1 |= unpack_left_shift_u32(src_p[11], 16u, 0xffu);
+    dst_p->tick_1 |= unpack_left_shift_u32(src_p[12], 24u, 0xffu);
+    dst_p->tick_2 = unpack_right_shift_u32(src_p[13], 0u, 0xffu);
+    dst_p->tick_2 |= unpack_left_shift_u32(src_p[14], 8u, 0xffu);
+    dst_p->tick_2 |= unpack_left_shift_u32(src_p[15], 16u, 0xffu);
+    dst_p->tick_2 |= unpack_left_shift_u32(src_p[16], 24u, 0xffu);
+    dst_p->tick_3 = unpack_right_shift_u32(src_p[17], 0u, 0xffu);
+    dst_p->tick_3 |= unpack_left_shift_u32(src_p[18], 8u, 0xffu);
+    dst_p->tick_3 |= unpack_left_shift_u32(src_p[19], 16u, 0xffu);
+    dst_p->tick_3 |= unpack_left_shift_u32(src_p[20], 24u, 0xffu);
+    dst_p->tick_4 = unpack_right_shift_u32(src_p[21], 0u, 0xffu);
+    dst_p->tick_4 |= unpack_left_shift_u32(src_p[22], 8u, 0xffu);
+    dst_p->tick_4 |= unpack_left_shift_u32(src_p[23], 16u, 0xffu);
+    dst_p->tick_4 |= unpack_left_shift_u32(src_p[24], 24u, 0xffu);
+    dst_p->tick_5 = unpack_right_shift_u32(src_p[25], 0u, 0xffu);
+    dst_p->tick_5 |= unpack_left_shift_u32(src_p[26], 8u, 0xffu);
+    dst_p->tick_5 |= unpack_left_shift_u32(src_p[27], 16u, 0xffu);
+    dst_p->tick_5 |= unpack_left_shift_u32(src_p[28], 24u, 0xffu);
+    dst_p->tick_6 = unpack_right_shift_u32(src_p[29], 0u, 0xffu);
+    dst_p->tick_6 |= unpack_left_shift_u32(src_p[30], 8u, 0xffu);
+    dst_p->tick_6 |= unpack_left_shift_u32(src_p[31], 16u, 0xffu);
+    dst_p->tick_6 |= unpack_left_shift_u32(src_p[32], 24u, 0xffu);
+    dst_p->tick_7 = unpack_right_shift_u32(src_p[33], 0u, 0xffu);
+    dst_p->tick_7 |= unpack_left_shift_u32(src_p[34], 8u, 0xffu);
+    dst_p->tick_7 |= unpack_left_shift_u32(src_p[35], 16u, 0xffu);
+    dst_p->tick_7 |= unpack_left_shift_u32(src_p[36], 24u, 0xffu);
+    dst_p->tick_8 = unpack_right_shift_u32(src_p[37], 0u, 0xffu);
+    dst_p->tick_8 |= unpack_left_shift_u32(src_p[38], 8u, 0xffu);
+    dst_p->tick_8 |= unpack_left_shift_u32(src_p[39], 16u, 0xffu);
+    dst_p->tick_8 |= unpack_left_shift_u32(src_p[40], 24u, 0xffu);
+    dst_p->tick_9 = unpack_right_shift_u32(src_p[41], 0u, 0xffu);
+    dst_p->tick_9 |= unpack_left_shift_u32(src_p[42], 8u, 0xffu);
+    dst_p->tick_9 |= unpack_left_shift_u32(src_p[43], 16u, 0xffu);
+    dst_p->tick_9 |= unpack_left_shift_u32(src_p[44], 24u, 0xffu);
+    dst_p->tick_10 = unpack_right_shift_u32(src_p[45], 0u, 0xffu);
+    dst_p->tick_10 |= unpack_left_shift_u32(src_p[46], 8u, 0xffu);
+    dst_p->tick_10 |= unpack_left_shift_u32(src_p[47], 16u, 0xffu);
+    dst_p->tick_10 |= unpack_left_shift_u32(src_p[48], 24u, 0xffu);
+    dst_p->tick_11 = unpack_right_shift_u32(src_p[49], 0u, 0xffu);
+    dst_p->tick_11 |= unpack_left_shift_u32(src_p[50], 8u, 0xffu);
+    dst_p->tick_11 |= unpack_left_shift_u32(src_p[51], 16u, 0xffu);
+    dst_p->tick_11 |= unpack_left_shift_u32(src_p[52], 24u, 0xffu);
+    dst_p->tick_12 = unpack_right_shift_u32(src_p[53], 0u, 0xffu);
+    dst_p->tick_12 |= unpack_left_shift_u32(src_p[54], 8u, 0xffu);
+    dst_p->tick_12 |= unpack_left_shift_u32(src_p[55], 16u, 0xffu);
+    dst_p->tick_12 |= unpack_left_shift_u32(src_p[56], 24u, 0xffu);
+    dst_p->edge_0 = unpack_right_shift_u8(src_p[57], 0u, 0x0fu);
+    dst_p->edge_1 = unpack_right_shift_u8(src_p[57], 4u, 0xf0u);
+    dst_p->edge_2 = unpack_right_shift_u8(src_p[58], 0u, 0x0fu);
+    dst_p->edge_3 = unpack_right_shift_u8(src_p[58], 4u, 0xf0u);
+    dst_p->edge_4 = unpack_right_shift_u8(src_p[59], 0u, 0x0fu);
+    dst_p->edge_5 = unpack_right_shift_u8(src_p[59], 4u, 0xf0u);
+    dst_p->edge_6 = unpack_right_shift_u8(src_p[60], 0u, 0x0fu);
+    dst_p->edge_7 = unpack_right_shift_u8(src_p[60], 4u, 0xf0u);
+    dst_p->edge_8 = unpack_right_shift_u8(src_p[61], 0u, 0x0fu);
+    dst_p->edge_9 = unpack_right_shift_u8(src_p[61], 4u, 0xf0u);
+    dst_p->edge_10 = unpack_right_shift_u8(src_p[62], 0u, 0x0fu);
+    dst_p->edge_11 = unpack_right_shift_u8(src_p[62], 4u, 0xf0u);
+    dst_p->edge_12 = unpack_right_shift_u8(src_p[63], 0u, 0x0fu);
 
     return (0);
 }
@@ -376,32 +390,12 @@ double sd_bus_teeth_count_decode(uint8_t value)
 
 bool sd_bus_teeth_count_is_in_range(uint8_t value)
 {
-    return ((value >= 1u) && (value <= 14u));
+    return ((value >= 1u) && (value <= 13u));
 }
 
 bool sd_bus_teeth_count_is_in_phys_range(double value)
 {
-    return ((value >= 1.0) && (value <= 14.0));
-}
-
-uint16_t sd_bus_teeth_cam_encode(double value)
-{
-    return (uint16_t)(cantools_unsigned_from_double(round(value)));
-}
-
-double sd_bus_teeth_cam_decode(uint16_t value)
-{
-    return ((double)value);
-}
-
-bool sd_bus_teeth_cam_is_in_range(uint16_t value)
-{
-    return (value <= 16383u);
-}
-
-bool sd_bus_teeth_cam_is_in_phys_range(double value)
-{
-    return ((value >= 0.0) && (value <= 16383.0));
+    return ((value >= 1.0) && (value <= 13.0));
 }
 
 uint32_t sd_bus_teeth_tick_0_encode(double value)
@@ -690,26 +684,264 @@ bool sd_bus_teeth_tick_12_is_in_phys_range(double value)
     return ((value >= 0.0) && (value <= 4294967295.0));
 }
 
-uint32_t sd_bus_teeth_tick_13_encode(double value)
+uint8_t sd_bus_teeth_edge_0_encode(double value)
 {
-    return (uint32_t)(cantools_unsigned_from_double(round(value)));
+    return (uint8_t)(cantools_unsigned_from_double(round(value)));
 }
 
-double sd_bus_teeth_tick_13_decode(uint32_t value)
+double sd_bus_teeth_edge_0_decode(uint8_t value)
 {
     return ((double)value);
 }
 
-bool sd_bus_teeth_tick_13_is_in_range(uint32_t value)
+bool sd_bus_teeth_edge_0_is_in_range(uint8_t value)
 {
-    (void)value;
-
-    return (true);
+    return (value <= 15u);
 }
 
-bool sd_bus_teeth_tick_13_is_in_phys_range(double value)
+bool sd_bus_teeth_edge_0_is_in_phys_range(double value)
 {
-    return ((value >= 0.0) && (value <= 4294967295.0));
+    return ((value >= 0.0) && (value <= 15.0));
+}
+
+uint8_t sd_bus_teeth_edge_1_encode(double value)
+{
+    return (uint8_t)(cantools_unsigned_from_double(round(value)));
+}
+
+double sd_bus_teeth_edge_1_decode(uint8_t value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_teeth_edge_1_is_in_range(uint8_t value)
+{
+    return (value <= 15u);
+}
+
+bool sd_bus_teeth_edge_1_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 15.0));
+}
+
+uint8_t sd_bus_teeth_edge_2_encode(double value)
+{
+    return (uint8_t)(cantools_unsigned_from_double(round(value)));
+}
+
+double sd_bus_teeth_edge_2_decode(uint8_t value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_teeth_edge_2_is_in_range(uint8_t value)
+{
+    return (value <= 15u);
+}
+
+bool sd_bus_teeth_edge_2_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 15.0));
+}
+
+uint8_t sd_bus_teeth_edge_3_encode(double value)
+{
+    return (uint8_t)(cantools_unsigned_from_double(round(value)));
+}
+
+double sd_bus_teeth_edge_3_decode(uint8_t value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_teeth_edge_3_is_in_range(uint8_t value)
+{
+    return (value <= 15u);
+}
+
+bool sd_bus_teeth_edge_3_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 15.0));
+}
+
+uint8_t sd_bus_teeth_edge_4_encode(double value)
+{
+    return (uint8_t)(cantools_unsigned_from_double(round(value)));
+}
+
+double sd_bus_teeth_edge_4_decode(uint8_t value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_teeth_edge_4_is_in_range(uint8_t value)
+{
+    return (value <= 15u);
+}
+
+bool sd_bus_teeth_edge_4_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 15.0));
+}
+
+uint8_t sd_bus_teeth_edge_5_encode(double value)
+{
+    return (uint8_t)(cantools_unsigned_from_double(round(value)));
+}
+
+double sd_bus_teeth_edge_5_decode(uint8_t value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_teeth_edge_5_is_in_range(uint8_t value)
+{
+    return (value <= 15u);
+}
+
+bool sd_bus_teeth_edge_5_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 15.0));
+}
+
+uint8_t sd_bus_teeth_edge_6_encode(double value)
+{
+    return (uint8_t)(cantools_unsigned_from_double(round(value)));
+}
+
+double sd_bus_teeth_edge_6_decode(uint8_t value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_teeth_edge_6_is_in_range(uint8_t value)
+{
+    return (value <= 15u);
+}
+
+bool sd_bus_teeth_edge_6_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 15.0));
+}
+
+uint8_t sd_bus_teeth_edge_7_encode(double value)
+{
+    return (uint8_t)(cantools_unsigned_from_double(round(value)));
+}
+
+double sd_bus_teeth_edge_7_decode(uint8_t value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_teeth_edge_7_is_in_range(uint8_t value)
+{
+    return (value <= 15u);
+}
+
+bool sd_bus_teeth_edge_7_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 15.0));
+}
+
+uint8_t sd_bus_teeth_edge_8_encode(double value)
+{
+    return (uint8_t)(cantools_unsigned_from_double(round(value)));
+}
+
+double sd_bus_teeth_edge_8_decode(uint8_t value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_teeth_edge_8_is_in_range(uint8_t value)
+{
+    return (value <= 15u);
+}
+
+bool sd_bus_teeth_edge_8_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 15.0));
+}
+
+uint8_t sd_bus_teeth_edge_9_encode(double value)
+{
+    return (uint8_t)(cantools_unsigned_from_double(round(value)));
+}
+
+double sd_bus_teeth_edge_9_decode(uint8_t value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_teeth_edge_9_is_in_range(uint8_t value)
+{
+    return (value <= 15u);
+}
+
+bool sd_bus_teeth_edge_9_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 15.0));
+}
+
+uint8_t sd_bus_teeth_edge_10_encode(double value)
+{
+    return (uint8_t)(cantools_unsigned_from_double(round(value)));
+}
+
+double sd_bus_teeth_edge_10_decode(uint8_t value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_teeth_edge_10_is_in_range(uint8_t value)
+{
+    return (value <= 15u);
+}
+
+bool sd_bus_teeth_edge_10_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 15.0));
+}
+
+uint8_t sd_bus_teeth_edge_11_encode(double value)
+{
+    return (uint8_t)(cantools_unsigned_from_double(round(value)));
+}
+
+double sd_bus_teeth_edge_11_decode(uint8_t value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_teeth_edge_11_is_in_range(uint8_t value)
+{
+    return (value <= 15u);
+}
+
+bool sd_bus_teeth_edge_11_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 15.0));
+}
+
+uint8_t sd_bus_teeth_edge_12_encode(double value)
+{
+    return (uint8_t)(cantools_unsigned_from_double(round(value)));
+}
+
+double sd_bus_teeth_edge_12_decode(uint8_t value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_teeth_edge_12_is_in_range(uint8_t value)
+{
+    return (value <= 15u);
+}
+
+bool sd_bus_teeth_edge_12_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 15.0));
 }
 
 int sd_bus_time_pack(
@@ -829,713 +1061,6 @@ bool sd_bus_time_session_is_in_range(uint16_t value)
 bool sd_bus_time_session_is_in_phys_range(double value)
 {
     return ((value >= 0.0) && (value <= 65535.0));
-}
-
-int sd_bus_input_air_intake_pressure_pack(
-    uint8_t *dst_p,
-    const struct sd_bus_input_air_intake_pressure_t *src_p,
-    size_t size)
-{
-    uint32_t value;
-
-    if (size < 8u) {
-        return (-EINVAL);
-    }
-
-    memset(&dst_p[0], 0, 8);
-
-    dst_p[0] |= pack_left_shift_u32(src_p->tick, 0u, 0xffu);
-    dst_p[1] |= pack_right_shift_u32(src_p->tick, 8u, 0xffu);
-    dst_p[2] |= pack_right_shift_u32(src_p->tick, 16u, 0xffu);
-    dst_p[3] |= pack_right_shift_u32(src_p->tick, 24u, 0xffu);
-    memcpy(&value, &src_p->value, sizeof(value));
-    dst_p[4] |= pack_left_shift_u32(value, 0u, 0xffu);
-    dst_p[5] |= pack_right_shift_u32(value, 8u, 0xffu);
-    dst_p[6] |= pack_right_shift_u32(value, 16u, 0xffu);
-    dst_p[7] |= pack_right_shift_u32(value, 24u, 0xffu);
-
-    return (8);
-}
-
-int sd_bus_input_air_intake_pressure_unpack(
-    struct sd_bus_input_air_intake_pressure_t *dst_p,
-    const uint8_t *src_p,
-    size_t size)
-{
-    uint32_t value;
-
-    if (size < 8u) {
-        return (-EINVAL);
-    }
-
-    dst_p->tick = unpack_right_shift_u32(src_p[0], 0u, 0xffu);
-    dst_p->tick |= unpack_left_shift_u32(src_p[1], 8u, 0xffu);
-    dst_p->tick |= unpack_left_shift_u32(src_p[2], 16u, 0xffu);
-    dst_p->tick |= unpack_left_shift_u32(src_p[3], 24u, 0xffu);
-    value = unpack_right_shift_u32(src_p[4], 0u, 0xffu);
-    value |= unpack_left_shift_u32(src_p[5], 8u, 0xffu);
-    value |= unpack_left_shift_u32(src_p[6], 16u, 0xffu);
-    value |= unpack_left_shift_u32(src_p[7], 24u, 0xffu);
-    memcpy(&dst_p->value, &value, sizeof(dst_p->value));
-
-    return (0);
-}
-
-int sd_bus_input_air_intake_pressure_init(struct sd_bus_input_air_intake_pressure_t *msg_p)
-{
-    if (msg_p == NULL) return -1;
-
-    memset(msg_p, 0, sizeof(struct sd_bus_input_air_intake_pressure_t));
-
-    return 0;
-}
-
-uint32_t sd_bus_input_air_intake_pressure_tick_encode(double value)
-{
-    return (uint32_t)(cantools_unsigned_from_double(round(value)));
-}
-
-double sd_bus_input_air_intake_pressure_tick_decode(uint32_t value)
-{
-    return ((double)value);
-}
-
-bool sd_bus_input_air_intake_pressure_tick_is_in_range(uint32_t value)
-{
-    (void)value;
-
-    return (true);
-}
-
-bool sd_bus_input_air_intake_pressure_tick_is_in_phys_range(double value)
-{
-    return ((value >= 0.0) && (value <= 4294967295.0));
-}
-
-float sd_bus_input_air_intake_pressure_value_encode(double value)
-{
-    return (float)(value);
-}
-
-double sd_bus_input_air_intake_pressure_value_decode(float value)
-{
-    return ((double)value);
-}
-
-bool sd_bus_input_air_intake_pressure_value_is_in_range(float value)
-{
-    return ((value >= 0.05f) && (value <= 6.0f));
-}
-
-bool sd_bus_input_air_intake_pressure_value_is_in_phys_range(double value)
-{
-    return ((value >= 0.05) && (value <= 6.0));
-}
-
-int sd_bus_input_fuel_injected_pack(
-    uint8_t *dst_p,
-    const struct sd_bus_input_fuel_injected_t *src_p,
-    size_t size)
-{
-    uint32_t value;
-
-    if (size < 8u) {
-        return (-EINVAL);
-    }
-
-    memset(&dst_p[0], 0, 8);
-
-    dst_p[0] |= pack_left_shift_u32(src_p->tick, 0u, 0xffu);
-    dst_p[1] |= pack_right_shift_u32(src_p->tick, 8u, 0xffu);
-    dst_p[2] |= pack_right_shift_u32(src_p->tick, 16u, 0xffu);
-    dst_p[3] |= pack_right_shift_u32(src_p->tick, 24u, 0xffu);
-    memcpy(&value, &src_p->value, sizeof(value));
-    dst_p[4] |= pack_left_shift_u32(value, 0u, 0xffu);
-    dst_p[5] |= pack_right_shift_u32(value, 8u, 0xffu);
-    dst_p[6] |= pack_right_shift_u32(value, 16u, 0xffu);
-    dst_p[7] |= pack_right_shift_u32(value, 24u, 0xffu);
-
-    return (8);
-}
-
-int sd_bus_input_fuel_injected_unpack(
-    struct sd_bus_input_fuel_injected_t *dst_p,
-    const uint8_t *src_p,
-    size_t size)
-{
-    uint32_t value;
-
-    if (size < 8u) {
-        return (-EINVAL);
-    }
-
-    dst_p->tick = unpack_right_shift_u32(src_p[0], 0u, 0xffu);
-    dst_p->tick |= unpack_left_shift_u32(src_p[1], 8u, 0xffu);
-    dst_p->tick |= unpack_left_shift_u32(src_p[2], 16u, 0xffu);
-    dst_p->tick |= unpack_left_shift_u32(src_p[3], 24u, 0xffu);
-    value = unpack_right_shift_u32(src_p[4], 0u, 0xffu);
-    value |= unpack_left_shift_u32(src_p[5], 8u, 0xffu);
-    value |= unpack_left_shift_u32(src_p[6], 16u, 0xffu);
-    value |= unpack_left_shift_u32(src_p[7], 24u, 0xffu);
-    memcpy(&dst_p->value, &value, sizeof(dst_p->value));
-
-    return (0);
-}
-
-int sd_bus_input_fuel_injected_init(struct sd_bus_input_fuel_injected_t *msg_p)
-{
-    if (msg_p == NULL) return -1;
-
-    memset(msg_p, 0, sizeof(struct sd_bus_input_fuel_injected_t));
-
-    return 0;
-}
-
-uint32_t sd_bus_input_fuel_injected_tick_encode(double value)
-{
-    return (uint32_t)(cantools_unsigned_from_double(round(value)));
-}
-
-double sd_bus_input_fuel_injected_tick_decode(uint32_t value)
-{
-    return ((double)value);
-}
-
-bool sd_bus_input_fuel_injected_tick_is_in_range(uint32_t value)
-{
-    (void)value;
-
-    return (true);
-}
-
-bool sd_bus_input_fuel_injected_tick_is_in_phys_range(double value)
-{
-    return ((value >= 0.0) && (value <= 4294967295.0));
-}
-
-float sd_bus_input_fuel_injected_value_encode(double value)
-{
-    return (float)(value);
-}
-
-double sd_bus_input_fuel_injected_value_decode(float value)
-{
-    return ((double)value);
-}
-
-bool sd_bus_input_fuel_injected_value_is_in_range(float value)
-{
-    return ((value >= 0.0f) && (value <= 1000.0f));
-}
-
-bool sd_bus_input_fuel_injected_value_is_in_phys_range(double value)
-{
-    return ((value >= 0.0) && (value <= 1000.0));
-}
-
-int sd_bus_input_fuel_level_pack(
-    uint8_t *dst_p,
-    const struct sd_bus_input_fuel_level_t *src_p,
-    size_t size)
-{
-    uint32_t value;
-
-    if (size < 8u) {
-        return (-EINVAL);
-    }
-
-    memset(&dst_p[0], 0, 8);
-
-    dst_p[0] |= pack_left_shift_u32(src_p->tick, 0u, 0xffu);
-    dst_p[1] |= pack_right_shift_u32(src_p->tick, 8u, 0xffu);
-    dst_p[2] |= pack_right_shift_u32(src_p->tick, 16u, 0xffu);
-    dst_p[3] |= pack_right_shift_u32(src_p->tick, 24u, 0xffu);
-    memcpy(&value, &src_p->value, sizeof(value));
-    dst_p[4] |= pack_left_shift_u32(value, 0u, 0xffu);
-    dst_p[5] |= pack_right_shift_u32(value, 8u, 0xffu);
-    dst_p[6] |= pack_right_shift_u32(value, 16u, 0xffu);
-    dst_p[7] |= pack_right_shift_u32(value, 24u, 0xffu);
-
-    return (8);
-}
-
-int sd_bus_input_fuel_level_unpack(
-    struct sd_bus_input_fuel_level_t *dst_p,
-    const uint8_t *src_p,
-    size_t size)
-{
-    uint32_t value;
-
-    if (size < 8u) {
-        return (-EINVAL);
-    }
-
-    dst_p->tick = unpack_right_shift_u32(src_p[0], 0u, 0xffu);
-    dst_p->tick |= unpack_left_shift_u32(src_p[1], 8u, 0xffu);
-    dst_p->tick |= unpack_left_shift_u32(src_p[2], 16u, 0xffu);
-    dst_p->tick |= unpack_left_shift_u32(src_p[3], 24u, 0xffu);
-    value = unpack_right_shift_u32(src_p[4], 0u, 0xffu);
-    value |= unpack_left_shift_u32(src_p[5], 8u, 0xffu);
-    value |= unpack_left_shift_u32(src_p[6], 16u, 0xffu);
-    value |= unpack_left_shift_u32(src_p[7], 24u, 0xffu);
-    memcpy(&dst_p->value, &value, sizeof(dst_p->value));
-
-    return (0);
-}
-
-int sd_bus_input_fuel_level_init(struct sd_bus_input_fuel_level_t *msg_p)
-{
-    if (msg_p == NULL) return -1;
-
-    memset(msg_p, 0, sizeof(struct sd_bus_input_fuel_level_t));
-
-    return 0;
-}
-
-uint32_t sd_bus_input_fuel_level_tick_encode(double value)
-{
-    return (uint32_t)(cantools_unsigned_from_double(round(value)));
-}
-
-double sd_bus_input_fuel_level_tick_decode(uint32_t value)
-{
-    return ((double)value);
-}
-
-bool sd_bus_input_fuel_level_tick_is_in_range(uint32_t value)
-{
-    (void)value;
-
-    return (true);
-}
-
-bool sd_bus_input_fuel_level_tick_is_in_phys_range(double value)
-{
-    return ((value >= 0.0) && (value <= 4294967295.0));
-}
-
-float sd_bus_input_fuel_level_value_encode(double value)
-{
-    return (float)(value);
-}
-
-double sd_bus_input_fuel_level_value_decode(float value)
-{
-    return ((double)value);
-}
-
-bool sd_bus_input_fuel_level_value_is_in_range(float value)
-{
-    return ((value >= 0.0f) && (value <= 100.0f));
-}
-
-bool sd_bus_input_fuel_level_value_is_in_phys_range(double value)
-{
-    return ((value >= 0.0) && (value <= 100.0));
-}
-
-int sd_bus_input_driveline_shift_pack(
-    uint8_t *dst_p,
-    const struct sd_bus_input_driveline_shift_t *src_p,
-    size_t size)
-{
-    uint32_t value;
-
-    if (size < 8u) {
-        return (-EINVAL);
-    }
-
-    memset(&dst_p[0], 0, 8);
-
-    dst_p[0] |= pack_left_shift_u32(src_p->tick, 0u, 0xffu);
-    dst_p[1] |= pack_right_shift_u32(src_p->tick, 8u, 0xffu);
-    dst_p[2] |= pack_right_shift_u32(src_p->tick, 16u, 0xffu);
-    dst_p[3] |= pack_right_shift_u32(src_p->tick, 24u, 0xffu);
-    memcpy(&value, &src_p->value, sizeof(value));
-    dst_p[4] |= pack_left_shift_u32(value, 0u, 0xffu);
-    dst_p[5] |= pack_right_shift_u32(value, 8u, 0xffu);
-    dst_p[6] |= pack_right_shift_u32(value, 16u, 0xffu);
-    dst_p[7] |= pack_right_shift_u32(value, 24u, 0xffu);
-
-    return (8);
-}
-
-int sd_bus_input_driveline_shift_unpack(
-    struct sd_bus_input_driveline_shift_t *dst_p,
-    const uint8_t *src_p,
-    size_t size)
-{
-    uint32_t value;
-
-    if (size < 8u) {
-        return (-EINVAL);
-    }
-
-    dst_p->tick = unpack_right_shift_u32(src_p[0], 0u, 0xffu);
-    dst_p->tick |= unpack_left_shift_u32(src_p[1], 8u, 0xffu);
-    dst_p->tick |= unpack_left_shift_u32(src_p[2], 16u, 0xffu);
-    dst_p->tick |= unpack_left_shift_u32(src_p[3], 24u, 0xffu);
-    value = unpack_right_shift_u32(src_p[4], 0u, 0xffu);
-    value |= unpack_left_shift_u32(src_p[5], 8u, 0xffu);
-    value |= unpack_left_shift_u32(src_p[6], 16u, 0xffu);
-    value |= unpack_left_shift_u32(src_p[7], 24u, 0xffu);
-    memcpy(&dst_p->value, &value, sizeof(dst_p->value));
-
-    return (0);
-}
-
-int sd_bus_input_driveline_shift_init(struct sd_bus_input_driveline_shift_t *msg_p)
-{
-    if (msg_p == NULL) return -1;
-
-    memset(msg_p, 0, sizeof(struct sd_bus_input_driveline_shift_t));
-
-    return 0;
-}
-
-uint32_t sd_bus_input_driveline_shift_tick_encode(double value)
-{
-    return (uint32_t)(cantools_unsigned_from_double(round(value)));
-}
-
-double sd_bus_input_driveline_shift_tick_decode(uint32_t value)
-{
-    return ((double)value);
-}
-
-bool sd_bus_input_driveline_shift_tick_is_in_range(uint32_t value)
-{
-    (void)value;
-
-    return (true);
-}
-
-bool sd_bus_input_driveline_shift_tick_is_in_phys_range(double value)
-{
-    return ((value >= 0.0) && (value <= 4294967295.0));
-}
-
-float sd_bus_input_driveline_shift_value_encode(double value)
-{
-    return (float)(value);
-}
-
-double sd_bus_input_driveline_shift_value_decode(float value)
-{
-    return ((double)value);
-}
-
-bool sd_bus_input_driveline_shift_value_is_in_range(float value)
-{
-    return ((value >= 0.0f) && (value <= 1.0f));
-}
-
-bool sd_bus_input_driveline_shift_value_is_in_phys_range(double value)
-{
-    return ((value >= 0.0) && (value <= 1.0));
-}
-
-int sd_bus_input_exhaust_lambda_pack(
-    uint8_t *dst_p,
-    const struct sd_bus_input_exhaust_lambda_t *src_p,
-    size_t size)
-{
-    uint32_t value;
-
-    if (size < 8u) {
-        return (-EINVAL);
-    }
-
-    memset(&dst_p[0], 0, 8);
-
-    dst_p[0] |= pack_left_shift_u32(src_p->tick, 0u, 0xffu);
-    dst_p[1] |= pack_right_shift_u32(src_p->tick, 8u, 0xffu);
-    dst_p[2] |= pack_right_shift_u32(src_p->tick, 16u, 0xffu);
-    dst_p[3] |= pack_right_shift_u32(src_p->tick, 24u, 0xffu);
-    memcpy(&value, &src_p->value, sizeof(value));
-    dst_p[4] |= pack_left_shift_u32(value, 0u, 0xffu);
-    dst_p[5] |= pack_right_shift_u32(value, 8u, 0xffu);
-    dst_p[6] |= pack_right_shift_u32(value, 16u, 0xffu);
-    dst_p[7] |= pack_right_shift_u32(value, 24u, 0xffu);
-
-    return (8);
-}
-
-int sd_bus_input_exhaust_lambda_unpack(
-    struct sd_bus_input_exhaust_lambda_t *dst_p,
-    const uint8_t *src_p,
-    size_t size)
-{
-    uint32_t value;
-
-    if (size < 8u) {
-        return (-EINVAL);
-    }
-
-    dst_p->tick = unpack_right_shift_u32(src_p[0], 0u, 0xffu);
-    dst_p->tick |= unpack_left_shift_u32(src_p[1], 8u, 0xffu);
-    dst_p->tick |= unpack_left_shift_u32(src_p[2], 16u, 0xffu);
-    dst_p->tick |= unpack_left_shift_u32(src_p[3], 24u, 0xffu);
-    value = unpack_right_shift_u32(src_p[4], 0u, 0xffu);
-    value |= unpack_left_shift_u32(src_p[5], 8u, 0xffu);
-    value |= unpack_left_shift_u32(src_p[6], 16u, 0xffu);
-    value |= unpack_left_shift_u32(src_p[7], 24u, 0xffu);
-    memcpy(&dst_p->value, &value, sizeof(dst_p->value));
-
-    return (0);
-}
-
-int sd_bus_input_exhaust_lambda_init(struct sd_bus_input_exhaust_lambda_t *msg_p)
-{
-    if (msg_p == NULL) return -1;
-
-    memset(msg_p, 0, sizeof(struct sd_bus_input_exhaust_lambda_t));
-
-    return 0;
-}
-
-uint32_t sd_bus_input_exhaust_lambda_tick_encode(double value)
-{
-    return (uint32_t)(cantools_unsigned_from_double(round(value)));
-}
-
-double sd_bus_input_exhaust_lambda_tick_decode(uint32_t value)
-{
-    return ((double)value);
-}
-
-bool sd_bus_input_exhaust_lambda_tick_is_in_range(uint32_t value)
-{
-    (void)value;
-
-    return (true);
-}
-
-bool sd_bus_input_exhaust_lambda_tick_is_in_phys_range(double value)
-{
-    return ((value >= 0.0) && (value <= 4294967295.0));
-}
-
-float sd_bus_input_exhaust_lambda_value_encode(double value)
-{
-    return (float)(value);
-}
-
-double sd_bus_input_exhaust_lambda_value_decode(float value)
-{
-    return ((double)value);
-}
-
-bool sd_bus_input_exhaust_lambda_value_is_in_range(float value)
-{
-    return ((value >= 0.5f) && (value <= 20.0f));
-}
-
-bool sd_bus_input_exhaust_lambda_value_is_in_phys_range(double value)
-{
-    return ((value >= 0.5) && (value <= 20.0));
-}
-
-int sd_bus_input_exhaust_pressure_pack(
-    uint8_t *dst_p,
-    const struct sd_bus_input_exhaust_pressure_t *src_p,
-    size_t size)
-{
-    uint32_t value;
-
-    if (size < 8u) {
-        return (-EINVAL);
-    }
-
-    memset(&dst_p[0], 0, 8);
-
-    dst_p[0] |= pack_left_shift_u32(src_p->tick, 0u, 0xffu);
-    dst_p[1] |= pack_right_shift_u32(src_p->tick, 8u, 0xffu);
-    dst_p[2] |= pack_right_shift_u32(src_p->tick, 16u, 0xffu);
-    dst_p[3] |= pack_right_shift_u32(src_p->tick, 24u, 0xffu);
-    memcpy(&value, &src_p->value, sizeof(value));
-    dst_p[4] |= pack_left_shift_u32(value, 0u, 0xffu);
-    dst_p[5] |= pack_right_shift_u32(value, 8u, 0xffu);
-    dst_p[6] |= pack_right_shift_u32(value, 16u, 0xffu);
-    dst_p[7] |= pack_right_shift_u32(value, 24u, 0xffu);
-
-    return (8);
-}
-
-int sd_bus_input_exhaust_pressure_unpack(
-    struct sd_bus_input_exhaust_pressure_t *dst_p,
-    const uint8_t *src_p,
-    size_t size)
-{
-    uint32_t value;
-
-    if (size < 8u) {
-        return (-EINVAL);
-    }
-
-    dst_p->tick = unpack_right_shift_u32(src_p[0], 0u, 0xffu);
-    dst_p->tick |= unpack_left_shift_u32(src_p[1], 8u, 0xffu);
-    dst_p->tick |= unpack_left_shift_u32(src_p[2], 16u, 0xffu);
-    dst_p->tick |= unpack_left_shift_u32(src_p[3], 24u, 0xffu);
-    value = unpack_right_shift_u32(src_p[4], 0u, 0xffu);
-    value |= unpack_left_shift_u32(src_p[5], 8u, 0xffu);
-    value |= unpack_left_shift_u32(src_p[6], 16u, 0xffu);
-    value |= unpack_left_shift_u32(src_p[7], 24u, 0xffu);
-    memcpy(&dst_p->value, &value, sizeof(dst_p->value));
-
-    return (0);
-}
-
-int sd_bus_input_exhaust_pressure_init(struct sd_bus_input_exhaust_pressure_t *msg_p)
-{
-    if (msg_p == NULL) return -1;
-
-    memset(msg_p, 0, sizeof(struct sd_bus_input_exhaust_pressure_t));
-
-    return 0;
-}
-
-uint32_t sd_bus_input_exhaust_pressure_tick_encode(double value)
-{
-    return (uint32_t)(cantools_unsigned_from_double(round(value)));
-}
-
-double sd_bus_input_exhaust_pressure_tick_decode(uint32_t value)
-{
-    return ((double)value);
-}
-
-bool sd_bus_input_exhaust_pressure_tick_is_in_range(uint32_t value)
-{
-    (void)value;
-
-    return (true);
-}
-
-bool sd_bus_input_exhaust_pressure_tick_is_in_phys_range(double value)
-{
-    return ((value >= 0.0) && (value <= 4294967295.0));
-}
-
-float sd_bus_input_exhaust_pressure_value_encode(double value)
-{
-    return (float)(value);
-}
-
-double sd_bus_input_exhaust_pressure_value_decode(float value)
-{
-    return ((double)value);
-}
-
-bool sd_bus_input_exhaust_pressure_value_is_in_range(float value)
-{
-    return ((value >= 0.05f) && (value <= 10.0f));
-}
-
-bool sd_bus_input_exhaust_pressure_value_is_in_phys_range(double value)
-{
-    return ((value >= 0.05) && (value <= 10.0));
-}
-
-int sd_bus_input_balance_enable_pack(
-    uint8_t *dst_p,
-    const struct sd_bus_input_balance_enable_t *src_p,
-    size_t size)
-{
-    uint32_t value;
-
-    if (size < 8u) {
-        return (-EINVAL);
-    }
-
-    memset(&dst_p[0], 0, 8);
-
-    dst_p[0] |= pack_left_shift_u32(src_p->tick, 0u, 0xffu);
-    dst_p[1] |= pack_right_shift_u32(src_p->tick, 8u, 0xffu);
-    dst_p[2] |= pack_right_shift_u32(src_p->tick, 16u, 0xffu);
-    dst_p[3] |= pack_right_shift_u32(src_p->tick, 24u, 0xffu);
-    memcpy(&value, &src_p->value, sizeof(value));
-    dst_p[4] |= pack_left_shift_u32(value, 0u, 0xffu);
-    dst_p[5] |= pack_right_shift_u32(value, 8u, 0xffu);
-    dst_p[6] |= pack_right_shift_u32(value, 16u, 0xffu);
-    dst_p[7] |= pack_right_shift_u32(value, 24u, 0xffu);
-
-    return (8);
-}
-
-int sd_bus_input_balance_enable_unpack(
-    struct sd_bus_input_balance_enable_t *dst_p,
-    const uint8_t *src_p,
-    size_t size)
-{
-    uint32_t value;
-
-    if (size < 8u) {
-        return (-EINVAL);
-    }
-
-    dst_p->tick = unpack_right_shift_u32(src_p[0], 0u, 0xffu);
-    dst_p->tick |= unpack_left_shift_u32(src_p[1], 8u, 0xffu);
-    dst_p->tick |= unpack_left_shift_u32(src_p[2], 16u, 0xffu);
-    dst_p->tick |= unpack_left_shift_u32(src_p[3], 24u, 0xffu);
-    value = unpack_right_shift_u32(src_p[4], 0u, 0xffu);
-    value |= unpack_left_shift_u32(src_p[5], 8u, 0xffu);
-    value |= unpack_left_shift_u32(src_p[6], 16u, 0xffu);
-    value |= unpack_left_shift_u32(src_p[7], 24u, 0xffu);
-    memcpy(&dst_p->value, &value, sizeof(dst_p->value));
-
-    return (0);
-}
-
-int sd_bus_input_balance_enable_init(struct sd_bus_input_balance_enable_t *msg_p)
-{
-    if (msg_p == NULL) return -1;
-
-    memset(msg_p, 0, sizeof(struct sd_bus_input_balance_enable_t));
-
-    return 0;
-}
-
-uint32_t sd_bus_input_balance_enable_tick_encode(double value)
-{
-    return (uint32_t)(cantools_unsigned_from_double(round(value)));
-}
-
-double sd_bus_input_balance_enable_tick_decode(uint32_t value)
-{
-    return ((double)value);
-}
-
-bool sd_bus_input_balance_enable_tick_is_in_range(uint32_t value)
-{
-    (void)value;
-
-    return (true);
-}
-
-bool sd_bus_input_balance_enable_tick_is_in_phys_range(double value)
-{
-    return ((value >= 0.0) && (value <= 4294967295.0));
-}
-
-float sd_bus_input_balance_enable_value_encode(double value)
-{
-    return (float)(value);
-}
-
-double sd_bus_input_balance_enable_value_decode(float value)
-{
-    return ((double)value);
-}
-
-bool sd_bus_input_balance_enable_value_is_in_range(float value)
-{
-    return ((value >= 0.0f) && (value <= 1.0f));
-}
-
-bool sd_bus_input_balance_enable_value_is_in_phys_range(double value)
-{
-    return ((value >= 0.0) && (value <= 1.0));
 }
 
 int sd_bus_edge_pack(
@@ -5738,6 +5263,251 @@ bool sd_bus_firing_misfire_cylinder_is_in_phys_range(double value)
     return ((value >= 1.0) && (value <= 8.0));
 }
 
+int sd_bus_task_pack(
+    uint8_t *dst_p,
+    const struct sd_bus_task_t *src_p,
+    size_t size)
+{
+    uint32_t inputs_missing_1;
+    uint32_t inputs_missing_2;
+    uint32_t inputs_stale_1;
+    uint32_t inputs_stale_2;
+
+    if (size < 24u) {
+        return (-EINVAL);
+    }
+
+    memset(&dst_p[0], 0, 24);
+
+    dst_p[0] |= pack_left_shift_u32(src_p->tick, 0u, 0xffu);
+    dst_p[1] |= pack_right_shift_u32(src_p->tick, 8u, 0xffu);
+    dst_p[2] |= pack_right_shift_u32(src_p->tick, 16u, 0xffu);
+    dst_p[3] |= pack_right_shift_u32(src_p->tick, 24u, 0xffu);
+    dst_p[4] |= pack_left_shift_u8(src_p->inputs_health, 0u, 0xffu);
+    dst_p[5] |= pack_left_shift_u16(src_p->inputs_why, 0u, 0xffu);
+    dst_p[6] |= pack_right_shift_u16(src_p->inputs_why, 8u, 0xffu);
+    memcpy(&inputs_stale_1, &src_p->inputs_stale_1, sizeof(inputs_stale_1));
+    dst_p[7] |= pack_left_shift_u32(inputs_stale_1, 0u, 0xffu);
+    dst_p[8] |= pack_right_shift_u32(inputs_stale_1, 8u, 0xffu);
+    dst_p[9] |= pack_right_shift_u32(inputs_stale_1, 16u, 0xffu);
+    dst_p[10] |= pack_right_shift_u32(inputs_stale_1, 24u, 0xffu);
+    memcpy(&inputs_stale_2, &src_p->inputs_stale_2, sizeof(inputs_stale_2));
+    dst_p[11] |= pack_left_shift_u32(inputs_stale_2, 0u, 0xffu);
+    dst_p[12] |= pack_right_shift_u32(inputs_stale_2, 8u, 0xffu);
+    dst_p[13] |= pack_right_shift_u32(inputs_stale_2, 16u, 0xffu);
+    dst_p[14] |= pack_right_shift_u32(inputs_stale_2, 24u, 0xffu);
+    memcpy(&inputs_missing_1, &src_p->inputs_missing_1, sizeof(inputs_missing_1));
+    dst_p[15] |= pack_left_shift_u32(inputs_missing_1, 0u, 0xffu);
+    dst_p[16] |= pack_right_shift_u32(inputs_missing_1, 8u, 0xffu);
+    dst_p[17] |= pack_right_shift_u32(inputs_missing_1, 16u, 0xffu);
+    dst_p[18] |= pack_right_shift_u32(inputs_missing_1, 24u, 0xffu);
+    memcpy(&inputs_missing_2, &src_p->inputs_missing_2, sizeof(inputs_missing_2));
+    dst_p[19] |= pack_left_shift_u32(inputs_missing_2, 0u, 0xffu);
+    dst_p[20] |= pack_right_shift_u32(inputs_missing_2, 8u, 0xffu);
+    dst_p[21] |= pack_right_shift_u32(inputs_missing_2, 16u, 0xffu);
+    dst_p[22] |= pack_right_shift_u32(inputs_missing_2, 24u, 0xffu);
+
+    return (24);
+}
+
+int sd_bus_task_unpack(
+    struct sd_bus_task_t *dst_p,
+    const uint8_t *src_p,
+    size_t size)
+{
+    uint32_t inputs_missing_1;
+    uint32_t inputs_missing_2;
+    uint32_t inputs_stale_1;
+    uint32_t inputs_stale_2;
+
+    if (size < 24u) {
+        return (-EINVAL);
+    }
+
+    dst_p->tick = unpack_right_shift_u32(src_p[0], 0u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[1], 8u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[2], 16u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[3], 24u, 0xffu);
+    dst_p->inputs_health = unpack_right_shift_u8(src_p[4], 0u, 0xffu);
+    dst_p->inputs_why = unpack_right_shift_u16(src_p[5], 0u, 0xffu);
+    dst_p->inputs_why |= unpack_left_shift_u16(src_p[6], 8u, 0xffu);
+    inputs_stale_1 = unpack_right_shift_u32(src_p[7], 0u, 0xffu);
+    inputs_stale_1 |= unpack_left_shift_u32(src_p[8], 8u, 0xffu);
+    inputs_stale_1 |= unpack_left_shift_u32(src_p[9], 16u, 0xffu);
+    inputs_stale_1 |= unpack_left_shift_u32(src_p[10], 24u, 0xffu);
+    memcpy(&dst_p->inputs_stale_1, &inputs_stale_1, sizeof(dst_p->inputs_stale_1));
+    inputs_stale_2 = unpack_right_shift_u32(src_p[11], 0u, 0xffu);
+    inputs_stale_2 |= unpack_left_shift_u32(src_p[12], 8u, 0xffu);
+    inputs_stale_2 |= unpack_left_shift_u32(src_p[13], 16u, 0xffu);
+    inputs_stale_2 |= unpack_left_shift_u32(src_p[14], 24u, 0xffu);
+    memcpy(&dst_p->inputs_stale_2, &inputs_stale_2, sizeof(dst_p->inputs_stale_2));
+    inputs_missing_1 = unpack_right_shift_u32(src_p[15], 0u, 0xffu);
+    inputs_missing_1 |= unpack_left_shift_u32(src_p[16], 8u, 0xffu);
+    inputs_missing_1 |= unpack_left_shift_u32(src_p[17], 16u, 0xffu);
+    inputs_missing_1 |= unpack_left_shift_u32(src_p[18], 24u, 0xffu);
+    memcpy(&dst_p->inputs_missing_1, &inputs_missing_1, sizeof(dst_p->inputs_missing_1));
+    inputs_missing_2 = unpack_right_shift_u32(src_p[19], 0u, 0xffu);
+    inputs_missing_2 |= unpack_left_shift_u32(src_p[20], 8u, 0xffu);
+    inputs_missing_2 |= unpack_left_shift_u32(src_p[21], 16u, 0xffu);
+    inputs_missing_2 |= unpack_left_shift_u32(src_p[22], 24u, 0xffu);
+    memcpy(&dst_p->inputs_missing_2, &inputs_missing_2, sizeof(dst_p->inputs_missing_2));
+
+    return (0);
+}
+
+int sd_bus_task_init(struct sd_bus_task_t *msg_p)
+{
+    if (msg_p == NULL) return -1;
+
+    memset(msg_p, 0, sizeof(struct sd_bus_task_t));
+
+    return 0;
+}
+
+uint32_t sd_bus_task_tick_encode(double value)
+{
+    return (uint32_t)(cantools_unsigned_from_double(round(value)));
+}
+
+double sd_bus_task_tick_decode(uint32_t value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_task_tick_is_in_range(uint32_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool sd_bus_task_tick_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 4294967295.0));
+}
+
+uint8_t sd_bus_task_inputs_health_encode(double value)
+{
+    return (uint8_t)(cantools_unsigned_from_double(round(value)));
+}
+
+double sd_bus_task_inputs_health_decode(uint8_t value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_task_inputs_health_is_in_range(uint8_t value)
+{
+    return (value <= 2u);
+}
+
+bool sd_bus_task_inputs_health_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 2.0));
+}
+
+uint16_t sd_bus_task_inputs_why_encode(double value)
+{
+    return (uint16_t)(cantools_unsigned_from_double(round(value)));
+}
+
+double sd_bus_task_inputs_why_decode(uint16_t value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_task_inputs_why_is_in_range(uint16_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool sd_bus_task_inputs_why_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 65535.0));
+}
+
+float sd_bus_task_inputs_stale_1_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_task_inputs_stale_1_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_task_inputs_stale_1_is_in_range(float value)
+{
+    return ((value >= 0.0f) && (value <= 65535.0f));
+}
+
+bool sd_bus_task_inputs_stale_1_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 65535.0));
+}
+
+float sd_bus_task_inputs_stale_2_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_task_inputs_stale_2_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_task_inputs_stale_2_is_in_range(float value)
+{
+    return ((value >= 0.0f) && (value <= 65535.0f));
+}
+
+bool sd_bus_task_inputs_stale_2_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 65535.0));
+}
+
+float sd_bus_task_inputs_missing_1_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_task_inputs_missing_1_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_task_inputs_missing_1_is_in_range(float value)
+{
+    return ((value >= 0.0f) && (value <= 65535.0f));
+}
+
+bool sd_bus_task_inputs_missing_1_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 65535.0));
+}
+
+float sd_bus_task_inputs_missing_2_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_task_inputs_missing_2_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_task_inputs_missing_2_is_in_range(float value)
+{
+    return ((value >= 0.0f) && (value <= 65535.0f));
+}
+
+bool sd_bus_task_inputs_missing_2_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 65535.0));
+}
+
 int sd_bus_parameter_request_pack(
     uint8_t *dst_p,
     const struct sd_bus_parameter_request_t *src_p,
@@ -6238,6 +6008,713 @@ bool sd_bus_done_unsent_is_in_range(uint8_t value)
 bool sd_bus_done_unsent_is_in_phys_range(double value)
 {
     return ((value >= 0.0) && (value <= 255.0));
+}
+
+int sd_bus_input_air_intake_pressure_pack(
+    uint8_t *dst_p,
+    const struct sd_bus_input_air_intake_pressure_t *src_p,
+    size_t size)
+{
+    uint32_t value;
+
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    memset(&dst_p[0], 0, 8);
+
+    dst_p[0] |= pack_left_shift_u32(src_p->tick, 0u, 0xffu);
+    dst_p[1] |= pack_right_shift_u32(src_p->tick, 8u, 0xffu);
+    dst_p[2] |= pack_right_shift_u32(src_p->tick, 16u, 0xffu);
+    dst_p[3] |= pack_right_shift_u32(src_p->tick, 24u, 0xffu);
+    memcpy(&value, &src_p->value, sizeof(value));
+    dst_p[4] |= pack_left_shift_u32(value, 0u, 0xffu);
+    dst_p[5] |= pack_right_shift_u32(value, 8u, 0xffu);
+    dst_p[6] |= pack_right_shift_u32(value, 16u, 0xffu);
+    dst_p[7] |= pack_right_shift_u32(value, 24u, 0xffu);
+
+    return (8);
+}
+
+int sd_bus_input_air_intake_pressure_unpack(
+    struct sd_bus_input_air_intake_pressure_t *dst_p,
+    const uint8_t *src_p,
+    size_t size)
+{
+    uint32_t value;
+
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    dst_p->tick = unpack_right_shift_u32(src_p[0], 0u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[1], 8u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[2], 16u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[3], 24u, 0xffu);
+    value = unpack_right_shift_u32(src_p[4], 0u, 0xffu);
+    value |= unpack_left_shift_u32(src_p[5], 8u, 0xffu);
+    value |= unpack_left_shift_u32(src_p[6], 16u, 0xffu);
+    value |= unpack_left_shift_u32(src_p[7], 24u, 0xffu);
+    memcpy(&dst_p->value, &value, sizeof(dst_p->value));
+
+    return (0);
+}
+
+int sd_bus_input_air_intake_pressure_init(struct sd_bus_input_air_intake_pressure_t *msg_p)
+{
+    if (msg_p == NULL) return -1;
+
+    memset(msg_p, 0, sizeof(struct sd_bus_input_air_intake_pressure_t));
+
+    return 0;
+}
+
+uint32_t sd_bus_input_air_intake_pressure_tick_encode(double value)
+{
+    return (uint32_t)(cantools_unsigned_from_double(round(value)));
+}
+
+double sd_bus_input_air_intake_pressure_tick_decode(uint32_t value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_input_air_intake_pressure_tick_is_in_range(uint32_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool sd_bus_input_air_intake_pressure_tick_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 4294967295.0));
+}
+
+float sd_bus_input_air_intake_pressure_value_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_input_air_intake_pressure_value_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_input_air_intake_pressure_value_is_in_range(float value)
+{
+    return ((value >= 0.05f) && (value <= 6.0f));
+}
+
+bool sd_bus_input_air_intake_pressure_value_is_in_phys_range(double value)
+{
+    return ((value >= 0.05) && (value <= 6.0));
+}
+
+int sd_bus_input_fuel_injected_pack(
+    uint8_t *dst_p,
+    const struct sd_bus_input_fuel_injected_t *src_p,
+    size_t size)
+{
+    uint32_t value;
+
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    memset(&dst_p[0], 0, 8);
+
+    dst_p[0] |= pack_left_shift_u32(src_p->tick, 0u, 0xffu);
+    dst_p[1] |= pack_right_shift_u32(src_p->tick, 8u, 0xffu);
+    dst_p[2] |= pack_right_shift_u32(src_p->tick, 16u, 0xffu);
+    dst_p[3] |= pack_right_shift_u32(src_p->tick, 24u, 0xffu);
+    memcpy(&value, &src_p->value, sizeof(value));
+    dst_p[4] |= pack_left_shift_u32(value, 0u, 0xffu);
+    dst_p[5] |= pack_right_shift_u32(value, 8u, 0xffu);
+    dst_p[6] |= pack_right_shift_u32(value, 16u, 0xffu);
+    dst_p[7] |= pack_right_shift_u32(value, 24u, 0xffu);
+
+    return (8);
+}
+
+int sd_bus_input_fuel_injected_unpack(
+    struct sd_bus_input_fuel_injected_t *dst_p,
+    const uint8_t *src_p,
+    size_t size)
+{
+    uint32_t value;
+
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    dst_p->tick = unpack_right_shift_u32(src_p[0], 0u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[1], 8u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[2], 16u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[3], 24u, 0xffu);
+    value = unpack_right_shift_u32(src_p[4], 0u, 0xffu);
+    value |= unpack_left_shift_u32(src_p[5], 8u, 0xffu);
+    value |= unpack_left_shift_u32(src_p[6], 16u, 0xffu);
+    value |= unpack_left_shift_u32(src_p[7], 24u, 0xffu);
+    memcpy(&dst_p->value, &value, sizeof(dst_p->value));
+
+    return (0);
+}
+
+int sd_bus_input_fuel_injected_init(struct sd_bus_input_fuel_injected_t *msg_p)
+{
+    if (msg_p == NULL) return -1;
+
+    memset(msg_p, 0, sizeof(struct sd_bus_input_fuel_injected_t));
+
+    return 0;
+}
+
+uint32_t sd_bus_input_fuel_injected_tick_encode(double value)
+{
+    return (uint32_t)(cantools_unsigned_from_double(round(value)));
+}
+
+double sd_bus_input_fuel_injected_tick_decode(uint32_t value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_input_fuel_injected_tick_is_in_range(uint32_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool sd_bus_input_fuel_injected_tick_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 4294967295.0));
+}
+
+float sd_bus_input_fuel_injected_value_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_input_fuel_injected_value_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_input_fuel_injected_value_is_in_range(float value)
+{
+    return ((value >= 0.0f) && (value <= 1000.0f));
+}
+
+bool sd_bus_input_fuel_injected_value_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 1000.0));
+}
+
+int sd_bus_input_fuel_level_pack(
+    uint8_t *dst_p,
+    const struct sd_bus_input_fuel_level_t *src_p,
+    size_t size)
+{
+    uint32_t value;
+
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    memset(&dst_p[0], 0, 8);
+
+    dst_p[0] |= pack_left_shift_u32(src_p->tick, 0u, 0xffu);
+    dst_p[1] |= pack_right_shift_u32(src_p->tick, 8u, 0xffu);
+    dst_p[2] |= pack_right_shift_u32(src_p->tick, 16u, 0xffu);
+    dst_p[3] |= pack_right_shift_u32(src_p->tick, 24u, 0xffu);
+    memcpy(&value, &src_p->value, sizeof(value));
+    dst_p[4] |= pack_left_shift_u32(value, 0u, 0xffu);
+    dst_p[5] |= pack_right_shift_u32(value, 8u, 0xffu);
+    dst_p[6] |= pack_right_shift_u32(value, 16u, 0xffu);
+    dst_p[7] |= pack_right_shift_u32(value, 24u, 0xffu);
+
+    return (8);
+}
+
+int sd_bus_input_fuel_level_unpack(
+    struct sd_bus_input_fuel_level_t *dst_p,
+    const uint8_t *src_p,
+    size_t size)
+{
+    uint32_t value;
+
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    dst_p->tick = unpack_right_shift_u32(src_p[0], 0u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[1], 8u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[2], 16u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[3], 24u, 0xffu);
+    value = unpack_right_shift_u32(src_p[4], 0u, 0xffu);
+    value |= unpack_left_shift_u32(src_p[5], 8u, 0xffu);
+    value |= unpack_left_shift_u32(src_p[6], 16u, 0xffu);
+    value |= unpack_left_shift_u32(src_p[7], 24u, 0xffu);
+    memcpy(&dst_p->value, &value, sizeof(dst_p->value));
+
+    return (0);
+}
+
+int sd_bus_input_fuel_level_init(struct sd_bus_input_fuel_level_t *msg_p)
+{
+    if (msg_p == NULL) return -1;
+
+    memset(msg_p, 0, sizeof(struct sd_bus_input_fuel_level_t));
+
+    return 0;
+}
+
+uint32_t sd_bus_input_fuel_level_tick_encode(double value)
+{
+    return (uint32_t)(cantools_unsigned_from_double(round(value)));
+}
+
+double sd_bus_input_fuel_level_tick_decode(uint32_t value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_input_fuel_level_tick_is_in_range(uint32_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool sd_bus_input_fuel_level_tick_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 4294967295.0));
+}
+
+float sd_bus_input_fuel_level_value_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_input_fuel_level_value_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_input_fuel_level_value_is_in_range(float value)
+{
+    return ((value >= 0.0f) && (value <= 100.0f));
+}
+
+bool sd_bus_input_fuel_level_value_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 100.0));
+}
+
+int sd_bus_input_driveline_shift_pack(
+    uint8_t *dst_p,
+    const struct sd_bus_input_driveline_shift_t *src_p,
+    size_t size)
+{
+    uint32_t value;
+
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    memset(&dst_p[0], 0, 8);
+
+    dst_p[0] |= pack_left_shift_u32(src_p->tick, 0u, 0xffu);
+    dst_p[1] |= pack_right_shift_u32(src_p->tick, 8u, 0xffu);
+    dst_p[2] |= pack_right_shift_u32(src_p->tick, 16u, 0xffu);
+    dst_p[3] |= pack_right_shift_u32(src_p->tick, 24u, 0xffu);
+    memcpy(&value, &src_p->value, sizeof(value));
+    dst_p[4] |= pack_left_shift_u32(value, 0u, 0xffu);
+    dst_p[5] |= pack_right_shift_u32(value, 8u, 0xffu);
+    dst_p[6] |= pack_right_shift_u32(value, 16u, 0xffu);
+    dst_p[7] |= pack_right_shift_u32(value, 24u, 0xffu);
+
+    return (8);
+}
+
+int sd_bus_input_driveline_shift_unpack(
+    struct sd_bus_input_driveline_shift_t *dst_p,
+    const uint8_t *src_p,
+    size_t size)
+{
+    uint32_t value;
+
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    dst_p->tick = unpack_right_shift_u32(src_p[0], 0u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[1], 8u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[2], 16u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[3], 24u, 0xffu);
+    value = unpack_right_shift_u32(src_p[4], 0u, 0xffu);
+    value |= unpack_left_shift_u32(src_p[5], 8u, 0xffu);
+    value |= unpack_left_shift_u32(src_p[6], 16u, 0xffu);
+    value |= unpack_left_shift_u32(src_p[7], 24u, 0xffu);
+    memcpy(&dst_p->value, &value, sizeof(dst_p->value));
+
+    return (0);
+}
+
+int sd_bus_input_driveline_shift_init(struct sd_bus_input_driveline_shift_t *msg_p)
+{
+    if (msg_p == NULL) return -1;
+
+    memset(msg_p, 0, sizeof(struct sd_bus_input_driveline_shift_t));
+
+    return 0;
+}
+
+uint32_t sd_bus_input_driveline_shift_tick_encode(double value)
+{
+    return (uint32_t)(cantools_unsigned_from_double(round(value)));
+}
+
+double sd_bus_input_driveline_shift_tick_decode(uint32_t value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_input_driveline_shift_tick_is_in_range(uint32_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool sd_bus_input_driveline_shift_tick_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 4294967295.0));
+}
+
+float sd_bus_input_driveline_shift_value_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_input_driveline_shift_value_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_input_driveline_shift_value_is_in_range(float value)
+{
+    return ((value >= 0.0f) && (value <= 1.0f));
+}
+
+bool sd_bus_input_driveline_shift_value_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 1.0));
+}
+
+int sd_bus_input_exhaust_lambda_pack(
+    uint8_t *dst_p,
+    const struct sd_bus_input_exhaust_lambda_t *src_p,
+    size_t size)
+{
+    uint32_t value;
+
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    memset(&dst_p[0], 0, 8);
+
+    dst_p[0] |= pack_left_shift_u32(src_p->tick, 0u, 0xffu);
+    dst_p[1] |= pack_right_shift_u32(src_p->tick, 8u, 0xffu);
+    dst_p[2] |= pack_right_shift_u32(src_p->tick, 16u, 0xffu);
+    dst_p[3] |= pack_right_shift_u32(src_p->tick, 24u, 0xffu);
+    memcpy(&value, &src_p->value, sizeof(value));
+    dst_p[4] |= pack_left_shift_u32(value, 0u, 0xffu);
+    dst_p[5] |= pack_right_shift_u32(value, 8u, 0xffu);
+    dst_p[6] |= pack_right_shift_u32(value, 16u, 0xffu);
+    dst_p[7] |= pack_right_shift_u32(value, 24u, 0xffu);
+
+    return (8);
+}
+
+int sd_bus_input_exhaust_lambda_unpack(
+    struct sd_bus_input_exhaust_lambda_t *dst_p,
+    const uint8_t *src_p,
+    size_t size)
+{
+    uint32_t value;
+
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    dst_p->tick = unpack_right_shift_u32(src_p[0], 0u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[1], 8u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[2], 16u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[3], 24u, 0xffu);
+    value = unpack_right_shift_u32(src_p[4], 0u, 0xffu);
+    value |= unpack_left_shift_u32(src_p[5], 8u, 0xffu);
+    value |= unpack_left_shift_u32(src_p[6], 16u, 0xffu);
+    value |= unpack_left_shift_u32(src_p[7], 24u, 0xffu);
+    memcpy(&dst_p->value, &value, sizeof(dst_p->value));
+
+    return (0);
+}
+
+int sd_bus_input_exhaust_lambda_init(struct sd_bus_input_exhaust_lambda_t *msg_p)
+{
+    if (msg_p == NULL) return -1;
+
+    memset(msg_p, 0, sizeof(struct sd_bus_input_exhaust_lambda_t));
+
+    return 0;
+}
+
+uint32_t sd_bus_input_exhaust_lambda_tick_encode(double value)
+{
+    return (uint32_t)(cantools_unsigned_from_double(round(value)));
+}
+
+double sd_bus_input_exhaust_lambda_tick_decode(uint32_t value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_input_exhaust_lambda_tick_is_in_range(uint32_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool sd_bus_input_exhaust_lambda_tick_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 4294967295.0));
+}
+
+float sd_bus_input_exhaust_lambda_value_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_input_exhaust_lambda_value_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_input_exhaust_lambda_value_is_in_range(float value)
+{
+    return ((value >= 0.5f) && (value <= 20.0f));
+}
+
+bool sd_bus_input_exhaust_lambda_value_is_in_phys_range(double value)
+{
+    return ((value >= 0.5) && (value <= 20.0));
+}
+
+int sd_bus_input_exhaust_pressure_pack(
+    uint8_t *dst_p,
+    const struct sd_bus_input_exhaust_pressure_t *src_p,
+    size_t size)
+{
+    uint32_t value;
+
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    memset(&dst_p[0], 0, 8);
+
+    dst_p[0] |= pack_left_shift_u32(src_p->tick, 0u, 0xffu);
+    dst_p[1] |= pack_right_shift_u32(src_p->tick, 8u, 0xffu);
+    dst_p[2] |= pack_right_shift_u32(src_p->tick, 16u, 0xffu);
+    dst_p[3] |= pack_right_shift_u32(src_p->tick, 24u, 0xffu);
+    memcpy(&value, &src_p->value, sizeof(value));
+    dst_p[4] |= pack_left_shift_u32(value, 0u, 0xffu);
+    dst_p[5] |= pack_right_shift_u32(value, 8u, 0xffu);
+    dst_p[6] |= pack_right_shift_u32(value, 16u, 0xffu);
+    dst_p[7] |= pack_right_shift_u32(value, 24u, 0xffu);
+
+    return (8);
+}
+
+int sd_bus_input_exhaust_pressure_unpack(
+    struct sd_bus_input_exhaust_pressure_t *dst_p,
+    const uint8_t *src_p,
+    size_t size)
+{
+    uint32_t value;
+
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    dst_p->tick = unpack_right_shift_u32(src_p[0], 0u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[1], 8u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[2], 16u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[3], 24u, 0xffu);
+    value = unpack_right_shift_u32(src_p[4], 0u, 0xffu);
+    value |= unpack_left_shift_u32(src_p[5], 8u, 0xffu);
+    value |= unpack_left_shift_u32(src_p[6], 16u, 0xffu);
+    value |= unpack_left_shift_u32(src_p[7], 24u, 0xffu);
+    memcpy(&dst_p->value, &value, sizeof(dst_p->value));
+
+    return (0);
+}
+
+int sd_bus_input_exhaust_pressure_init(struct sd_bus_input_exhaust_pressure_t *msg_p)
+{
+    if (msg_p == NULL) return -1;
+
+    memset(msg_p, 0, sizeof(struct sd_bus_input_exhaust_pressure_t));
+
+    return 0;
+}
+
+uint32_t sd_bus_input_exhaust_pressure_tick_encode(double value)
+{
+    return (uint32_t)(cantools_unsigned_from_double(round(value)));
+}
+
+double sd_bus_input_exhaust_pressure_tick_decode(uint32_t value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_input_exhaust_pressure_tick_is_in_range(uint32_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool sd_bus_input_exhaust_pressure_tick_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 4294967295.0));
+}
+
+float sd_bus_input_exhaust_pressure_value_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_input_exhaust_pressure_value_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_input_exhaust_pressure_value_is_in_range(float value)
+{
+    return ((value >= 0.05f) && (value <= 10.0f));
+}
+
+bool sd_bus_input_exhaust_pressure_value_is_in_phys_range(double value)
+{
+    return ((value >= 0.05) && (value <= 10.0));
+}
+
+int sd_bus_input_balance_enable_pack(
+    uint8_t *dst_p,
+    const struct sd_bus_input_balance_enable_t *src_p,
+    size_t size)
+{
+    uint32_t value;
+
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    memset(&dst_p[0], 0, 8);
+
+    dst_p[0] |= pack_left_shift_u32(src_p->tick, 0u, 0xffu);
+    dst_p[1] |= pack_right_shift_u32(src_p->tick, 8u, 0xffu);
+    dst_p[2] |= pack_right_shift_u32(src_p->tick, 16u, 0xffu);
+    dst_p[3] |= pack_right_shift_u32(src_p->tick, 24u, 0xffu);
+    memcpy(&value, &src_p->value, sizeof(value));
+    dst_p[4] |= pack_left_shift_u32(value, 0u, 0xffu);
+    dst_p[5] |= pack_right_shift_u32(value, 8u, 0xffu);
+    dst_p[6] |= pack_right_shift_u32(value, 16u, 0xffu);
+    dst_p[7] |= pack_right_shift_u32(value, 24u, 0xffu);
+
+    return (8);
+}
+
+int sd_bus_input_balance_enable_unpack(
+    struct sd_bus_input_balance_enable_t *dst_p,
+    const uint8_t *src_p,
+    size_t size)
+{
+    uint32_t value;
+
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    dst_p->tick = unpack_right_shift_u32(src_p[0], 0u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[1], 8u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[2], 16u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[3], 24u, 0xffu);
+    value = unpack_right_shift_u32(src_p[4], 0u, 0xffu);
+    value |= unpack_left_shift_u32(src_p[5], 8u, 0xffu);
+    value |= unpack_left_shift_u32(src_p[6], 16u, 0xffu);
+    value |= unpack_left_shift_u32(src_p[7], 24u, 0xffu);
+    memcpy(&dst_p->value, &value, sizeof(dst_p->value));
+
+    return (0);
+}
+
+int sd_bus_input_balance_enable_init(struct sd_bus_input_balance_enable_t *msg_p)
+{
+    if (msg_p == NULL) return -1;
+
+    memset(msg_p, 0, sizeof(struct sd_bus_input_balance_enable_t));
+
+    return 0;
+}
+
+uint32_t sd_bus_input_balance_enable_tick_encode(double value)
+{
+    return (uint32_t)(cantools_unsigned_from_double(round(value)));
+}
+
+double sd_bus_input_balance_enable_tick_decode(uint32_t value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_input_balance_enable_tick_is_in_range(uint32_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool sd_bus_input_balance_enable_tick_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 4294967295.0));
+}
+
+float sd_bus_input_balance_enable_value_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_input_balance_enable_value_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_input_balance_enable_value_is_in_range(float value)
+{
+    return ((value >= 0.0f) && (value <= 1.0f));
+}
+
+bool sd_bus_input_balance_enable_value_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 1.0));
 }
 
 int sd_bus_truth_edge_pack(

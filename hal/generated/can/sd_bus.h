@@ -49,13 +49,6 @@ extern "C" {
 /* Frame ids. */
 #define SD_BUS_TEETH_FRAME_ID (0xa0u)
 #define SD_BUS_TIME_FRAME_ID (0xa1u)
-#define SD_BUS_INPUT_AIR_INTAKE_PRESSURE_FRAME_ID (0xa8u)
-#define SD_BUS_INPUT_FUEL_INJECTED_FRAME_ID (0xa9u)
-#define SD_BUS_INPUT_FUEL_LEVEL_FRAME_ID (0xaau)
-#define SD_BUS_INPUT_DRIVELINE_SHIFT_FRAME_ID (0xabu)
-#define SD_BUS_INPUT_EXHAUST_LAMBDA_FRAME_ID (0xacu)
-#define SD_BUS_INPUT_EXHAUST_PRESSURE_FRAME_ID (0xadu)
-#define SD_BUS_INPUT_BALANCE_ENABLE_FRAME_ID (0xaeu)
 #define SD_BUS_EDGE_FRAME_ID (0xb0u)
 #define SD_BUS_CYCLE_1_FRAME_ID (0xb1u)
 #define SD_BUS_CYCLE_2_FRAME_ID (0xb2u)
@@ -64,10 +57,18 @@ extern "C" {
 #define SD_BUS_CYCLE_5_FRAME_ID (0xb5u)
 #define SD_BUS_CYCLE_6_FRAME_ID (0xb6u)
 #define SD_BUS_FIRING_FRAME_ID (0xb7u)
+#define SD_BUS_TASK_FRAME_ID (0xb8u)
 #define SD_BUS_PARAMETER_REQUEST_FRAME_ID (0xc0u)
 #define SD_BUS_PARAMETER_FRAME_ID (0xc1u)
 #define SD_BUS_CLAIM_FRAME_ID (0xc2u)
 #define SD_BUS_DONE_FRAME_ID (0xc3u)
+#define SD_BUS_INPUT_AIR_INTAKE_PRESSURE_FRAME_ID (0xd0u)
+#define SD_BUS_INPUT_FUEL_INJECTED_FRAME_ID (0xd1u)
+#define SD_BUS_INPUT_FUEL_LEVEL_FRAME_ID (0xd2u)
+#define SD_BUS_INPUT_DRIVELINE_SHIFT_FRAME_ID (0xd3u)
+#define SD_BUS_INPUT_EXHAUST_LAMBDA_FRAME_ID (0xd4u)
+#define SD_BUS_INPUT_EXHAUST_PRESSURE_FRAME_ID (0xd5u)
+#define SD_BUS_INPUT_BALANCE_ENABLE_FRAME_ID (0xd6u)
 #define SD_BUS_TRUTH_EDGE_FRAME_ID (0xf0u)
 #define SD_BUS_TRUTH_CYCLE_FRAME_ID (0xf1u)
 #define SD_BUS_TRUTH_END_FRAME_ID (0xf2u)
@@ -75,13 +76,6 @@ extern "C" {
 /* Frame lengths in bytes. */
 #define SD_BUS_TEETH_LENGTH (64u)
 #define SD_BUS_TIME_LENGTH (8u)
-#define SD_BUS_INPUT_AIR_INTAKE_PRESSURE_LENGTH (8u)
-#define SD_BUS_INPUT_FUEL_INJECTED_LENGTH (8u)
-#define SD_BUS_INPUT_FUEL_LEVEL_LENGTH (8u)
-#define SD_BUS_INPUT_DRIVELINE_SHIFT_LENGTH (8u)
-#define SD_BUS_INPUT_EXHAUST_LAMBDA_LENGTH (8u)
-#define SD_BUS_INPUT_EXHAUST_PRESSURE_LENGTH (8u)
-#define SD_BUS_INPUT_BALANCE_ENABLE_LENGTH (8u)
 #define SD_BUS_EDGE_LENGTH (64u)
 #define SD_BUS_CYCLE_1_LENGTH (64u)
 #define SD_BUS_CYCLE_2_LENGTH (64u)
@@ -90,10 +84,18 @@ extern "C" {
 #define SD_BUS_CYCLE_5_LENGTH (64u)
 #define SD_BUS_CYCLE_6_LENGTH (24u)
 #define SD_BUS_FIRING_LENGTH (64u)
+#define SD_BUS_TASK_LENGTH (24u)
 #define SD_BUS_PARAMETER_REQUEST_LENGTH (8u)
 #define SD_BUS_PARAMETER_LENGTH (8u)
 #define SD_BUS_CLAIM_LENGTH (8u)
 #define SD_BUS_DONE_LENGTH (8u)
+#define SD_BUS_INPUT_AIR_INTAKE_PRESSURE_LENGTH (8u)
+#define SD_BUS_INPUT_FUEL_INJECTED_LENGTH (8u)
+#define SD_BUS_INPUT_FUEL_LEVEL_LENGTH (8u)
+#define SD_BUS_INPUT_DRIVELINE_SHIFT_LENGTH (8u)
+#define SD_BUS_INPUT_EXHAUST_LAMBDA_LENGTH (8u)
+#define SD_BUS_INPUT_EXHAUST_PRESSURE_LENGTH (8u)
+#define SD_BUS_INPUT_BALANCE_ENABLE_LENGTH (8u)
 #define SD_BUS_TRUTH_EDGE_LENGTH (48u)
 #define SD_BUS_TRUTH_CYCLE_LENGTH (48u)
 #define SD_BUS_TRUTH_END_LENGTH (8u)
@@ -101,13 +103,6 @@ extern "C" {
 /* Extended or standard frame types. */
 #define SD_BUS_TEETH_IS_EXTENDED (0)
 #define SD_BUS_TIME_IS_EXTENDED (0)
-#define SD_BUS_INPUT_AIR_INTAKE_PRESSURE_IS_EXTENDED (0)
-#define SD_BUS_INPUT_FUEL_INJECTED_IS_EXTENDED (0)
-#define SD_BUS_INPUT_FUEL_LEVEL_IS_EXTENDED (0)
-#define SD_BUS_INPUT_DRIVELINE_SHIFT_IS_EXTENDED (0)
-#define SD_BUS_INPUT_EXHAUST_LAMBDA_IS_EXTENDED (0)
-#define SD_BUS_INPUT_EXHAUST_PRESSURE_IS_EXTENDED (0)
-#define SD_BUS_INPUT_BALANCE_ENABLE_IS_EXTENDED (0)
 #define SD_BUS_EDGE_IS_EXTENDED (0)
 #define SD_BUS_CYCLE_1_IS_EXTENDED (0)
 #define SD_BUS_CYCLE_2_IS_EXTENDED (0)
@@ -116,16 +111,25 @@ extern "C" {
 #define SD_BUS_CYCLE_5_IS_EXTENDED (0)
 #define SD_BUS_CYCLE_6_IS_EXTENDED (0)
 #define SD_BUS_FIRING_IS_EXTENDED (0)
+#define SD_BUS_TASK_IS_EXTENDED (0)
 #define SD_BUS_PARAMETER_REQUEST_IS_EXTENDED (0)
 #define SD_BUS_PARAMETER_IS_EXTENDED (0)
 #define SD_BUS_CLAIM_IS_EXTENDED (0)
 #define SD_BUS_DONE_IS_EXTENDED (0)
+#define SD_BUS_INPUT_AIR_INTAKE_PRESSURE_IS_EXTENDED (0)
+#define SD_BUS_INPUT_FUEL_INJECTED_IS_EXTENDED (0)
+#define SD_BUS_INPUT_FUEL_LEVEL_IS_EXTENDED (0)
+#define SD_BUS_INPUT_DRIVELINE_SHIFT_IS_EXTENDED (0)
+#define SD_BUS_INPUT_EXHAUST_LAMBDA_IS_EXTENDED (0)
+#define SD_BUS_INPUT_EXHAUST_PRESSURE_IS_EXTENDED (0)
+#define SD_BUS_INPUT_BALANCE_ENABLE_IS_EXTENDED (0)
 #define SD_BUS_TRUTH_EDGE_IS_EXTENDED (0)
 #define SD_BUS_TRUTH_CYCLE_IS_EXTENDED (0)
 #define SD_BUS_TRUTH_END_IS_EXTENDED (0)
 
 /* Frame cycle times in milliseconds. */
 #define SD_BUS_TIME_CYCLE_TIME_MS (10u)
+#define SD_BUS_DONE_CYCLE_TIME_MS (10u)
 #define SD_BUS_INPUT_AIR_INTAKE_PRESSURE_CYCLE_TIME_MS (10u)
 #define SD_BUS_INPUT_FUEL_INJECTED_CYCLE_TIME_MS (10u)
 #define SD_BUS_INPUT_FUEL_LEVEL_CYCLE_TIME_MS (10u)
@@ -133,9 +137,229 @@ extern "C" {
 #define SD_BUS_INPUT_EXHAUST_LAMBDA_CYCLE_TIME_MS (10u)
 #define SD_BUS_INPUT_EXHAUST_PRESSURE_CYCLE_TIME_MS (10u)
 #define SD_BUS_INPUT_BALANCE_ENABLE_CYCLE_TIME_MS (10u)
-#define SD_BUS_DONE_CYCLE_TIME_MS (10u)
 
 /* Signal choices. */
+#define SD_BUS_TEETH_EDGE_0_CRANK_CHOICE (0u)
+#define SD_BUS_TEETH_EDGE_0_CAM_CHOICE (1u)
+#define SD_BUS_TEETH_EDGE_0_WHEEL_0_CHOICE (2u)
+#define SD_BUS_TEETH_EDGE_0_WHEEL_1_CHOICE (3u)
+#define SD_BUS_TEETH_EDGE_0_WHEEL_2_CHOICE (4u)
+#define SD_BUS_TEETH_EDGE_0_WHEEL_3_CHOICE (5u)
+#define SD_BUS_TEETH_EDGE_0_WHEEL_4_CHOICE (6u)
+#define SD_BUS_TEETH_EDGE_0_WHEEL_5_CHOICE (7u)
+#define SD_BUS_TEETH_EDGE_0_WHEEL_6_CHOICE (8u)
+#define SD_BUS_TEETH_EDGE_0_WHEEL_7_CHOICE (9u)
+#define SD_BUS_TEETH_EDGE_0_WHEEL_8_CHOICE (10u)
+#define SD_BUS_TEETH_EDGE_0_WHEEL_9_CHOICE (11u)
+#define SD_BUS_TEETH_EDGE_0_WHEEL_10_CHOICE (12u)
+#define SD_BUS_TEETH_EDGE_0_WHEEL_11_CHOICE (13u)
+#define SD_BUS_TEETH_EDGE_0_WHEEL_12_CHOICE (14u)
+#define SD_BUS_TEETH_EDGE_0_WHEEL_13_CHOICE (15u)
+
+#define SD_BUS_TEETH_EDGE_1_CRANK_CHOICE (0u)
+#define SD_BUS_TEETH_EDGE_1_CAM_CHOICE (1u)
+#define SD_BUS_TEETH_EDGE_1_WHEEL_0_CHOICE (2u)
+#define SD_BUS_TEETH_EDGE_1_WHEEL_1_CHOICE (3u)
+#define SD_BUS_TEETH_EDGE_1_WHEEL_2_CHOICE (4u)
+#define SD_BUS_TEETH_EDGE_1_WHEEL_3_CHOICE (5u)
+#define SD_BUS_TEETH_EDGE_1_WHEEL_4_CHOICE (6u)
+#define SD_BUS_TEETH_EDGE_1_WHEEL_5_CHOICE (7u)
+#define SD_BUS_TEETH_EDGE_1_WHEEL_6_CHOICE (8u)
+#define SD_BUS_TEETH_EDGE_1_WHEEL_7_CHOICE (9u)
+#define SD_BUS_TEETH_EDGE_1_WHEEL_8_CHOICE (10u)
+#define SD_BUS_TEETH_EDGE_1_WHEEL_9_CHOICE (11u)
+#define SD_BUS_TEETH_EDGE_1_WHEEL_10_CHOICE (12u)
+#define SD_BUS_TEETH_EDGE_1_WHEEL_11_CHOICE (13u)
+#define SD_BUS_TEETH_EDGE_1_WHEEL_12_CHOICE (14u)
+#define SD_BUS_TEETH_EDGE_1_WHEEL_13_CHOICE (15u)
+
+#define SD_BUS_TEETH_EDGE_2_CRANK_CHOICE (0u)
+#define SD_BUS_TEETH_EDGE_2_CAM_CHOICE (1u)
+#define SD_BUS_TEETH_EDGE_2_WHEEL_0_CHOICE (2u)
+#define SD_BUS_TEETH_EDGE_2_WHEEL_1_CHOICE (3u)
+#define SD_BUS_TEETH_EDGE_2_WHEEL_2_CHOICE (4u)
+#define SD_BUS_TEETH_EDGE_2_WHEEL_3_CHOICE (5u)
+#define SD_BUS_TEETH_EDGE_2_WHEEL_4_CHOICE (6u)
+#define SD_BUS_TEETH_EDGE_2_WHEEL_5_CHOICE (7u)
+#define SD_BUS_TEETH_EDGE_2_WHEEL_6_CHOICE (8u)
+#define SD_BUS_TEETH_EDGE_2_WHEEL_7_CHOICE (9u)
+#define SD_BUS_TEETH_EDGE_2_WHEEL_8_CHOICE (10u)
+#define SD_BUS_TEETH_EDGE_2_WHEEL_9_CHOICE (11u)
+#define SD_BUS_TEETH_EDGE_2_WHEEL_10_CHOICE (12u)
+#define SD_BUS_TEETH_EDGE_2_WHEEL_11_CHOICE (13u)
+#define SD_BUS_TEETH_EDGE_2_WHEEL_12_CHOICE (14u)
+#define SD_BUS_TEETH_EDGE_2_WHEEL_13_CHOICE (15u)
+
+#define SD_BUS_TEETH_EDGE_3_CRANK_CHOICE (0u)
+#define SD_BUS_TEETH_EDGE_3_CAM_CHOICE (1u)
+#define SD_BUS_TEETH_EDGE_3_WHEEL_0_CHOICE (2u)
+#define SD_BUS_TEETH_EDGE_3_WHEEL_1_CHOICE (3u)
+#define SD_BUS_TEETH_EDGE_3_WHEEL_2_CHOICE (4u)
+#define SD_BUS_TEETH_EDGE_3_WHEEL_3_CHOICE (5u)
+#define SD_BUS_TEETH_EDGE_3_WHEEL_4_CHOICE (6u)
+#define SD_BUS_TEETH_EDGE_3_WHEEL_5_CHOICE (7u)
+#define SD_BUS_TEETH_EDGE_3_WHEEL_6_CHOICE (8u)
+#define SD_BUS_TEETH_EDGE_3_WHEEL_7_CHOICE (9u)
+#define SD_BUS_TEETH_EDGE_3_WHEEL_8_CHOICE (10u)
+#define SD_BUS_TEETH_EDGE_3_WHEEL_9_CHOICE (11u)
+#define SD_BUS_TEETH_EDGE_3_WHEEL_10_CHOICE (12u)
+#define SD_BUS_TEETH_EDGE_3_WHEEL_11_CHOICE (13u)
+#define SD_BUS_TEETH_EDGE_3_WHEEL_12_CHOICE (14u)
+#define SD_BUS_TEETH_EDGE_3_WHEEL_13_CHOICE (15u)
+
+#define SD_BUS_TEETH_EDGE_4_CRANK_CHOICE (0u)
+#define SD_BUS_TEETH_EDGE_4_CAM_CHOICE (1u)
+#define SD_BUS_TEETH_EDGE_4_WHEEL_0_CHOICE (2u)
+#define SD_BUS_TEETH_EDGE_4_WHEEL_1_CHOICE (3u)
+#define SD_BUS_TEETH_EDGE_4_WHEEL_2_CHOICE (4u)
+#define SD_BUS_TEETH_EDGE_4_WHEEL_3_CHOICE (5u)
+#define SD_BUS_TEETH_EDGE_4_WHEEL_4_CHOICE (6u)
+#define SD_BUS_TEETH_EDGE_4_WHEEL_5_CHOICE (7u)
+#define SD_BUS_TEETH_EDGE_4_WHEEL_6_CHOICE (8u)
+#define SD_BUS_TEETH_EDGE_4_WHEEL_7_CHOICE (9u)
+#define SD_BUS_TEETH_EDGE_4_WHEEL_8_CHOICE (10u)
+#define SD_BUS_TEETH_EDGE_4_WHEEL_9_CHOICE (11u)
+#define SD_BUS_TEETH_EDGE_4_WHEEL_10_CHOICE (12u)
+#define SD_BUS_TEETH_EDGE_4_WHEEL_11_CHOICE (13u)
+#define SD_BUS_TEETH_EDGE_4_WHEEL_12_CHOICE (14u)
+#define SD_BUS_TEETH_EDGE_4_WHEEL_13_CHOICE (15u)
+
+#define SD_BUS_TEETH_EDGE_5_CRANK_CHOICE (0u)
+#define SD_BUS_TEETH_EDGE_5_CAM_CHOICE (1u)
+#define SD_BUS_TEETH_EDGE_5_WHEEL_0_CHOICE (2u)
+#define SD_BUS_TEETH_EDGE_5_WHEEL_1_CHOICE (3u)
+#define SD_BUS_TEETH_EDGE_5_WHEEL_2_CHOICE (4u)
+#define SD_BUS_TEETH_EDGE_5_WHEEL_3_CHOICE (5u)
+#define SD_BUS_TEETH_EDGE_5_WHEEL_4_CHOICE (6u)
+#define SD_BUS_TEETH_EDGE_5_WHEEL_5_CHOICE (7u)
+#define SD_BUS_TEETH_EDGE_5_WHEEL_6_CHOICE (8u)
+#define SD_BUS_TEETH_EDGE_5_WHEEL_7_CHOICE (9u)
+#define SD_BUS_TEETH_EDGE_5_WHEEL_8_CHOICE (10u)
+#define SD_BUS_TEETH_EDGE_5_WHEEL_9_CHOICE (11u)
+#define SD_BUS_TEETH_EDGE_5_WHEEL_10_CHOICE (12u)
+#define SD_BUS_TEETH_EDGE_5_WHEEL_11_CHOICE (13u)
+#define SD_BUS_TEETH_EDGE_5_WHEEL_12_CHOICE (14u)
+#define SD_BUS_TEETH_EDGE_5_WHEEL_13_CHOICE (15u)
+
+#define SD_BUS_TEETH_EDGE_6_CRANK_CHOICE (0u)
+#define SD_BUS_TEETH_EDGE_6_CAM_CHOICE (1u)
+#define SD_BUS_TEETH_EDGE_6_WHEEL_0_CHOICE (2u)
+#define SD_BUS_TEETH_EDGE_6_WHEEL_1_CHOICE (3u)
+#define SD_BUS_TEETH_EDGE_6_WHEEL_2_CHOICE (4u)
+#define SD_BUS_TEETH_EDGE_6_WHEEL_3_CHOICE (5u)
+#define SD_BUS_TEETH_EDGE_6_WHEEL_4_CHOICE (6u)
+#define SD_BUS_TEETH_EDGE_6_WHEEL_5_CHOICE (7u)
+#define SD_BUS_TEETH_EDGE_6_WHEEL_6_CHOICE (8u)
+#define SD_BUS_TEETH_EDGE_6_WHEEL_7_CHOICE (9u)
+#define SD_BUS_TEETH_EDGE_6_WHEEL_8_CHOICE (10u)
+#define SD_BUS_TEETH_EDGE_6_WHEEL_9_CHOICE (11u)
+#define SD_BUS_TEETH_EDGE_6_WHEEL_10_CHOICE (12u)
+#define SD_BUS_TEETH_EDGE_6_WHEEL_11_CHOICE (13u)
+#define SD_BUS_TEETH_EDGE_6_WHEEL_12_CHOICE (14u)
+#define SD_BUS_TEETH_EDGE_6_WHEEL_13_CHOICE (15u)
+
+#define SD_BUS_TEETH_EDGE_7_CRANK_CHOICE (0u)
+#define SD_BUS_TEETH_EDGE_7_CAM_CHOICE (1u)
+#define SD_BUS_TEETH_EDGE_7_WHEEL_0_CHOICE (2u)
+#define SD_BUS_TEETH_EDGE_7_WHEEL_1_CHOICE (3u)
+#define SD_BUS_TEETH_EDGE_7_WHEEL_2_CHOICE (4u)
+#define SD_BUS_TEETH_EDGE_7_WHEEL_3_CHOICE (5u)
+#define SD_BUS_TEETH_EDGE_7_WHEEL_4_CHOICE (6u)
+#define SD_BUS_TEETH_EDGE_7_WHEEL_5_CHOICE (7u)
+#define SD_BUS_TEETH_EDGE_7_WHEEL_6_CHOICE (8u)
+#define SD_BUS_TEETH_EDGE_7_WHEEL_7_CHOICE (9u)
+#define SD_BUS_TEETH_EDGE_7_WHEEL_8_CHOICE (10u)
+#define SD_BUS_TEETH_EDGE_7_WHEEL_9_CHOICE (11u)
+#define SD_BUS_TEETH_EDGE_7_WHEEL_10_CHOICE (12u)
+#define SD_BUS_TEETH_EDGE_7_WHEEL_11_CHOICE (13u)
+#define SD_BUS_TEETH_EDGE_7_WHEEL_12_CHOICE (14u)
+#define SD_BUS_TEETH_EDGE_7_WHEEL_13_CHOICE (15u)
+
+#define SD_BUS_TEETH_EDGE_8_CRANK_CHOICE (0u)
+#define SD_BUS_TEETH_EDGE_8_CAM_CHOICE (1u)
+#define SD_BUS_TEETH_EDGE_8_WHEEL_0_CHOICE (2u)
+#define SD_BUS_TEETH_EDGE_8_WHEEL_1_CHOICE (3u)
+#define SD_BUS_TEETH_EDGE_8_WHEEL_2_CHOICE (4u)
+#define SD_BUS_TEETH_EDGE_8_WHEEL_3_CHOICE (5u)
+#define SD_BUS_TEETH_EDGE_8_WHEEL_4_CHOICE (6u)
+#define SD_BUS_TEETH_EDGE_8_WHEEL_5_CHOICE (7u)
+#define SD_BUS_TEETH_EDGE_8_WHEEL_6_CHOICE (8u)
+#define SD_BUS_TEETH_EDGE_8_WHEEL_7_CHOICE (9u)
+#define SD_BUS_TEETH_EDGE_8_WHEEL_8_CHOICE (10u)
+#define SD_BUS_TEETH_EDGE_8_WHEEL_9_CHOICE (11u)
+#define SD_BUS_TEETH_EDGE_8_WHEEL_10_CHOICE (12u)
+#define SD_BUS_TEETH_EDGE_8_WHEEL_11_CHOICE (13u)
+#define SD_BUS_TEETH_EDGE_8_WHEEL_12_CHOICE (14u)
+#define SD_BUS_TEETH_EDGE_8_WHEEL_13_CHOICE (15u)
+
+#define SD_BUS_TEETH_EDGE_9_CRANK_CHOICE (0u)
+#define SD_BUS_TEETH_EDGE_9_CAM_CHOICE (1u)
+#define SD_BUS_TEETH_EDGE_9_WHEEL_0_CHOICE (2u)
+#define SD_BUS_TEETH_EDGE_9_WHEEL_1_CHOICE (3u)
+#define SD_BUS_TEETH_EDGE_9_WHEEL_2_CHOICE (4u)
+#define SD_BUS_TEETH_EDGE_9_WHEEL_3_CHOICE (5u)
+#define SD_BUS_TEETH_EDGE_9_WHEEL_4_CHOICE (6u)
+#define SD_BUS_TEETH_EDGE_9_WHEEL_5_CHOICE (7u)
+#define SD_BUS_TEETH_EDGE_9_WHEEL_6_CHOICE (8u)
+#define SD_BUS_TEETH_EDGE_9_WHEEL_7_CHOICE (9u)
+#define SD_BUS_TEETH_EDGE_9_WHEEL_8_CHOICE (10u)
+#define SD_BUS_TEETH_EDGE_9_WHEEL_9_CHOICE (11u)
+#define SD_BUS_TEETH_EDGE_9_WHEEL_10_CHOICE (12u)
+#define SD_BUS_TEETH_EDGE_9_WHEEL_11_CHOICE (13u)
+#define SD_BUS_TEETH_EDGE_9_WHEEL_12_CHOICE (14u)
+#define SD_BUS_TEETH_EDGE_9_WHEEL_13_CHOICE (15u)
+
+#define SD_BUS_TEETH_EDGE_10_CRANK_CHOICE (0u)
+#define SD_BUS_TEETH_EDGE_10_CAM_CHOICE (1u)
+#define SD_BUS_TEETH_EDGE_10_WHEEL_0_CHOICE (2u)
+#define SD_BUS_TEETH_EDGE_10_WHEEL_1_CHOICE (3u)
+#define SD_BUS_TEETH_EDGE_10_WHEEL_2_CHOICE (4u)
+#define SD_BUS_TEETH_EDGE_10_WHEEL_3_CHOICE (5u)
+#define SD_BUS_TEETH_EDGE_10_WHEEL_4_CHOICE (6u)
+#define SD_BUS_TEETH_EDGE_10_WHEEL_5_CHOICE (7u)
+#define SD_BUS_TEETH_EDGE_10_WHEEL_6_CHOICE (8u)
+#define SD_BUS_TEETH_EDGE_10_WHEEL_7_CHOICE (9u)
+#define SD_BUS_TEETH_EDGE_10_WHEEL_8_CHOICE (10u)
+#define SD_BUS_TEETH_EDGE_10_WHEEL_9_CHOICE (11u)
+#define SD_BUS_TEETH_EDGE_10_WHEEL_10_CHOICE (12u)
+#define SD_BUS_TEETH_EDGE_10_WHEEL_11_CHOICE (13u)
+#define SD_BUS_TEETH_EDGE_10_WHEEL_12_CHOICE (14u)
+#define SD_BUS_TEETH_EDGE_10_WHEEL_13_CHOICE (15u)
+
+#define SD_BUS_TEETH_EDGE_11_CRANK_CHOICE (0u)
+#define SD_BUS_TEETH_EDGE_11_CAM_CHOICE (1u)
+#define SD_BUS_TEETH_EDGE_11_WHEEL_0_CHOICE (2u)
+#define SD_BUS_TEETH_EDGE_11_WHEEL_1_CHOICE (3u)
+#define SD_BUS_TEETH_EDGE_11_WHEEL_2_CHOICE (4u)
+#define SD_BUS_TEETH_EDGE_11_WHEEL_3_CHOICE (5u)
+#define SD_BUS_TEETH_EDGE_11_WHEEL_4_CHOICE (6u)
+#define SD_BUS_TEETH_EDGE_11_WHEEL_5_CHOICE (7u)
+#define SD_BUS_TEETH_EDGE_11_WHEEL_6_CHOICE (8u)
+#define SD_BUS_TEETH_EDGE_11_WHEEL_7_CHOICE (9u)
+#define SD_BUS_TEETH_EDGE_11_WHEEL_8_CHOICE (10u)
+#define SD_BUS_TEETH_EDGE_11_WHEEL_9_CHOICE (11u)
+#define SD_BUS_TEETH_EDGE_11_WHEEL_10_CHOICE (12u)
+#define SD_BUS_TEETH_EDGE_11_WHEEL_11_CHOICE (13u)
+#define SD_BUS_TEETH_EDGE_11_WHEEL_12_CHOICE (14u)
+#define SD_BUS_TEETH_EDGE_11_WHEEL_13_CHOICE (15u)
+
+#define SD_BUS_TEETH_EDGE_12_CRANK_CHOICE (0u)
+#define SD_BUS_TEETH_EDGE_12_CAM_CHOICE (1u)
+#define SD_BUS_TEETH_EDGE_12_WHEEL_0_CHOICE (2u)
+#define SD_BUS_TEETH_EDGE_12_WHEEL_1_CHOICE (3u)
+#define SD_BUS_TEETH_EDGE_12_WHEEL_2_CHOICE (4u)
+#define SD_BUS_TEETH_EDGE_12_WHEEL_3_CHOICE (5u)
+#define SD_BUS_TEETH_EDGE_12_WHEEL_4_CHOICE (6u)
+#define SD_BUS_TEETH_EDGE_12_WHEEL_5_CHOICE (7u)
+#define SD_BUS_TEETH_EDGE_12_WHEEL_6_CHOICE (8u)
+#define SD_BUS_TEETH_EDGE_12_WHEEL_7_CHOICE (9u)
+#define SD_BUS_TEETH_EDGE_12_WHEEL_8_CHOICE (10u)
+#define SD_BUS_TEETH_EDGE_12_WHEEL_9_CHOICE (11u)
+#define SD_BUS_TEETH_EDGE_12_WHEEL_10_CHOICE (12u)
+#define SD_BUS_TEETH_EDGE_12_WHEEL_11_CHOICE (13u)
+#define SD_BUS_TEETH_EDGE_12_WHEEL_12_CHOICE (14u)
+#define SD_BUS_TEETH_EDGE_12_WHEEL_13_CHOICE (15u)
+
 #define SD_BUS_EDGE_CRANK_HEALTH_VALID_CHOICE (0u)
 #define SD_BUS_EDGE_CRANK_HEALTH_DEGRADED_CHOICE (1u)
 #define SD_BUS_EDGE_CRANK_HEALTH_INVALID_CHOICE (2u)
@@ -199,6 +423,10 @@ extern "C" {
 #define SD_BUS_FIRING_MISFIRE_HEALTH_VALID_CHOICE (0u)
 #define SD_BUS_FIRING_MISFIRE_HEALTH_DEGRADED_CHOICE (1u)
 #define SD_BUS_FIRING_MISFIRE_HEALTH_INVALID_CHOICE (2u)
+
+#define SD_BUS_TASK_INPUTS_HEALTH_VALID_CHOICE (0u)
+#define SD_BUS_TASK_INPUTS_HEALTH_DEGRADED_CHOICE (1u)
+#define SD_BUS_TASK_INPUTS_HEALTH_INVALID_CHOICE (2u)
 
 #define SD_BUS_PARAMETER_REQUEST_COMMAND_READ_CHOICE (0u)
 #define SD_BUS_PARAMETER_REQUEST_COMMAND_READ_REFERENCE_CHOICE (1u)
@@ -341,13 +569,6 @@ extern "C" {
 /* Frame Names. */
 #define SD_BUS_TEETH_NAME "teeth"
 #define SD_BUS_TIME_NAME "time"
-#define SD_BUS_INPUT_AIR_INTAKE_PRESSURE_NAME "input_air_intake_pressure"
-#define SD_BUS_INPUT_FUEL_INJECTED_NAME "input_fuel_injected"
-#define SD_BUS_INPUT_FUEL_LEVEL_NAME "input_fuel_level"
-#define SD_BUS_INPUT_DRIVELINE_SHIFT_NAME "input_driveline_shift"
-#define SD_BUS_INPUT_EXHAUST_LAMBDA_NAME "input_exhaust_lambda"
-#define SD_BUS_INPUT_EXHAUST_PRESSURE_NAME "input_exhaust_pressure"
-#define SD_BUS_INPUT_BALANCE_ENABLE_NAME "input_balance_enable"
 #define SD_BUS_EDGE_NAME "edge"
 #define SD_BUS_CYCLE_1_NAME "cycle_1"
 #define SD_BUS_CYCLE_2_NAME "cycle_2"
@@ -356,10 +577,18 @@ extern "C" {
 #define SD_BUS_CYCLE_5_NAME "cycle_5"
 #define SD_BUS_CYCLE_6_NAME "cycle_6"
 #define SD_BUS_FIRING_NAME "firing"
+#define SD_BUS_TASK_NAME "task"
 #define SD_BUS_PARAMETER_REQUEST_NAME "parameter_request"
 #define SD_BUS_PARAMETER_NAME "parameter"
 #define SD_BUS_CLAIM_NAME "claim"
 #define SD_BUS_DONE_NAME "done"
+#define SD_BUS_INPUT_AIR_INTAKE_PRESSURE_NAME "input_air_intake_pressure"
+#define SD_BUS_INPUT_FUEL_INJECTED_NAME "input_fuel_injected"
+#define SD_BUS_INPUT_FUEL_LEVEL_NAME "input_fuel_level"
+#define SD_BUS_INPUT_DRIVELINE_SHIFT_NAME "input_driveline_shift"
+#define SD_BUS_INPUT_EXHAUST_LAMBDA_NAME "input_exhaust_lambda"
+#define SD_BUS_INPUT_EXHAUST_PRESSURE_NAME "input_exhaust_pressure"
+#define SD_BUS_INPUT_BALANCE_ENABLE_NAME "input_balance_enable"
 #define SD_BUS_TRUTH_EDGE_NAME "truth_edge"
 #define SD_BUS_TRUTH_CYCLE_NAME "truth_cycle"
 #define SD_BUS_TRUTH_END_NAME "truth_end"
@@ -368,7 +597,6 @@ extern "C" {
 #define SD_BUS_TEETH_SEQUENCE_NAME "sequence"
 #define SD_BUS_TEETH_SESSION_NAME "session"
 #define SD_BUS_TEETH_COUNT_NAME "count"
-#define SD_BUS_TEETH_CAM_NAME "cam"
 #define SD_BUS_TEETH_TICK_0_NAME "tick_0"
 #define SD_BUS_TEETH_TICK_1_NAME "tick_1"
 #define SD_BUS_TEETH_TICK_2_NAME "tick_2"
@@ -382,24 +610,22 @@ extern "C" {
 #define SD_BUS_TEETH_TICK_10_NAME "tick_10"
 #define SD_BUS_TEETH_TICK_11_NAME "tick_11"
 #define SD_BUS_TEETH_TICK_12_NAME "tick_12"
-#define SD_BUS_TEETH_TICK_13_NAME "tick_13"
+#define SD_BUS_TEETH_EDGE_0_NAME "edge_0"
+#define SD_BUS_TEETH_EDGE_1_NAME "edge_1"
+#define SD_BUS_TEETH_EDGE_2_NAME "edge_2"
+#define SD_BUS_TEETH_EDGE_3_NAME "edge_3"
+#define SD_BUS_TEETH_EDGE_4_NAME "edge_4"
+#define SD_BUS_TEETH_EDGE_5_NAME "edge_5"
+#define SD_BUS_TEETH_EDGE_6_NAME "edge_6"
+#define SD_BUS_TEETH_EDGE_7_NAME "edge_7"
+#define SD_BUS_TEETH_EDGE_8_NAME "edge_8"
+#define SD_BUS_TEETH_EDGE_9_NAME "edge_9"
+#define SD_BUS_TEETH_EDGE_10_NAME "edge_10"
+#define SD_BUS_TEETH_EDGE_11_NAME "edge_11"
+#define SD_BUS_TEETH_EDGE_12_NAME "edge_12"
 #define SD_BUS_TIME_TICK_NAME "tick"
 #define SD_BUS_TIME_SEQUENCE_NAME "sequence"
 #define SD_BUS_TIME_SESSION_NAME "session"
-#define SD_BUS_INPUT_AIR_INTAKE_PRESSURE_TICK_NAME "tick"
-#define SD_BUS_INPUT_AIR_INTAKE_PRESSURE_VALUE_NAME "value"
-#define SD_BUS_INPUT_FUEL_INJECTED_TICK_NAME "tick"
-#define SD_BUS_INPUT_FUEL_INJECTED_VALUE_NAME "value"
-#define SD_BUS_INPUT_FUEL_LEVEL_TICK_NAME "tick"
-#define SD_BUS_INPUT_FUEL_LEVEL_VALUE_NAME "value"
-#define SD_BUS_INPUT_DRIVELINE_SHIFT_TICK_NAME "tick"
-#define SD_BUS_INPUT_DRIVELINE_SHIFT_VALUE_NAME "value"
-#define SD_BUS_INPUT_EXHAUST_LAMBDA_TICK_NAME "tick"
-#define SD_BUS_INPUT_EXHAUST_LAMBDA_VALUE_NAME "value"
-#define SD_BUS_INPUT_EXHAUST_PRESSURE_TICK_NAME "tick"
-#define SD_BUS_INPUT_EXHAUST_PRESSURE_VALUE_NAME "value"
-#define SD_BUS_INPUT_BALANCE_ENABLE_TICK_NAME "tick"
-#define SD_BUS_INPUT_BALANCE_ENABLE_VALUE_NAME "value"
 #define SD_BUS_EDGE_TICK_NAME "tick"
 #define SD_BUS_EDGE_CRANK_HEALTH_NAME "crank_health"
 #define SD_BUS_EDGE_CRANK_WHY_NAME "crank_why"
@@ -530,6 +756,13 @@ extern "C" {
 #define SD_BUS_FIRING_MISFIRE_INHIBIT_NAME "misfire_inhibit"
 #define SD_BUS_FIRING_MISFIRE_FIRING_NAME "misfire_firing"
 #define SD_BUS_FIRING_MISFIRE_CYLINDER_NAME "misfire_cylinder"
+#define SD_BUS_TASK_TICK_NAME "tick"
+#define SD_BUS_TASK_INPUTS_HEALTH_NAME "inputs_health"
+#define SD_BUS_TASK_INPUTS_WHY_NAME "inputs_why"
+#define SD_BUS_TASK_INPUTS_STALE_1_NAME "inputs_stale_1"
+#define SD_BUS_TASK_INPUTS_STALE_2_NAME "inputs_stale_2"
+#define SD_BUS_TASK_INPUTS_MISSING_1_NAME "inputs_missing_1"
+#define SD_BUS_TASK_INPUTS_MISSING_2_NAME "inputs_missing_2"
 #define SD_BUS_PARAMETER_REQUEST_COMMAND_NAME "command"
 #define SD_BUS_PARAMETER_REQUEST_INDEX_NAME "index"
 #define SD_BUS_PARAMETER_REQUEST_VALUE_NAME "value"
@@ -543,6 +776,20 @@ extern "C" {
 #define SD_BUS_DONE_SESSION_NAME "session"
 #define SD_BUS_DONE_IGNORED_NAME "ignored"
 #define SD_BUS_DONE_UNSENT_NAME "unsent"
+#define SD_BUS_INPUT_AIR_INTAKE_PRESSURE_TICK_NAME "tick"
+#define SD_BUS_INPUT_AIR_INTAKE_PRESSURE_VALUE_NAME "value"
+#define SD_BUS_INPUT_FUEL_INJECTED_TICK_NAME "tick"
+#define SD_BUS_INPUT_FUEL_INJECTED_VALUE_NAME "value"
+#define SD_BUS_INPUT_FUEL_LEVEL_TICK_NAME "tick"
+#define SD_BUS_INPUT_FUEL_LEVEL_VALUE_NAME "value"
+#define SD_BUS_INPUT_DRIVELINE_SHIFT_TICK_NAME "tick"
+#define SD_BUS_INPUT_DRIVELINE_SHIFT_VALUE_NAME "value"
+#define SD_BUS_INPUT_EXHAUST_LAMBDA_TICK_NAME "tick"
+#define SD_BUS_INPUT_EXHAUST_LAMBDA_VALUE_NAME "value"
+#define SD_BUS_INPUT_EXHAUST_PRESSURE_TICK_NAME "tick"
+#define SD_BUS_INPUT_EXHAUST_PRESSURE_VALUE_NAME "value"
+#define SD_BUS_INPUT_BALANCE_ENABLE_TICK_NAME "tick"
+#define SD_BUS_INPUT_BALANCE_ENABLE_VALUE_NAME "value"
 #define SD_BUS_TRUTH_EDGE_TIME_S_NAME "time_s"
 #define SD_BUS_TRUTH_EDGE_ANGLE_DEG_NAME "angle_deg"
 #define SD_BUS_TRUTH_EDGE_CRANK_DEG_NAME "crank_deg"
@@ -564,7 +811,7 @@ extern "C" {
 /**
  * Signals in message teeth.
  *
- * Captured edges, in order.
+ * Captured edges of all toothed wheels, in order.
  *
  * All signal values are as on the CAN bus.
  */
@@ -590,20 +837,11 @@ struct sd_bus_teeth_t {
     /**
      * Ticks that are meant.
      *
-     * Range: 1..14 (1..14 -)
+     * Range: 1..13 (1..13 -)
      * Scale: 1
      * Offset: 0
      */
     uint8_t count;
-
-    /**
-     * Bit i: tick i is a cam edge, else a crank edge.
-     *
-     * Range: 0..16383 (0..16383 -)
-     * Scale: 1
-     * Offset: 0
-     */
-    uint16_t cam;
 
     /**
      * Range: 0..4294967295 (0..4294967295 tick)
@@ -697,11 +935,121 @@ struct sd_bus_teeth_t {
     uint32_t tick_12;
 
     /**
-     * Range: 0..4294967295 (0..4294967295 tick)
+     * Of which wheel tick 0 is an edge.
+     *
+     * Range: 0..15 (0..15 -)
      * Scale: 1
      * Offset: 0
      */
-    uint32_t tick_13;
+    uint8_t edge_0;
+
+    /**
+     * Of which wheel tick 1 is an edge.
+     *
+     * Range: 0..15 (0..15 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t edge_1;
+
+    /**
+     * Of which wheel tick 2 is an edge.
+     *
+     * Range: 0..15 (0..15 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t edge_2;
+
+    /**
+     * Of which wheel tick 3 is an edge.
+     *
+     * Range: 0..15 (0..15 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t edge_3;
+
+    /**
+     * Of which wheel tick 4 is an edge.
+     *
+     * Range: 0..15 (0..15 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t edge_4;
+
+    /**
+     * Of which wheel tick 5 is an edge.
+     *
+     * Range: 0..15 (0..15 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t edge_5;
+
+    /**
+     * Of which wheel tick 6 is an edge.
+     *
+     * Range: 0..15 (0..15 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t edge_6;
+
+    /**
+     * Of which wheel tick 7 is an edge.
+     *
+     * Range: 0..15 (0..15 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t edge_7;
+
+    /**
+     * Of which wheel tick 8 is an edge.
+     *
+     * Range: 0..15 (0..15 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t edge_8;
+
+    /**
+     * Of which wheel tick 9 is an edge.
+     *
+     * Range: 0..15 (0..15 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t edge_9;
+
+    /**
+     * Of which wheel tick 10 is an edge.
+     *
+     * Range: 0..15 (0..15 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t edge_10;
+
+    /**
+     * Of which wheel tick 11 is an edge.
+     *
+     * Range: 0..15 (0..15 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t edge_11;
+
+    /**
+     * Of which wheel tick 12 is an edge.
+     *
+     * Range: 0..15 (0..15 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t edge_12;
 };
 
 /**
@@ -736,181 +1084,6 @@ struct sd_bus_time_t {
      * Offset: 0
      */
     uint16_t session;
-};
-
-/**
- * Signals in message input_air_intake_pressure.
- *
- * Absolute pressure in the intake manifold.
- *
- * All signal values are as on the CAN bus.
- */
-struct sd_bus_input_air_intake_pressure_t {
-    /**
-     * Range: 0..4294967295 (0..4294967295 tick)
-     * Scale: 1
-     * Offset: 0
-     */
-    uint32_t tick;
-
-    /**
-     * Absolute pressure in the intake manifold.
-     *
-     * Range: 0.05..6.0 (0.05..6 bar)
-     * Scale: 1
-     * Offset: 0
-     */
-    float value;
-};
-
-/**
- * Signals in message input_fuel_injected.
- *
- * The controller's own command, a stroke and cylinder; 0 in fuel cut.
- *
- * All signal values are as on the CAN bus.
- */
-struct sd_bus_input_fuel_injected_t {
-    /**
-     * Range: 0..4294967295 (0..4294967295 tick)
-     * Scale: 1
-     * Offset: 0
-     */
-    uint32_t tick;
-
-    /**
-     * The controller's own command, a stroke and cylinder; 0 in fuel cut.
-     *
-     * Range: 0.0..1000.0 (0..1000 mg)
-     * Scale: 1
-     * Offset: 0
-     */
-    float value;
-};
-
-/**
- * Signals in message input_fuel_level.
- *
- * How full the tank is; needed only for the misfire monitor to keep silent on a nearly empty one.
- *
- * All signal values are as on the CAN bus.
- */
-struct sd_bus_input_fuel_level_t {
-    /**
-     * Range: 0..4294967295 (0..4294967295 tick)
-     * Scale: 1
-     * Offset: 0
-     */
-    uint32_t tick;
-
-    /**
-     * How full the tank is; needed only for the misfire monitor to keep silent on a nearly empty one.
-     *
-     * Range: 0.0..100.0 (0..100 %)
-     * Scale: 1
-     * Offset: 0
-     */
-    float value;
-};
-
-/**
- * Signals in message input_driveline_shift.
- *
- * 1: the controller or the gearbox shifts gear; said again within 0.5 s.
- *
- * All signal values are as on the CAN bus.
- */
-struct sd_bus_input_driveline_shift_t {
-    /**
-     * Range: 0..4294967295 (0..4294967295 tick)
-     * Scale: 1
-     * Offset: 0
-     */
-    uint32_t tick;
-
-    /**
-     * 1: the controller or the gearbox shifts gear; said again within 0.5 s.
-     *
-     * Range: 0.0..1.0 (0..1 -)
-     * Scale: 1
-     * Offset: 0
-     */
-    float value;
-};
-
-/**
- * Signals in message input_exhaust_lambda.
- *
- * Air to fuel, over stoichiometric, as the wide-range oxygen sensor (UEGO) reads it.
- *
- * All signal values are as on the CAN bus.
- */
-struct sd_bus_input_exhaust_lambda_t {
-    /**
-     * Range: 0..4294967295 (0..4294967295 tick)
-     * Scale: 1
-     * Offset: 0
-     */
-    uint32_t tick;
-
-    /**
-     * Air to fuel, over stoichiometric, as the wide-range oxygen sensor (UEGO) reads it.
-     *
-     * Range: 0.5..20.0 (0.5..20 -)
-     * Scale: 1
-     * Offset: 0
-     */
-    float value;
-};
-
-/**
- * Signals in message input_exhaust_pressure.
- *
- * Absolute pressure in the exhaust manifold.
- *
- * All signal values are as on the CAN bus.
- */
-struct sd_bus_input_exhaust_pressure_t {
-    /**
-     * Range: 0..4294967295 (0..4294967295 tick)
-     * Scale: 1
-     * Offset: 0
-     */
-    uint32_t tick;
-
-    /**
-     * Absolute pressure in the exhaust manifold.
-     *
-     * Range: 0.05..10.0 (0.05..10 bar)
-     * Scale: 1
-     * Offset: 0
-     */
-    float value;
-};
-
-/**
- * Signals in message input_balance_enable.
- *
- * Above 0.5 the trims learn; otherwise, and until it is read, they are 0.
- *
- * All signal values are as on the CAN bus.
- */
-struct sd_bus_input_balance_enable_t {
-    /**
-     * Range: 0..4294967295 (0..4294967295 tick)
-     * Scale: 1
-     * Offset: 0
-     */
-    uint32_t tick;
-
-    /**
-     * Above 0.5 the trims learn; otherwise, and until it is read, they are 0.
-     *
-     * Range: 0.0..1.0 (0..1 -)
-     * Scale: 1
-     * Offset: 0
-     */
-    float value;
 };
 
 /**
@@ -2156,6 +2329,78 @@ struct sd_bus_firing_t {
 };
 
 /**
+ * Signals in message task.
+ *
+ * Signals of rate task, one row a tick.
+ *
+ * All signal values are as on the CAN bus.
+ */
+struct sd_bus_task_t {
+    /**
+     * Capture tick of the event that caused it.
+     *
+     * Range: 0..4294967295 (0..4294967295 tick)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint32_t tick;
+
+    /**
+     * How far the values of inputs may be trusted.
+     *
+     * Range: 0..2 (0..2 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t inputs_health;
+
+    /**
+     * Why not, bits: sd_why_t.
+     *
+     * Range: 0..65535 (0..65535 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint16_t inputs_why;
+
+    /**
+     * Inputs read once whose last reading is older than it counts: bit i of element n is input 16 (n - 1) + i.
+     *
+     * Range: 0.0..65535.0 (0..65535 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    float inputs_stale_1;
+
+    /**
+     * Inputs read once whose last reading is older than it counts: bit i of element n is input 16 (n - 1) + i.
+     *
+     * Range: 0.0..65535.0 (0..65535 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    float inputs_stale_2;
+
+    /**
+     * The same of inputs never read.
+     *
+     * Range: 0.0..65535.0 (0..65535 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    float inputs_missing_1;
+
+    /**
+     * The same of inputs never read.
+     *
+     * Range: 0.0..65535.0 (0..65535 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    float inputs_missing_2;
+};
+
+/**
  * Signals in message parameter_request.
  *
  * Reads or sets a parameter.
@@ -2302,6 +2547,181 @@ struct sd_bus_done_t {
      * Offset: 0
      */
     uint8_t unsent;
+};
+
+/**
+ * Signals in message input_air_intake_pressure.
+ *
+ * Absolute pressure in the intake manifold.
+ *
+ * All signal values are as on the CAN bus.
+ */
+struct sd_bus_input_air_intake_pressure_t {
+    /**
+     * Range: 0..4294967295 (0..4294967295 tick)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint32_t tick;
+
+    /**
+     * Absolute pressure in the intake manifold.
+     *
+     * Range: 0.05..6.0 (0.05..6 bar)
+     * Scale: 1
+     * Offset: 0
+     */
+    float value;
+};
+
+/**
+ * Signals in message input_fuel_injected.
+ *
+ * The controller's own command, a stroke and cylinder; 0 in fuel cut.
+ *
+ * All signal values are as on the CAN bus.
+ */
+struct sd_bus_input_fuel_injected_t {
+    /**
+     * Range: 0..4294967295 (0..4294967295 tick)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint32_t tick;
+
+    /**
+     * The controller's own command, a stroke and cylinder; 0 in fuel cut.
+     *
+     * Range: 0.0..1000.0 (0..1000 mg)
+     * Scale: 1
+     * Offset: 0
+     */
+    float value;
+};
+
+/**
+ * Signals in message input_fuel_level.
+ *
+ * How full the tank is; needed only for the misfire monitor to keep silent on a nearly empty one.
+ *
+ * All signal values are as on the CAN bus.
+ */
+struct sd_bus_input_fuel_level_t {
+    /**
+     * Range: 0..4294967295 (0..4294967295 tick)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint32_t tick;
+
+    /**
+     * How full the tank is; needed only for the misfire monitor to keep silent on a nearly empty one.
+     *
+     * Range: 0.0..100.0 (0..100 %)
+     * Scale: 1
+     * Offset: 0
+     */
+    float value;
+};
+
+/**
+ * Signals in message input_driveline_shift.
+ *
+ * 1: the controller or the gearbox shifts gear.
+ *
+ * All signal values are as on the CAN bus.
+ */
+struct sd_bus_input_driveline_shift_t {
+    /**
+     * Range: 0..4294967295 (0..4294967295 tick)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint32_t tick;
+
+    /**
+     * 1: the controller or the gearbox shifts gear.
+     *
+     * Range: 0.0..1.0 (0..1 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    float value;
+};
+
+/**
+ * Signals in message input_exhaust_lambda.
+ *
+ * Air to fuel, over stoichiometric, as the wide-range oxygen sensor (UEGO) reads it.
+ *
+ * All signal values are as on the CAN bus.
+ */
+struct sd_bus_input_exhaust_lambda_t {
+    /**
+     * Range: 0..4294967295 (0..4294967295 tick)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint32_t tick;
+
+    /**
+     * Air to fuel, over stoichiometric, as the wide-range oxygen sensor (UEGO) reads it.
+     *
+     * Range: 0.5..20.0 (0.5..20 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    float value;
+};
+
+/**
+ * Signals in message input_exhaust_pressure.
+ *
+ * Absolute pressure in the exhaust manifold.
+ *
+ * All signal values are as on the CAN bus.
+ */
+struct sd_bus_input_exhaust_pressure_t {
+    /**
+     * Range: 0..4294967295 (0..4294967295 tick)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint32_t tick;
+
+    /**
+     * Absolute pressure in the exhaust manifold.
+     *
+     * Range: 0.05..10.0 (0.05..10 bar)
+     * Scale: 1
+     * Offset: 0
+     */
+    float value;
+};
+
+/**
+ * Signals in message input_balance_enable.
+ *
+ * Above 0.5 the trims learn; otherwise, and while nothing is said, they are 0.
+ *
+ * All signal values are as on the CAN bus.
+ */
+struct sd_bus_input_balance_enable_t {
+    /**
+     * Range: 0..4294967295 (0..4294967295 tick)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint32_t tick;
+
+    /**
+     * Above 0.5 the trims learn; otherwise, and while nothing is said, they are 0.
+     *
+     * Range: 0.0..1.0 (0..1 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    float value;
 };
 
 /**
@@ -2620,46 +3040,6 @@ bool sd_bus_teeth_count_is_in_range(uint8_t value);
  * @return true if in range, false otherwise.
  */
 bool sd_bus_teeth_count_is_in_phys_range(double value);
-
-/**
- * Encode given signal by applying scaling and offset.
- *
- * @param[in] value Signal to encode.
- *
- * @return Encoded signal.
- */
-uint16_t sd_bus_teeth_cam_encode(double value);
-
-/**
- * Decode given signal by applying scaling and offset.
- *
- * @param[in] value Signal to decode.
- *
- * @return Decoded signal.
- */
-double sd_bus_teeth_cam_decode(uint16_t value);
-
-/**
- * Check that given signal is in allowed range.
- *
- * @param[in] value Signal to check.
- *
- * @return true if in range, false otherwise.
- */
-bool sd_bus_teeth_cam_is_in_range(uint16_t value);
-
-/**
- * Check that given physical value is in allowed range before encoding.
- *
- * Use this BEFORE calling _encode() to avoid silent integer overflow:
- *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
- *   is_in_phys_range(-1.0) correctly returns false.
- *
- * @param[in] value Physical signal value to check.
- *
- * @return true if in range, false otherwise.
- */
-bool sd_bus_teeth_cam_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -3188,7 +3568,7 @@ bool sd_bus_teeth_tick_12_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-uint32_t sd_bus_teeth_tick_13_encode(double value);
+uint8_t sd_bus_teeth_edge_0_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -3197,7 +3577,7 @@ uint32_t sd_bus_teeth_tick_13_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_teeth_tick_13_decode(uint32_t value);
+double sd_bus_teeth_edge_0_decode(uint8_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -3206,7 +3586,7 @@ double sd_bus_teeth_tick_13_decode(uint32_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_teeth_tick_13_is_in_range(uint32_t value);
+bool sd_bus_teeth_edge_0_is_in_range(uint8_t value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -3219,7 +3599,487 @@ bool sd_bus_teeth_tick_13_is_in_range(uint32_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_teeth_tick_13_is_in_phys_range(double value);
+bool sd_bus_teeth_edge_0_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint8_t sd_bus_teeth_edge_1_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_teeth_edge_1_decode(uint8_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_teeth_edge_1_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_teeth_edge_1_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint8_t sd_bus_teeth_edge_2_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_teeth_edge_2_decode(uint8_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_teeth_edge_2_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_teeth_edge_2_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint8_t sd_bus_teeth_edge_3_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_teeth_edge_3_decode(uint8_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_teeth_edge_3_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_teeth_edge_3_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint8_t sd_bus_teeth_edge_4_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_teeth_edge_4_decode(uint8_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_teeth_edge_4_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_teeth_edge_4_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint8_t sd_bus_teeth_edge_5_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_teeth_edge_5_decode(uint8_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_teeth_edge_5_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_teeth_edge_5_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint8_t sd_bus_teeth_edge_6_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_teeth_edge_6_decode(uint8_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_teeth_edge_6_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_teeth_edge_6_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint8_t sd_bus_teeth_edge_7_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_teeth_edge_7_decode(uint8_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_teeth_edge_7_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_teeth_edge_7_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint8_t sd_bus_teeth_edge_8_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_teeth_edge_8_decode(uint8_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_teeth_edge_8_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_teeth_edge_8_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint8_t sd_bus_teeth_edge_9_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_teeth_edge_9_decode(uint8_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_teeth_edge_9_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_teeth_edge_9_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint8_t sd_bus_teeth_edge_10_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_teeth_edge_10_decode(uint8_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_teeth_edge_10_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_teeth_edge_10_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint8_t sd_bus_teeth_edge_11_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_teeth_edge_11_decode(uint8_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_teeth_edge_11_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_teeth_edge_11_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint8_t sd_bus_teeth_edge_12_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_teeth_edge_12_decode(uint8_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_teeth_edge_12_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_teeth_edge_12_is_in_phys_range(double value);
 
 /**
  * Pack message time.
@@ -3377,825 +4237,6 @@ bool sd_bus_time_session_is_in_range(uint16_t value);
  * @return true if in range, false otherwise.
  */
 bool sd_bus_time_session_is_in_phys_range(double value);
-
-/**
- * Pack message input_air_intake_pressure.
- *
- * @param[out] dst_p Buffer to pack the message into.
- * @param[in] src_p Data to pack.
- * @param[in] size Size of dst_p.
- *
- * @return Size of packed data, or negative error code.
- */
-int sd_bus_input_air_intake_pressure_pack(
-    uint8_t *dst_p,
-    const struct sd_bus_input_air_intake_pressure_t *src_p,
-    size_t size);
-
-/**
- * Unpack message input_air_intake_pressure.
- *
- * @param[out] dst_p Object to unpack the message into.
- * @param[in] src_p Message to unpack.
- * @param[in] size Size of src_p.
- *
- * @return zero(0) or negative error code.
- */
-int sd_bus_input_air_intake_pressure_unpack(
-    struct sd_bus_input_air_intake_pressure_t *dst_p,
-    const uint8_t *src_p,
-    size_t size);
-
-/**
- * Init message fields to default values from input_air_intake_pressure.
- *
- * @param[in] msg_p Message to init.
- *
- * @return zero(0) on success or (-1) in case of nullptr argument.
- */
-int sd_bus_input_air_intake_pressure_init(struct sd_bus_input_air_intake_pressure_t *msg_p);
-
-/**
- * Encode given signal by applying scaling and offset.
- *
- * @param[in] value Signal to encode.
- *
- * @return Encoded signal.
- */
-uint32_t sd_bus_input_air_intake_pressure_tick_encode(double value);
-
-/**
- * Decode given signal by applying scaling and offset.
- *
- * @param[in] value Signal to decode.
- *
- * @return Decoded signal.
- */
-double sd_bus_input_air_intake_pressure_tick_decode(uint32_t value);
-
-/**
- * Check that given signal is in allowed range.
- *
- * @param[in] value Signal to check.
- *
- * @return true if in range, false otherwise.
- */
-bool sd_bus_input_air_intake_pressure_tick_is_in_range(uint32_t value);
-
-/**
- * Check that given physical value is in allowed range before encoding.
- *
- * Use this BEFORE calling _encode() to avoid silent integer overflow:
- *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
- *   is_in_phys_range(-1.0) correctly returns false.
- *
- * @param[in] value Physical signal value to check.
- *
- * @return true if in range, false otherwise.
- */
-bool sd_bus_input_air_intake_pressure_tick_is_in_phys_range(double value);
-
-/**
- * Encode given signal by applying scaling and offset.
- *
- * @param[in] value Signal to encode.
- *
- * @return Encoded signal.
- */
-float sd_bus_input_air_intake_pressure_value_encode(double value);
-
-/**
- * Decode given signal by applying scaling and offset.
- *
- * @param[in] value Signal to decode.
- *
- * @return Decoded signal.
- */
-double sd_bus_input_air_intake_pressure_value_decode(float value);
-
-/**
- * Check that given signal is in allowed range.
- *
- * @param[in] value Signal to check.
- *
- * @return true if in range, false otherwise.
- */
-bool sd_bus_input_air_intake_pressure_value_is_in_range(float value);
-
-/**
- * Check that given physical value is in allowed range before encoding.
- *
- * Use this BEFORE calling _encode() to avoid silent integer overflow:
- *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
- *   is_in_phys_range(-1.0) correctly returns false.
- *
- * @param[in] value Physical signal value to check.
- *
- * @return true if in range, false otherwise.
- */
-bool sd_bus_input_air_intake_pressure_value_is_in_phys_range(double value);
-
-/**
- * Pack message input_fuel_injected.
- *
- * @param[out] dst_p Buffer to pack the message into.
- * @param[in] src_p Data to pack.
- * @param[in] size Size of dst_p.
- *
- * @return Size of packed data, or negative error code.
- */
-int sd_bus_input_fuel_injected_pack(
-    uint8_t *dst_p,
-    const struct sd_bus_input_fuel_injected_t *src_p,
-    size_t size);
-
-/**
- * Unpack message input_fuel_injected.
- *
- * @param[out] dst_p Object to unpack the message into.
- * @param[in] src_p Message to unpack.
- * @param[in] size Size of src_p.
- *
- * @return zero(0) or negative error code.
- */
-int sd_bus_input_fuel_injected_unpack(
-    struct sd_bus_input_fuel_injected_t *dst_p,
-    const uint8_t *src_p,
-    size_t size);
-
-/**
- * Init message fields to default values from input_fuel_injected.
- *
- * @param[in] msg_p Message to init.
- *
- * @return zero(0) on success or (-1) in case of nullptr argument.
- */
-int sd_bus_input_fuel_injected_init(struct sd_bus_input_fuel_injected_t *msg_p);
-
-/**
- * Encode given signal by applying scaling and offset.
- *
- * @param[in] value Signal to encode.
- *
- * @return Encoded signal.
- */
-uint32_t sd_bus_input_fuel_injected_tick_encode(double value);
-
-/**
- * Decode given signal by applying scaling and offset.
- *
- * @param[in] value Signal to decode.
- *
- * @return Decoded signal.
- */
-double sd_bus_input_fuel_injected_tick_decode(uint32_t value);
-
-/**
- * Check that given signal is in allowed range.
- *
- * @param[in] value Signal to check.
- *
- * @return true if in range, false otherwise.
- */
-bool sd_bus_input_fuel_injected_tick_is_in_range(uint32_t value);
-
-/**
- * Check that given physical value is in allowed range before encoding.
- *
- * Use this BEFORE calling _encode() to avoid silent integer overflow:
- *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
- *   is_in_phys_range(-1.0) correctly returns false.
- *
- * @param[in] value Physical signal value to check.
- *
- * @return true if in range, false otherwise.
- */
-bool sd_bus_input_fuel_injected_tick_is_in_phys_range(double value);
-
-/**
- * Encode given signal by applying scaling and offset.
- *
- * @param[in] value Signal to encode.
- *
- * @return Encoded signal.
- */
-float sd_bus_input_fuel_injected_value_encode(double value);
-
-/**
- * Decode given signal by applying scaling and offset.
- *
- * @param[in] value Signal to decode.
- *
- * @return Decoded signal.
- */
-double sd_bus_input_fuel_injected_value_decode(float value);
-
-/**
- * Check that given signal is in allowed range.
- *
- * @param[in] value Signal to check.
- *
- * @return true if in range, false otherwise.
- */
-bool sd_bus_input_fuel_injected_value_is_in_range(float value);
-
-/**
- * Check that given physical value is in allowed range before encoding.
- *
- * Use this BEFORE calling _encode() to avoid silent integer overflow:
- *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
- *   is_in_phys_range(-1.0) correctly returns false.
- *
- * @param[in] value Physical signal value to check.
- *
- * @return true if in range, false otherwise.
- */
-bool sd_bus_input_fuel_injected_value_is_in_phys_range(double value);
-
-/**
- * Pack message input_fuel_level.
- *
- * @param[out] dst_p Buffer to pack the message into.
- * @param[in] src_p Data to pack.
- * @param[in] size Size of dst_p.
- *
- * @return Size of packed data, or negative error code.
- */
-int sd_bus_input_fuel_level_pack(
-    uint8_t *dst_p,
-    const struct sd_bus_input_fuel_level_t *src_p,
-    size_t size);
-
-/**
- * Unpack message input_fuel_level.
- *
- * @param[out] dst_p Object to unpack the message into.
- * @param[in] src_p Message to unpack.
- * @param[in] size Size of src_p.
- *
- * @return zero(0) or negative error code.
- */
-int sd_bus_input_fuel_level_unpack(
-    struct sd_bus_input_fuel_level_t *dst_p,
-    const uint8_t *src_p,
-    size_t size);
-
-/**
- * Init message fields to default values from input_fuel_level.
- *
- * @param[in] msg_p Message to init.
- *
- * @return zero(0) on success or (-1) in case of nullptr argument.
- */
-int sd_bus_input_fuel_level_init(struct sd_bus_input_fuel_level_t *msg_p);
-
-/**
- * Encode given signal by applying scaling and offset.
- *
- * @param[in] value Signal to encode.
- *
- * @return Encoded signal.
- */
-uint32_t sd_bus_input_fuel_level_tick_encode(double value);
-
-/**
- * Decode given signal by applying scaling and offset.
- *
- * @param[in] value Signal to decode.
- *
- * @return Decoded signal.
- */
-double sd_bus_input_fuel_level_tick_decode(uint32_t value);
-
-/**
- * Check that given signal is in allowed range.
- *
- * @param[in] value Signal to check.
- *
- * @return true if in range, false otherwise.
- */
-bool sd_bus_input_fuel_level_tick_is_in_range(uint32_t value);
-
-/**
- * Check that given physical value is in allowed range before encoding.
- *
- * Use this BEFORE calling _encode() to avoid silent integer overflow:
- *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
- *   is_in_phys_range(-1.0) correctly returns false.
- *
- * @param[in] value Physical signal value to check.
- *
- * @return true if in range, false otherwise.
- */
-bool sd_bus_input_fuel_level_tick_is_in_phys_range(double value);
-
-/**
- * Encode given signal by applying scaling and offset.
- *
- * @param[in] value Signal to encode.
- *
- * @return Encoded signal.
- */
-float sd_bus_input_fuel_level_value_encode(double value);
-
-/**
- * Decode given signal by applying scaling and offset.
- *
- * @param[in] value Signal to decode.
- *
- * @return Decoded signal.
- */
-double sd_bus_input_fuel_level_value_decode(float value);
-
-/**
- * Check that given signal is in allowed range.
- *
- * @param[in] value Signal to check.
- *
- * @return true if in range, false otherwise.
- */
-bool sd_bus_input_fuel_level_value_is_in_range(float value);
-
-/**
- * Check that given physical value is in allowed range before encoding.
- *
- * Use this BEFORE calling _encode() to avoid silent integer overflow:
- *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
- *   is_in_phys_range(-1.0) correctly returns false.
- *
- * @param[in] value Physical signal value to check.
- *
- * @return true if in range, false otherwise.
- */
-bool sd_bus_input_fuel_level_value_is_in_phys_range(double value);
-
-/**
- * Pack message input_driveline_shift.
- *
- * @param[out] dst_p Buffer to pack the message into.
- * @param[in] src_p Data to pack.
- * @param[in] size Size of dst_p.
- *
- * @return Size of packed data, or negative error code.
- */
-int sd_bus_input_driveline_shift_pack(
-    uint8_t *dst_p,
-    const struct sd_bus_input_driveline_shift_t *src_p,
-    size_t size);
-
-/**
- * Unpack message input_driveline_shift.
- *
- * @param[out] dst_p Object to unpack the message into.
- * @param[in] src_p Message to unpack.
- * @param[in] size Size of src_p.
- *
- * @return zero(0) or negative error code.
- */
-int sd_bus_input_driveline_shift_unpack(
-    struct sd_bus_input_driveline_shift_t *dst_p,
-    const uint8_t *src_p,
-    size_t size);
-
-/**
- * Init message fields to default values from input_driveline_shift.
- *
- * @param[in] msg_p Message to init.
- *
- * @return zero(0) on success or (-1) in case of nullptr argument.
- */
-int sd_bus_input_driveline_shift_init(struct sd_bus_input_driveline_shift_t *msg_p);
-
-/**
- * Encode given signal by applying scaling and offset.
- *
- * @param[in] value Signal to encode.
- *
- * @return Encoded signal.
- */
-uint32_t sd_bus_input_driveline_shift_tick_encode(double value);
-
-/**
- * Decode given signal by applying scaling and offset.
- *
- * @param[in] value Signal to decode.
- *
- * @return Decoded signal.
- */
-double sd_bus_input_driveline_shift_tick_decode(uint32_t value);
-
-/**
- * Check that given signal is in allowed range.
- *
- * @param[in] value Signal to check.
- *
- * @return true if in range, false otherwise.
- */
-bool sd_bus_input_driveline_shift_tick_is_in_range(uint32_t value);
-
-/**
- * Check that given physical value is in allowed range before encoding.
- *
- * Use this BEFORE calling _encode() to avoid silent integer overflow:
- *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
- *   is_in_phys_range(-1.0) correctly returns false.
- *
- * @param[in] value Physical signal value to check.
- *
- * @return true if in range, false otherwise.
- */
-bool sd_bus_input_driveline_shift_tick_is_in_phys_range(double value);
-
-/**
- * Encode given signal by applying scaling and offset.
- *
- * @param[in] value Signal to encode.
- *
- * @return Encoded signal.
- */
-float sd_bus_input_driveline_shift_value_encode(double value);
-
-/**
- * Decode given signal by applying scaling and offset.
- *
- * @param[in] value Signal to decode.
- *
- * @return Decoded signal.
- */
-double sd_bus_input_driveline_shift_value_decode(float value);
-
-/**
- * Check that given signal is in allowed range.
- *
- * @param[in] value Signal to check.
- *
- * @return true if in range, false otherwise.
- */
-bool sd_bus_input_driveline_shift_value_is_in_range(float value);
-
-/**
- * Check that given physical value is in allowed range before encoding.
- *
- * Use this BEFORE calling _encode() to avoid silent integer overflow:
- *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
- *   is_in_phys_range(-1.0) correctly returns false.
- *
- * @param[in] value Physical signal value to check.
- *
- * @return true if in range, false otherwise.
- */
-bool sd_bus_input_driveline_shift_value_is_in_phys_range(double value);
-
-/**
- * Pack message input_exhaust_lambda.
- *
- * @param[out] dst_p Buffer to pack the message into.
- * @param[in] src_p Data to pack.
- * @param[in] size Size of dst_p.
- *
- * @return Size of packed data, or negative error code.
- */
-int sd_bus_input_exhaust_lambda_pack(
-    uint8_t *dst_p,
-    const struct sd_bus_input_exhaust_lambda_t *src_p,
-    size_t size);
-
-/**
- * Unpack message input_exhaust_lambda.
- *
- * @param[out] dst_p Object to unpack the message into.
- * @param[in] src_p Message to unpack.
- * @param[in] size Size of src_p.
- *
- * @return zero(0) or negative error code.
- */
-int sd_bus_input_exhaust_lambda_unpack(
-    struct sd_bus_input_exhaust_lambda_t *dst_p,
-    const uint8_t *src_p,
-    size_t size);
-
-/**
- * Init message fields to default values from input_exhaust_lambda.
- *
- * @param[in] msg_p Message to init.
- *
- * @return zero(0) on success or (-1) in case of nullptr argument.
- */
-int sd_bus_input_exhaust_lambda_init(struct sd_bus_input_exhaust_lambda_t *msg_p);
-
-/**
- * Encode given signal by applying scaling and offset.
- *
- * @param[in] value Signal to encode.
- *
- * @return Encoded signal.
- */
-uint32_t sd_bus_input_exhaust_lambda_tick_encode(double value);
-
-/**
- * Decode given signal by applying scaling and offset.
- *
- * @param[in] value Signal to decode.
- *
- * @return Decoded signal.
- */
-double sd_bus_input_exhaust_lambda_tick_decode(uint32_t value);
-
-/**
- * Check that given signal is in allowed range.
- *
- * @param[in] value Signal to check.
- *
- * @return true if in range, false otherwise.
- */
-bool sd_bus_input_exhaust_lambda_tick_is_in_range(uint32_t value);
-
-/**
- * Check that given physical value is in allowed range before encoding.
- *
- * Use this BEFORE calling _encode() to avoid silent integer overflow:
- *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
- *   is_in_phys_range(-1.0) correctly returns false.
- *
- * @param[in] value Physical signal value to check.
- *
- * @return true if in range, false otherwise.
- */
-bool sd_bus_input_exhaust_lambda_tick_is_in_phys_range(double value);
-
-/**
- * Encode given signal by applying scaling and offset.
- *
- * @param[in] value Signal to encode.
- *
- * @return Encoded signal.
- */
-float sd_bus_input_exhaust_lambda_value_encode(double value);
-
-/**
- * Decode given signal by applying scaling and offset.
- *
- * @param[in] value Signal to decode.
- *
- * @return Decoded signal.
- */
-double sd_bus_input_exhaust_lambda_value_decode(float value);
-
-/**
- * Check that given signal is in allowed range.
- *
- * @param[in] value Signal to check.
- *
- * @return true if in range, false otherwise.
- */
-bool sd_bus_input_exhaust_lambda_value_is_in_range(float value);
-
-/**
- * Check that given physical value is in allowed range before encoding.
- *
- * Use this BEFORE calling _encode() to avoid silent integer overflow:
- *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
- *   is_in_phys_range(-1.0) correctly returns false.
- *
- * @param[in] value Physical signal value to check.
- *
- * @return true if in range, false otherwise.
- */
-bool sd_bus_input_exhaust_lambda_value_is_in_phys_range(double value);
-
-/**
- * Pack message input_exhaust_pressure.
- *
- * @param[out] dst_p Buffer to pack the message into.
- * @param[in] src_p Data to pack.
- * @param[in] size Size of dst_p.
- *
- * @return Size of packed data, or negative error code.
- */
-int sd_bus_input_exhaust_pressure_pack(
-    uint8_t *dst_p,
-    const struct sd_bus_input_exhaust_pressure_t *src_p,
-    size_t size);
-
-/**
- * Unpack message input_exhaust_pressure.
- *
- * @param[out] dst_p Object to unpack the message into.
- * @param[in] src_p Message to unpack.
- * @param[in] size Size of src_p.
- *
- * @return zero(0) or negative error code.
- */
-int sd_bus_input_exhaust_pressure_unpack(
-    struct sd_bus_input_exhaust_pressure_t *dst_p,
-    const uint8_t *src_p,
-    size_t size);
-
-/**
- * Init message fields to default values from input_exhaust_pressure.
- *
- * @param[in] msg_p Message to init.
- *
- * @return zero(0) on success or (-1) in case of nullptr argument.
- */
-int sd_bus_input_exhaust_pressure_init(struct sd_bus_input_exhaust_pressure_t *msg_p);
-
-/**
- * Encode given signal by applying scaling and offset.
- *
- * @param[in] value Signal to encode.
- *
- * @return Encoded signal.
- */
-uint32_t sd_bus_input_exhaust_pressure_tick_encode(double value);
-
-/**
- * Decode given signal by applying scaling and offset.
- *
- * @param[in] value Signal to decode.
- *
- * @return Decoded signal.
- */
-double sd_bus_input_exhaust_pressure_tick_decode(uint32_t value);
-
-/**
- * Check that given signal is in allowed range.
- *
- * @param[in] value Signal to check.
- *
- * @return true if in range, false otherwise.
- */
-bool sd_bus_input_exhaust_pressure_tick_is_in_range(uint32_t value);
-
-/**
- * Check that given physical value is in allowed range before encoding.
- *
- * Use this BEFORE calling _encode() to avoid silent integer overflow:
- *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
- *   is_in_phys_range(-1.0) correctly returns false.
- *
- * @param[in] value Physical signal value to check.
- *
- * @return true if in range, false otherwise.
- */
-bool sd_bus_input_exhaust_pressure_tick_is_in_phys_range(double value);
-
-/**
- * Encode given signal by applying scaling and offset.
- *
- * @param[in] value Signal to encode.
- *
- * @return Encoded signal.
- */
-float sd_bus_input_exhaust_pressure_value_encode(double value);
-
-/**
- * Decode given signal by applying scaling and offset.
- *
- * @param[in] value Signal to decode.
- *
- * @return Decoded signal.
- */
-double sd_bus_input_exhaust_pressure_value_decode(float value);
-
-/**
- * Check that given signal is in allowed range.
- *
- * @param[in] value Signal to check.
- *
- * @return true if in range, false otherwise.
- */
-bool sd_bus_input_exhaust_pressure_value_is_in_range(float value);
-
-/**
- * Check that given physical value is in allowed range before encoding.
- *
- * Use this BEFORE calling _encode() to avoid silent integer overflow:
- *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
- *   is_in_phys_range(-1.0) correctly returns false.
- *
- * @param[in] value Physical signal value to check.
- *
- * @return true if in range, false otherwise.
- */
-bool sd_bus_input_exhaust_pressure_value_is_in_phys_range(double value);
-
-/**
- * Pack message input_balance_enable.
- *
- * @param[out] dst_p Buffer to pack the message into.
- * @param[in] src_p Data to pack.
- * @param[in] size Size of dst_p.
- *
- * @return Size of packed data, or negative error code.
- */
-int sd_bus_input_balance_enable_pack(
-    uint8_t *dst_p,
-    const struct sd_bus_input_balance_enable_t *src_p,
-    size_t size);
-
-/**
- * Unpack message input_balance_enable.
- *
- * @param[out] dst_p Object to unpack the message into.
- * @param[in] src_p Message to unpack.
- * @param[in] size Size of src_p.
- *
- * @return zero(0) or negative error code.
- */
-int sd_bus_input_balance_enable_unpack(
-    struct sd_bus_input_balance_enable_t *dst_p,
-    const uint8_t *src_p,
-    size_t size);
-
-/**
- * Init message fields to default values from input_balance_enable.
- *
- * @param[in] msg_p Message to init.
- *
- * @return zero(0) on success or (-1) in case of nullptr argument.
- */
-int sd_bus_input_balance_enable_init(struct sd_bus_input_balance_enable_t *msg_p);
-
-/**
- * Encode given signal by applying scaling and offset.
- *
- * @param[in] value Signal to encode.
- *
- * @return Encoded signal.
- */
-uint32_t sd_bus_input_balance_enable_tick_encode(double value);
-
-/**
- * Decode given signal by applying scaling and offset.
- *
- * @param[in] value Signal to decode.
- *
- * @return Decoded signal.
- */
-double sd_bus_input_balance_enable_tick_decode(uint32_t value);
-
-/**
- * Check that given signal is in allowed range.
- *
- * @param[in] value Signal to check.
- *
- * @return true if in range, false otherwise.
- */
-bool sd_bus_input_balance_enable_tick_is_in_range(uint32_t value);
-
-/**
- * Check that given physical value is in allowed range before encoding.
- *
- * Use this BEFORE calling _encode() to avoid silent integer overflow:
- *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
- *   is_in_phys_range(-1.0) correctly returns false.
- *
- * @param[in] value Physical signal value to check.
- *
- * @return true if in range, false otherwise.
- */
-bool sd_bus_input_balance_enable_tick_is_in_phys_range(double value);
-
-/**
- * Encode given signal by applying scaling and offset.
- *
- * @param[in] value Signal to encode.
- *
- * @return Encoded signal.
- */
-float sd_bus_input_balance_enable_value_encode(double value);
-
-/**
- * Decode given signal by applying scaling and offset.
- *
- * @param[in] value Signal to decode.
- *
- * @return Decoded signal.
- */
-double sd_bus_input_balance_enable_value_decode(float value);
-
-/**
- * Check that given signal is in allowed range.
- *
- * @param[in] value Signal to check.
- *
- * @return true if in range, false otherwise.
- */
-bool sd_bus_input_balance_enable_value_is_in_range(float value);
-
-/**
- * Check that given physical value is in allowed range before encoding.
- *
- * Use this BEFORE calling _encode() to avoid silent integer overflow:
- *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
- *   is_in_phys_range(-1.0) correctly returns false.
- *
- * @param[in] value Physical signal value to check.
- *
- * @return true if in range, false otherwise.
- */
-bool sd_bus_input_balance_enable_value_is_in_phys_range(double value);
 
 /**
  * Pack message edge.
@@ -9694,6 +9735,323 @@ bool sd_bus_firing_misfire_cylinder_is_in_range(float value);
 bool sd_bus_firing_misfire_cylinder_is_in_phys_range(double value);
 
 /**
+ * Pack message task.
+ *
+ * @param[out] dst_p Buffer to pack the message into.
+ * @param[in] src_p Data to pack.
+ * @param[in] size Size of dst_p.
+ *
+ * @return Size of packed data, or negative error code.
+ */
+int sd_bus_task_pack(
+    uint8_t *dst_p,
+    const struct sd_bus_task_t *src_p,
+    size_t size);
+
+/**
+ * Unpack message task.
+ *
+ * @param[out] dst_p Object to unpack the message into.
+ * @param[in] src_p Message to unpack.
+ * @param[in] size Size of src_p.
+ *
+ * @return zero(0) or negative error code.
+ */
+int sd_bus_task_unpack(
+    struct sd_bus_task_t *dst_p,
+    const uint8_t *src_p,
+    size_t size);
+
+/**
+ * Init message fields to default values from task.
+ *
+ * @param[in] msg_p Message to init.
+ *
+ * @return zero(0) on success or (-1) in case of nullptr argument.
+ */
+int sd_bus_task_init(struct sd_bus_task_t *msg_p);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint32_t sd_bus_task_tick_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_task_tick_decode(uint32_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_task_tick_is_in_range(uint32_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_task_tick_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint8_t sd_bus_task_inputs_health_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_task_inputs_health_decode(uint8_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_task_inputs_health_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_task_inputs_health_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint16_t sd_bus_task_inputs_why_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_task_inputs_why_decode(uint16_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_task_inputs_why_is_in_range(uint16_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_task_inputs_why_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_task_inputs_stale_1_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_task_inputs_stale_1_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_task_inputs_stale_1_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_task_inputs_stale_1_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_task_inputs_stale_2_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_task_inputs_stale_2_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_task_inputs_stale_2_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_task_inputs_stale_2_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_task_inputs_missing_1_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_task_inputs_missing_1_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_task_inputs_missing_1_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_task_inputs_missing_1_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_task_inputs_missing_2_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_task_inputs_missing_2_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_task_inputs_missing_2_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_task_inputs_missing_2_is_in_phys_range(double value);
+
+/**
  * Pack message parameter_request.
  *
  * @param[out] dst_p Buffer to pack the message into.
@@ -10360,6 +10718,825 @@ bool sd_bus_done_unsent_is_in_range(uint8_t value);
  * @return true if in range, false otherwise.
  */
 bool sd_bus_done_unsent_is_in_phys_range(double value);
+
+/**
+ * Pack message input_air_intake_pressure.
+ *
+ * @param[out] dst_p Buffer to pack the message into.
+ * @param[in] src_p Data to pack.
+ * @param[in] size Size of dst_p.
+ *
+ * @return Size of packed data, or negative error code.
+ */
+int sd_bus_input_air_intake_pressure_pack(
+    uint8_t *dst_p,
+    const struct sd_bus_input_air_intake_pressure_t *src_p,
+    size_t size);
+
+/**
+ * Unpack message input_air_intake_pressure.
+ *
+ * @param[out] dst_p Object to unpack the message into.
+ * @param[in] src_p Message to unpack.
+ * @param[in] size Size of src_p.
+ *
+ * @return zero(0) or negative error code.
+ */
+int sd_bus_input_air_intake_pressure_unpack(
+    struct sd_bus_input_air_intake_pressure_t *dst_p,
+    const uint8_t *src_p,
+    size_t size);
+
+/**
+ * Init message fields to default values from input_air_intake_pressure.
+ *
+ * @param[in] msg_p Message to init.
+ *
+ * @return zero(0) on success or (-1) in case of nullptr argument.
+ */
+int sd_bus_input_air_intake_pressure_init(struct sd_bus_input_air_intake_pressure_t *msg_p);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint32_t sd_bus_input_air_intake_pressure_tick_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_input_air_intake_pressure_tick_decode(uint32_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_air_intake_pressure_tick_is_in_range(uint32_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_air_intake_pressure_tick_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_input_air_intake_pressure_value_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_input_air_intake_pressure_value_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_air_intake_pressure_value_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_air_intake_pressure_value_is_in_phys_range(double value);
+
+/**
+ * Pack message input_fuel_injected.
+ *
+ * @param[out] dst_p Buffer to pack the message into.
+ * @param[in] src_p Data to pack.
+ * @param[in] size Size of dst_p.
+ *
+ * @return Size of packed data, or negative error code.
+ */
+int sd_bus_input_fuel_injected_pack(
+    uint8_t *dst_p,
+    const struct sd_bus_input_fuel_injected_t *src_p,
+    size_t size);
+
+/**
+ * Unpack message input_fuel_injected.
+ *
+ * @param[out] dst_p Object to unpack the message into.
+ * @param[in] src_p Message to unpack.
+ * @param[in] size Size of src_p.
+ *
+ * @return zero(0) or negative error code.
+ */
+int sd_bus_input_fuel_injected_unpack(
+    struct sd_bus_input_fuel_injected_t *dst_p,
+    const uint8_t *src_p,
+    size_t size);
+
+/**
+ * Init message fields to default values from input_fuel_injected.
+ *
+ * @param[in] msg_p Message to init.
+ *
+ * @return zero(0) on success or (-1) in case of nullptr argument.
+ */
+int sd_bus_input_fuel_injected_init(struct sd_bus_input_fuel_injected_t *msg_p);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint32_t sd_bus_input_fuel_injected_tick_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_input_fuel_injected_tick_decode(uint32_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_fuel_injected_tick_is_in_range(uint32_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_fuel_injected_tick_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_input_fuel_injected_value_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_input_fuel_injected_value_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_fuel_injected_value_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_fuel_injected_value_is_in_phys_range(double value);
+
+/**
+ * Pack message input_fuel_level.
+ *
+ * @param[out] dst_p Buffer to pack the message into.
+ * @param[in] src_p Data to pack.
+ * @param[in] size Size of dst_p.
+ *
+ * @return Size of packed data, or negative error code.
+ */
+int sd_bus_input_fuel_level_pack(
+    uint8_t *dst_p,
+    const struct sd_bus_input_fuel_level_t *src_p,
+    size_t size);
+
+/**
+ * Unpack message input_fuel_level.
+ *
+ * @param[out] dst_p Object to unpack the message into.
+ * @param[in] src_p Message to unpack.
+ * @param[in] size Size of src_p.
+ *
+ * @return zero(0) or negative error code.
+ */
+int sd_bus_input_fuel_level_unpack(
+    struct sd_bus_input_fuel_level_t *dst_p,
+    const uint8_t *src_p,
+    size_t size);
+
+/**
+ * Init message fields to default values from input_fuel_level.
+ *
+ * @param[in] msg_p Message to init.
+ *
+ * @return zero(0) on success or (-1) in case of nullptr argument.
+ */
+int sd_bus_input_fuel_level_init(struct sd_bus_input_fuel_level_t *msg_p);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint32_t sd_bus_input_fuel_level_tick_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_input_fuel_level_tick_decode(uint32_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_fuel_level_tick_is_in_range(uint32_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_fuel_level_tick_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_input_fuel_level_value_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_input_fuel_level_value_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_fuel_level_value_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_fuel_level_value_is_in_phys_range(double value);
+
+/**
+ * Pack message input_driveline_shift.
+ *
+ * @param[out] dst_p Buffer to pack the message into.
+ * @param[in] src_p Data to pack.
+ * @param[in] size Size of dst_p.
+ *
+ * @return Size of packed data, or negative error code.
+ */
+int sd_bus_input_driveline_shift_pack(
+    uint8_t *dst_p,
+    const struct sd_bus_input_driveline_shift_t *src_p,
+    size_t size);
+
+/**
+ * Unpack message input_driveline_shift.
+ *
+ * @param[out] dst_p Object to unpack the message into.
+ * @param[in] src_p Message to unpack.
+ * @param[in] size Size of src_p.
+ *
+ * @return zero(0) or negative error code.
+ */
+int sd_bus_input_driveline_shift_unpack(
+    struct sd_bus_input_driveline_shift_t *dst_p,
+    const uint8_t *src_p,
+    size_t size);
+
+/**
+ * Init message fields to default values from input_driveline_shift.
+ *
+ * @param[in] msg_p Message to init.
+ *
+ * @return zero(0) on success or (-1) in case of nullptr argument.
+ */
+int sd_bus_input_driveline_shift_init(struct sd_bus_input_driveline_shift_t *msg_p);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint32_t sd_bus_input_driveline_shift_tick_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_input_driveline_shift_tick_decode(uint32_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_driveline_shift_tick_is_in_range(uint32_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_driveline_shift_tick_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_input_driveline_shift_value_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_input_driveline_shift_value_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_driveline_shift_value_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_driveline_shift_value_is_in_phys_range(double value);
+
+/**
+ * Pack message input_exhaust_lambda.
+ *
+ * @param[out] dst_p Buffer to pack the message into.
+ * @param[in] src_p Data to pack.
+ * @param[in] size Size of dst_p.
+ *
+ * @return Size of packed data, or negative error code.
+ */
+int sd_bus_input_exhaust_lambda_pack(
+    uint8_t *dst_p,
+    const struct sd_bus_input_exhaust_lambda_t *src_p,
+    size_t size);
+
+/**
+ * Unpack message input_exhaust_lambda.
+ *
+ * @param[out] dst_p Object to unpack the message into.
+ * @param[in] src_p Message to unpack.
+ * @param[in] size Size of src_p.
+ *
+ * @return zero(0) or negative error code.
+ */
+int sd_bus_input_exhaust_lambda_unpack(
+    struct sd_bus_input_exhaust_lambda_t *dst_p,
+    const uint8_t *src_p,
+    size_t size);
+
+/**
+ * Init message fields to default values from input_exhaust_lambda.
+ *
+ * @param[in] msg_p Message to init.
+ *
+ * @return zero(0) on success or (-1) in case of nullptr argument.
+ */
+int sd_bus_input_exhaust_lambda_init(struct sd_bus_input_exhaust_lambda_t *msg_p);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint32_t sd_bus_input_exhaust_lambda_tick_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_input_exhaust_lambda_tick_decode(uint32_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_exhaust_lambda_tick_is_in_range(uint32_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_exhaust_lambda_tick_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_input_exhaust_lambda_value_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_input_exhaust_lambda_value_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_exhaust_lambda_value_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_exhaust_lambda_value_is_in_phys_range(double value);
+
+/**
+ * Pack message input_exhaust_pressure.
+ *
+ * @param[out] dst_p Buffer to pack the message into.
+ * @param[in] src_p Data to pack.
+ * @param[in] size Size of dst_p.
+ *
+ * @return Size of packed data, or negative error code.
+ */
+int sd_bus_input_exhaust_pressure_pack(
+    uint8_t *dst_p,
+    const struct sd_bus_input_exhaust_pressure_t *src_p,
+    size_t size);
+
+/**
+ * Unpack message input_exhaust_pressure.
+ *
+ * @param[out] dst_p Object to unpack the message into.
+ * @param[in] src_p Message to unpack.
+ * @param[in] size Size of src_p.
+ *
+ * @return zero(0) or negative error code.
+ */
+int sd_bus_input_exhaust_pressure_unpack(
+    struct sd_bus_input_exhaust_pressure_t *dst_p,
+    const uint8_t *src_p,
+    size_t size);
+
+/**
+ * Init message fields to default values from input_exhaust_pressure.
+ *
+ * @param[in] msg_p Message to init.
+ *
+ * @return zero(0) on success or (-1) in case of nullptr argument.
+ */
+int sd_bus_input_exhaust_pressure_init(struct sd_bus_input_exhaust_pressure_t *msg_p);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint32_t sd_bus_input_exhaust_pressure_tick_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_input_exhaust_pressure_tick_decode(uint32_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_exhaust_pressure_tick_is_in_range(uint32_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_exhaust_pressure_tick_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_input_exhaust_pressure_value_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_input_exhaust_pressure_value_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_exhaust_pressure_value_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_exhaust_pressure_value_is_in_phys_range(double value);
+
+/**
+ * Pack message input_balance_enable.
+ *
+ * @param[out] dst_p Buffer to pack the message into.
+ * @param[in] src_p Data to pack.
+ * @param[in] size Size of dst_p.
+ *
+ * @return Size of packed data, or negative error code.
+ */
+int sd_bus_input_balance_enable_pack(
+    uint8_t *dst_p,
+    const struct sd_bus_input_balance_enable_t *src_p,
+    size_t size);
+
+/**
+ * Unpack message input_balance_enable.
+ *
+ * @param[out] dst_p Object to unpack the message into.
+ * @param[in] src_p Message to unpack.
+ * @param[in] size Size of src_p.
+ *
+ * @return zero(0) or negative error code.
+ */
+int sd_bus_input_balance_enable_unpack(
+    struct sd_bus_input_balance_enable_t *dst_p,
+    const uint8_t *src_p,
+    size_t size);
+
+/**
+ * Init message fields to default values from input_balance_enable.
+ *
+ * @param[in] msg_p Message to init.
+ *
+ * @return zero(0) on success or (-1) in case of nullptr argument.
+ */
+int sd_bus_input_balance_enable_init(struct sd_bus_input_balance_enable_t *msg_p);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint32_t sd_bus_input_balance_enable_tick_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_input_balance_enable_tick_decode(uint32_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_balance_enable_tick_is_in_range(uint32_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_balance_enable_tick_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_input_balance_enable_value_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_input_balance_enable_value_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_balance_enable_value_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_balance_enable_value_is_in_phys_range(double value);
 
 /**
  * Pack message truth_edge.

@@ -5,14 +5,18 @@
 #include "sd_bus.h"
 #include "sd_row.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 static inline void sd_bus_edge_from_row(struct sd_bus_edge_t *m, const sd_row_t *row) {
     m->tick = (uint32_t)row->tick;
-    m->crank_health = row->health[SD_OWNER_CRANK];
-    m->crank_why = row->why[SD_OWNER_CRANK];
-    m->torque_health = row->health[SD_OWNER_TORQUE];
-    m->torque_why = row->why[SD_OWNER_TORQUE];
-    m->firing_health = row->health[SD_OWNER_FIRING];
-    m->firing_why = row->why[SD_OWNER_FIRING];
+    m->crank_health = (uint8_t)row->health[SD_OWNER_CRANK];
+    m->crank_why = (uint16_t)row->why[SD_OWNER_CRANK];
+    m->torque_health = (uint8_t)row->health[SD_OWNER_TORQUE];
+    m->torque_why = (uint16_t)row->why[SD_OWNER_TORQUE];
+    m->firing_health = (uint8_t)row->health[SD_OWNER_FIRING];
+    m->firing_why = (uint16_t)row->why[SD_OWNER_FIRING];
     m->crank_edge_class = row->value[0];
     m->crank_tooth = row->value[1];
     m->crank_angle = row->value[2];
@@ -42,10 +46,10 @@ static inline void sd_bus_edge_to_row(sd_row_t *row, const struct sd_bus_edge_t 
 
 static inline void sd_bus_cycle_1_from_row(struct sd_bus_cycle_1_t *m, const sd_row_t *row) {
     m->tick = (uint32_t)row->tick;
-    m->crank_health = row->health[SD_OWNER_CRANK];
-    m->crank_why = row->why[SD_OWNER_CRANK];
-    m->cylinder_health = row->health[SD_OWNER_CYLINDER];
-    m->cylinder_why = row->why[SD_OWNER_CYLINDER];
+    m->crank_health = (uint8_t)row->health[SD_OWNER_CRANK];
+    m->crank_why = (uint16_t)row->why[SD_OWNER_CRANK];
+    m->cylinder_health = (uint8_t)row->health[SD_OWNER_CYLINDER];
+    m->cylinder_why = (uint16_t)row->why[SD_OWNER_CYLINDER];
     m->cycle_speed = row->value[8];
     m->cycle_cylinder_torque_1 = row->value[9];
     m->cycle_cylinder_torque_2 = row->value[10];
@@ -82,12 +86,12 @@ static inline void sd_bus_cycle_1_to_row(sd_row_t *row, const struct sd_bus_cycl
 
 static inline void sd_bus_cycle_2_from_row(struct sd_bus_cycle_2_t *m, const sd_row_t *row) {
     m->tick = (uint32_t)row->tick;
-    m->cylinder_health = row->health[SD_OWNER_CYLINDER];
-    m->cylinder_why = row->why[SD_OWNER_CYLINDER];
-    m->crank_health = row->health[SD_OWNER_CRANK];
-    m->crank_why = row->why[SD_OWNER_CRANK];
-    m->afr_health = row->health[SD_OWNER_AFR];
-    m->afr_why = row->why[SD_OWNER_AFR];
+    m->cylinder_health = (uint8_t)row->health[SD_OWNER_CYLINDER];
+    m->cylinder_why = (uint16_t)row->why[SD_OWNER_CYLINDER];
+    m->crank_health = (uint8_t)row->health[SD_OWNER_CRANK];
+    m->crank_why = (uint16_t)row->why[SD_OWNER_CRANK];
+    m->afr_health = (uint8_t)row->health[SD_OWNER_AFR];
+    m->afr_why = (uint16_t)row->why[SD_OWNER_AFR];
     m->cycle_cylinder_sd_5 = row->value[21];
     m->cycle_cylinder_sd_6 = row->value[22];
     m->cycle_cylinder_sd_7 = row->value[23];
@@ -123,8 +127,8 @@ static inline void sd_bus_cycle_2_to_row(sd_row_t *row, const struct sd_bus_cycl
 
 static inline void sd_bus_cycle_3_from_row(struct sd_bus_cycle_3_t *m, const sd_row_t *row) {
     m->tick = (uint32_t)row->tick;
-    m->afr_health = row->health[SD_OWNER_AFR];
-    m->afr_why = row->why[SD_OWNER_AFR];
+    m->afr_health = (uint8_t)row->health[SD_OWNER_AFR];
+    m->afr_why = (uint16_t)row->why[SD_OWNER_AFR];
     m->afr_cylinder_burned_7 = row->value[40];
     m->afr_cylinder_burned_8 = row->value[41];
     m->afr_cylinder_sd_1 = row->value[42];
@@ -162,12 +166,12 @@ static inline void sd_bus_cycle_3_to_row(sd_row_t *row, const struct sd_bus_cycl
 
 static inline void sd_bus_cycle_4_from_row(struct sd_bus_cycle_4_t *m, const sd_row_t *row) {
     m->tick = (uint32_t)row->tick;
-    m->afr_health = row->health[SD_OWNER_AFR];
-    m->afr_why = row->why[SD_OWNER_AFR];
-    m->balance_health = row->health[SD_OWNER_BALANCE];
-    m->balance_why = row->why[SD_OWNER_BALANCE];
-    m->misfire_health = row->health[SD_OWNER_MISFIRE];
-    m->misfire_why = row->why[SD_OWNER_MISFIRE];
+    m->afr_health = (uint8_t)row->health[SD_OWNER_AFR];
+    m->afr_why = (uint16_t)row->why[SD_OWNER_AFR];
+    m->balance_health = (uint8_t)row->health[SD_OWNER_BALANCE];
+    m->balance_why = (uint16_t)row->why[SD_OWNER_BALANCE];
+    m->misfire_health = (uint8_t)row->health[SD_OWNER_MISFIRE];
+    m->misfire_why = (uint16_t)row->why[SD_OWNER_MISFIRE];
     m->afr_probing = row->value[54];
     m->balance_trim_1 = row->value[55];
     m->balance_trim_2 = row->value[56];
@@ -203,8 +207,8 @@ static inline void sd_bus_cycle_4_to_row(sd_row_t *row, const struct sd_bus_cycl
 
 static inline void sd_bus_cycle_5_from_row(struct sd_bus_cycle_5_t *m, const sd_row_t *row) {
     m->tick = (uint32_t)row->tick;
-    m->misfire_health = row->health[SD_OWNER_MISFIRE];
-    m->misfire_why = row->why[SD_OWNER_MISFIRE];
+    m->misfire_health = (uint8_t)row->health[SD_OWNER_MISFIRE];
+    m->misfire_why = (uint16_t)row->why[SD_OWNER_MISFIRE];
     m->misfire_rate_200_4 = row->value[72];
     m->misfire_rate_200_5 = row->value[73];
     m->misfire_rate_200_6 = row->value[74];
@@ -242,8 +246,8 @@ static inline void sd_bus_cycle_5_to_row(sd_row_t *row, const struct sd_bus_cycl
 
 static inline void sd_bus_cycle_6_from_row(struct sd_bus_cycle_6_t *m, const sd_row_t *row) {
     m->tick = (uint32_t)row->tick;
-    m->misfire_health = row->health[SD_OWNER_MISFIRE];
-    m->misfire_why = row->why[SD_OWNER_MISFIRE];
+    m->misfire_health = (uint8_t)row->health[SD_OWNER_MISFIRE];
+    m->misfire_why = (uint16_t)row->why[SD_OWNER_MISFIRE];
     m->misfire_suspects = row->value[86];
     m->misfire_lamp = row->value[87];
     m->misfire_count = row->value[88];
@@ -261,10 +265,10 @@ static inline void sd_bus_cycle_6_to_row(sd_row_t *row, const struct sd_bus_cycl
 
 static inline void sd_bus_firing_from_row(struct sd_bus_firing_t *m, const sd_row_t *row) {
     m->tick = (uint32_t)row->tick;
-    m->firing_health = row->health[SD_OWNER_FIRING];
-    m->firing_why = row->why[SD_OWNER_FIRING];
-    m->misfire_health = row->health[SD_OWNER_MISFIRE];
-    m->misfire_why = row->why[SD_OWNER_MISFIRE];
+    m->firing_health = (uint8_t)row->health[SD_OWNER_FIRING];
+    m->firing_why = (uint16_t)row->why[SD_OWNER_FIRING];
+    m->misfire_health = (uint8_t)row->health[SD_OWNER_MISFIRE];
+    m->misfire_why = (uint16_t)row->why[SD_OWNER_MISFIRE];
     m->firing_cylinder = row->value[28];
     m->firing_torque = row->value[29];
     m->firing_sd = row->value[30];
@@ -297,8 +301,29 @@ static inline void sd_bus_firing_to_row(sd_row_t *row, const struct sd_bus_firin
     sd_row_put(row, 68, m->misfire_cylinder);
 }
 
-#define SD_BUS_INPUTS_FIRST 0xa8u
-#define SD_BUS_INPUTS_END   0xafu /* the identifier after the last input's */
+static inline void sd_bus_task_from_row(struct sd_bus_task_t *m, const sd_row_t *row) {
+    m->tick = (uint32_t)row->tick;
+    m->inputs_health = (uint8_t)row->health[SD_OWNER_INPUTS];
+    m->inputs_why = (uint16_t)row->why[SD_OWNER_INPUTS];
+    m->inputs_stale_1 = row->value[90];
+    m->inputs_stale_2 = row->value[91];
+    m->inputs_missing_1 = row->value[92];
+    m->inputs_missing_2 = row->value[93];
+}
+
+static inline void sd_bus_task_to_row(sd_row_t *row, const struct sd_bus_task_t *m) {
+    sd_row_begin(row, (uint32_t)m->tick, SD_RATE_TASK);
+    sd_row_status(row, SD_OWNER_INPUTS, (uint8_t)m->inputs_health, (uint16_t)m->inputs_why);
+    sd_row_put(row, 90, m->inputs_stale_1);
+    sd_row_put(row, 91, m->inputs_stale_2);
+    sd_row_put(row, 92, m->inputs_missing_1);
+    sd_row_put(row, 93, m->inputs_missing_2);
+}
+
+#define SD_BUS_INPUTS_FIRST 0xd0u
+#define SD_BUS_INPUTS_END   0xd7u /* the identifier after the last input's */
+#define SD_BUS_ROW_FRAMES   6u /* of the longest row */
+#define SD_BUS_WHEELS       14u /* whose edges a teeth frame can carry */
 
 /* How many bytes frame `part` of a row of `rate` takes, its identifier in *id; 0 when there is no such part. */
 static inline uint32_t sd_bus_row_pack(const sd_row_t *row, uint32_t part, uint32_t *id, uint8_t bytes[64]) {
@@ -350,6 +375,12 @@ static inline uint32_t sd_bus_row_pack(const sd_row_t *row, uint32_t part, uint3
         sd_bus_firing_from_row(&m, row);
         *id = SD_BUS_FIRING_FRAME_ID;
         return (uint32_t)sd_bus_firing_pack(bytes, &m, 64);
+    }
+    if ((row->rate == SD_RATE_TASK) && (at++ == part)) {
+        struct sd_bus_task_t m;
+        sd_bus_task_from_row(&m, row);
+        *id = SD_BUS_TASK_FRAME_ID;
+        return (uint32_t)sd_bus_task_pack(bytes, &m, 64);
     }
     return 0;
 }
@@ -404,7 +435,16 @@ static inline int sd_bus_row_unpack(sd_row_t *row, uint32_t id, const uint8_t *b
         sd_bus_firing_to_row(row, &m);
         return 1;
     }
+    if (id == SD_BUS_TASK_FRAME_ID) {
+        struct sd_bus_task_t m;
+        if ((size != SD_BUS_TASK_LENGTH) || (sd_bus_task_unpack(&m, bytes, size) != 0)) { return -1; }
+        sd_bus_task_to_row(row, &m);
+        return 1;
+    }
     return 0;
 }
 
+#ifdef __cplusplus
+}
+#endif
 #endif

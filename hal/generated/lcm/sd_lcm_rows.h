@@ -2,11 +2,16 @@
 /* SPDX-License-Identifier: MIT */
 #ifndef SD_LCM_ROWS_H
 #define SD_LCM_ROWS_H
-
-#include "sixdeg_firing_t.h"
-#include "sixdeg_cycle_t.h"
 #include "sixdeg_edge_t.h"
+#include "sixdeg_cycle_t.h"
+#include "sixdeg_firing_t.h"
+#include "sixdeg_task_t.h"
+#include "sixdeg_outputs_t.h"
 #include "sd_row.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
 
 static inline void sd_lcm_edge_from_row(sixdeg_edge_t *m, const sd_row_t *row) {
     m->tick = (int32_t)row->tick;
@@ -242,4 +247,116 @@ static inline void sd_lcm_firing_to_row(sd_row_t *row, const sixdeg_firing_t *m)
     sd_row_put(row, 68, m->misfire_cylinder);
 }
 
+static inline void sd_lcm_task_from_row(sixdeg_task_t *m, const sd_row_t *row) {
+    m->tick = (int32_t)row->tick;
+    m->inputs_health = (int8_t)row->health[SD_OWNER_INPUTS];
+    m->inputs_why = (int16_t)row->why[SD_OWNER_INPUTS];
+    m->inputs_stale_1 = row->value[90];
+    m->inputs_stale_2 = row->value[91];
+    m->inputs_missing_1 = row->value[92];
+    m->inputs_missing_2 = row->value[93];
+}
+
+static inline void sd_lcm_task_to_row(sd_row_t *row, const sixdeg_task_t *m) {
+    sd_row_begin(row, (uint32_t)m->tick, SD_RATE_TASK);
+    sd_row_status(row, SD_OWNER_INPUTS, (uint8_t)m->inputs_health, (uint16_t)m->inputs_why);
+    sd_row_put(row, 90, m->inputs_stale_1);
+    sd_row_put(row, 91, m->inputs_stale_2);
+    sd_row_put(row, 92, m->inputs_missing_1);
+    sd_row_put(row, 93, m->inputs_missing_2);
+}
+
+#define SD_LCM_ROWS 512 /* of a rate in one message; beyond it a message goes early */
+
+/* What goes out with the next message. */
+typedef struct sd_lcm_rows {
+    sixdeg_edge_t edge[SD_LCM_ROWS];
+    sixdeg_cycle_t cycle[SD_LCM_ROWS];
+    sixdeg_firing_t firing[SD_LCM_ROWS];
+    sixdeg_task_t task[SD_LCM_ROWS];
+    int32_t count[SD_RATE_COUNT];
+    int32_t places; /* Rows in all. */
+} sd_lcm_rows_t;
+
+/* 1: the row has joined the others; 0: there is no room. */
+static inline int sd_lcm_rows_add(sd_lcm_rows_t *self, const sd_row_t *row) {
+    if ((row->rate >= SD_RATE_COUNT) || (self->count[row->rate] >= SD_LCM_ROWS)) { return 0; }
+    const int32_t at = self->count[row->rate]++;
+    if (row->rate == SD_RATE_EDGE) {
+        sd_lcm_edge_from_row(&self->edge[at], row);
+        self->edge[at].place = self->places;
+    }
+    if (row->rate == SD_RATE_CYCLE) {
+        sd_lcm_cycle_from_row(&self->cycle[at], row);
+        self->cycle[at].place = self->places;
+    }
+    if (row->rate == SD_RATE_FIRING) {
+        sd_lcm_firing_from_row(&self->firing[at], row);
+        self->firing[at].place = self->places;
+    }
+    if (row->rate == SD_RATE_TASK) {
+        sd_lcm_task_from_row(&self->task[at], row);
+        self->task[at].place = self->places;
+    }
+    self->places++;
+    return 1;
+}
+
+/* 1: of some rate there is no room for another row. */
+static inline int sd_lcm_rows_full(const sd_lcm_rows_t *self) {
+    for (uint32_t rate = 0; rate < SD_RATE_COUNT; ++rate) {
+        if (self->count[rate] >= SD_LCM_ROWS) { return 1; }
+    }
+    return 0;
+}
+
+static inline void sd_lcm_rows_clear(sd_lcm_rows_t *self) {
+    memset(self->count, 0, sizeof self->count);
+    self->places = 0;
+}
+
+/* The message points into *self. */
+static inline void sd_lcm_rows_to_message(sixdeg_outputs_t *m, sd_lcm_rows_t *self) {
+    m->edges = self->count[SD_RATE_EDGE];
+    m->edge = self->edge;
+    m->cycles = self->count[SD_RATE_CYCLE];
+    m->cycle = self->cycle;
+    m->firings = self->count[SD_RATE_FIRING];
+    m->firing = self->firing;
+    m->tasks = self->count[SD_RATE_TASK];
+    m->task = self->task;
+}
+
+/* 1: *row is the next one of the message by its place; taken[], zero to begin, counts those handed out of each rate. 0: that was all. */
+static inline int sd_lcm_rows_next(sd_row_t *row, const sixdeg_outputs_t *m, int32_t taken[SD_RATE_COUNT]) {
+    int32_t place = 0;
+    uint32_t next = SD_RATE_COUNT;
+    if ((taken[SD_RATE_EDGE] < m->edges) && ((next == SD_RATE_COUNT) || (m->edge[taken[SD_RATE_EDGE]].place < place))) {
+        place = m->edge[taken[SD_RATE_EDGE]].place;
+        next = SD_RATE_EDGE;
+    }
+    if ((taken[SD_RATE_CYCLE] < m->cycles) && ((next == SD_RATE_COUNT) || (m->cycle[taken[SD_RATE_CYCLE]].place < place))) {
+        place = m->cycle[taken[SD_RATE_CYCLE]].place;
+        next = SD_RATE_CYCLE;
+    }
+    if ((taken[SD_RATE_FIRING] < m->firings) && ((next == SD_RATE_COUNT) || (m->firing[taken[SD_RATE_FIRING]].place < place))) {
+        place = m->firing[taken[SD_RATE_FIRING]].place;
+        next = SD_RATE_FIRING;
+    }
+    if ((taken[SD_RATE_TASK] < m->tasks) && ((next == SD_RATE_COUNT) || (m->task[taken[SD_RATE_TASK]].place < place))) {
+        place = m->task[taken[SD_RATE_TASK]].place;
+        next = SD_RATE_TASK;
+    }
+    if (next == SD_RATE_EDGE) { sd_lcm_edge_to_row(row, &m->edge[taken[SD_RATE_EDGE]]); }
+    if (next == SD_RATE_CYCLE) { sd_lcm_cycle_to_row(row, &m->cycle[taken[SD_RATE_CYCLE]]); }
+    if (next == SD_RATE_FIRING) { sd_lcm_firing_to_row(row, &m->firing[taken[SD_RATE_FIRING]]); }
+    if (next == SD_RATE_TASK) { sd_lcm_task_to_row(row, &m->task[taken[SD_RATE_TASK]]); }
+    if (next == SD_RATE_COUNT) { return 0; }
+    taken[next]++;
+    return 1;
+}
+
+#ifdef __cplusplus
+}
+#endif
 #endif

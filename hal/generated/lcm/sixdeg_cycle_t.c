@@ -23,7 +23,8 @@ uint64_t __sixdeg_cycle_t_hash_recursive(const __lcm_hash_ptr *p)
     cp.v = (void*)__sixdeg_cycle_t_get_hash;
     (void) cp;
 
-    uint64_t hash = (uint64_t)0x84f04bdef5da901eLL
+    uint64_t hash = (uint64_t)0x9fe525b3bc12811aLL
+         + __int32_t_hash_recursive(&cp)
          + __int32_t_hash_recursive(&cp)
          + __int8_t_hash_recursive(&cp)
          + __int16_t_hash_recursive(&cp)
@@ -127,6 +128,9 @@ int __sixdeg_cycle_t_encode_array(void *buf, int offset, int maxlen, const sixde
     for (element = 0; element < elements; element++) {
 
         thislen = __int32_t_encode_array(buf, offset + pos, maxlen - pos, &(p[element].tick), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __int32_t_encode_array(buf, offset + pos, maxlen - pos, &(p[element].place), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
         thislen = __int8_t_encode_array(buf, offset + pos, maxlen - pos, &(p[element].crank_health), 1);
@@ -391,6 +395,8 @@ int __sixdeg_cycle_t_encoded_array_size(const sixdeg_cycle_t *p, int elements)
 
         size += __int32_t_encoded_array_size(&(p[element].tick), 1);
 
+        size += __int32_t_encoded_array_size(&(p[element].place), 1);
+
         size += __int8_t_encoded_array_size(&(p[element].crank_health), 1);
 
         size += __int16_t_encoded_array_size(&(p[element].crank_why), 1);
@@ -565,6 +571,9 @@ int __sixdeg_cycle_t_decode_array(const void *buf, int offset, int maxlen, sixde
     for (element = 0; element < elements; element++) {
 
         thislen = __int32_t_decode_array(buf, offset + pos, maxlen - pos, &(p[element].tick), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __int32_t_decode_array(buf, offset + pos, maxlen - pos, &(p[element].place), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
         thislen = __int8_t_decode_array(buf, offset + pos, maxlen - pos, &(p[element].crank_health), 1);
@@ -815,6 +824,8 @@ int __sixdeg_cycle_t_decode_array_cleanup(sixdeg_cycle_t *p, int elements)
 
         __int32_t_decode_array_cleanup(&(p[element].tick), 1);
 
+        __int32_t_decode_array_cleanup(&(p[element].place), 1);
+
         __int8_t_decode_array_cleanup(&(p[element].crank_health), 1);
 
         __int16_t_decode_array_cleanup(&(p[element].crank_why), 1);
@@ -1004,6 +1015,8 @@ int __sixdeg_cycle_t_clone_array(const sixdeg_cycle_t *p, sixdeg_cycle_t *q, int
     for (element = 0; element < elements; element++) {
 
         __int32_t_clone_array(&(p[element].tick), &(q[element].tick), 1);
+
+        __int32_t_clone_array(&(p[element].place), &(q[element].place), 1);
 
         __int8_t_clone_array(&(p[element].crank_health), &(q[element].crank_health), 1);
 

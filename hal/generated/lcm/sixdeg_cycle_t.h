@@ -21,6 +21,7 @@ typedef struct _sixdeg_cycle_t sixdeg_cycle_t;
 struct _sixdeg_cycle_t
 {
     int32_t    tick;
+    int32_t    place;
     int8_t     crank_health;
     int16_t    crank_why;
     int8_t     cylinder_health;

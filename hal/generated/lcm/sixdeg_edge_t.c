@@ -23,7 +23,8 @@ uint64_t __sixdeg_edge_t_hash_recursive(const __lcm_hash_ptr *p)
     cp.v = (void*)__sixdeg_edge_t_get_hash;
     (void) cp;
 
-    uint64_t hash = (uint64_t)0x12350f5b1fe2169dLL
+    uint64_t hash = (uint64_t)0x06aca3542fb1b4feLL
+         + __int32_t_hash_recursive(&cp)
          + __int32_t_hash_recursive(&cp)
          + __int8_t_hash_recursive(&cp)
          + __int16_t_hash_recursive(&cp)
@@ -63,6 +64,9 @@ int __sixdeg_edge_t_encode_array(void *buf, int offset, int maxlen, const sixdeg
     for (element = 0; element < elements; element++) {
 
         thislen = __int32_t_encode_array(buf, offset + pos, maxlen - pos, &(p[element].tick), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __int32_t_encode_array(buf, offset + pos, maxlen - pos, &(p[element].place), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
         thislen = __int8_t_encode_array(buf, offset + pos, maxlen - pos, &(p[element].crank_health), 1);
@@ -135,6 +139,8 @@ int __sixdeg_edge_t_encoded_array_size(const sixdeg_edge_t *p, int elements)
 
         size += __int32_t_encoded_array_size(&(p[element].tick), 1);
 
+        size += __int32_t_encoded_array_size(&(p[element].place), 1);
+
         size += __int8_t_encoded_array_size(&(p[element].crank_health), 1);
 
         size += __int16_t_encoded_array_size(&(p[element].crank_why), 1);
@@ -181,6 +187,9 @@ int __sixdeg_edge_t_decode_array(const void *buf, int offset, int maxlen, sixdeg
     for (element = 0; element < elements; element++) {
 
         thislen = __int32_t_decode_array(buf, offset + pos, maxlen - pos, &(p[element].tick), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __int32_t_decode_array(buf, offset + pos, maxlen - pos, &(p[element].place), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
         thislen = __int8_t_decode_array(buf, offset + pos, maxlen - pos, &(p[element].crank_health), 1);
@@ -238,6 +247,8 @@ int __sixdeg_edge_t_decode_array_cleanup(sixdeg_edge_t *p, int elements)
     for (element = 0; element < elements; element++) {
 
         __int32_t_decode_array_cleanup(&(p[element].tick), 1);
+
+        __int32_t_decode_array_cleanup(&(p[element].place), 1);
 
         __int8_t_decode_array_cleanup(&(p[element].crank_health), 1);
 
@@ -300,6 +311,8 @@ int __sixdeg_edge_t_clone_array(const sixdeg_edge_t *p, sixdeg_edge_t *q, int el
     for (element = 0; element < elements; element++) {
 
         __int32_t_clone_array(&(p[element].tick), &(q[element].tick), 1);
+
+        __int32_t_clone_array(&(p[element].place), &(q[element].place), 1);
 
         __int8_t_clone_array(&(p[element].crank_health), &(q[element].crank_health), 1);
 

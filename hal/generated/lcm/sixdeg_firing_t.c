@@ -23,7 +23,8 @@ uint64_t __sixdeg_firing_t_hash_recursive(const __lcm_hash_ptr *p)
     cp.v = (void*)__sixdeg_firing_t_get_hash;
     (void) cp;
 
-    uint64_t hash = (uint64_t)0xb42ddc94cd858058LL
+    uint64_t hash = (uint64_t)0x1469f1d2fe251db9LL
+         + __int32_t_hash_recursive(&cp)
          + __int32_t_hash_recursive(&cp)
          + __int8_t_hash_recursive(&cp)
          + __int16_t_hash_recursive(&cp)
@@ -64,6 +65,9 @@ int __sixdeg_firing_t_encode_array(void *buf, int offset, int maxlen, const sixd
     for (element = 0; element < elements; element++) {
 
         thislen = __int32_t_encode_array(buf, offset + pos, maxlen - pos, &(p[element].tick), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __int32_t_encode_array(buf, offset + pos, maxlen - pos, &(p[element].place), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
         thislen = __int8_t_encode_array(buf, offset + pos, maxlen - pos, &(p[element].firing_health), 1);
@@ -139,6 +143,8 @@ int __sixdeg_firing_t_encoded_array_size(const sixdeg_firing_t *p, int elements)
 
         size += __int32_t_encoded_array_size(&(p[element].tick), 1);
 
+        size += __int32_t_encoded_array_size(&(p[element].place), 1);
+
         size += __int8_t_encoded_array_size(&(p[element].firing_health), 1);
 
         size += __int16_t_encoded_array_size(&(p[element].firing_why), 1);
@@ -187,6 +193,9 @@ int __sixdeg_firing_t_decode_array(const void *buf, int offset, int maxlen, sixd
     for (element = 0; element < elements; element++) {
 
         thislen = __int32_t_decode_array(buf, offset + pos, maxlen - pos, &(p[element].tick), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __int32_t_decode_array(buf, offset + pos, maxlen - pos, &(p[element].place), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
         thislen = __int8_t_decode_array(buf, offset + pos, maxlen - pos, &(p[element].firing_health), 1);
@@ -247,6 +256,8 @@ int __sixdeg_firing_t_decode_array_cleanup(sixdeg_firing_t *p, int elements)
     for (element = 0; element < elements; element++) {
 
         __int32_t_decode_array_cleanup(&(p[element].tick), 1);
+
+        __int32_t_decode_array_cleanup(&(p[element].place), 1);
 
         __int8_t_decode_array_cleanup(&(p[element].firing_health), 1);
 
@@ -311,6 +322,8 @@ int __sixdeg_firing_t_clone_array(const sixdeg_firing_t *p, sixdeg_firing_t *q, 
     for (element = 0; element < elements; element++) {
 
         __int32_t_clone_array(&(p[element].tick), &(q[element].tick), 1);
+
+        __int32_t_clone_array(&(p[element].place), &(q[element].place), 1);
 
         __int8_t_clone_array(&(p[element].firing_health), &(q[element].firing_health), 1);
 

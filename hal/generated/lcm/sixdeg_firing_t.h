@@ -21,6 +21,7 @@ typedef struct _sixdeg_firing_t sixdeg_firing_t;
 struct _sixdeg_firing_t
 {
     int32_t    tick;
+    int32_t    place;
     int8_t     firing_health;
     int16_t    firing_why;
     int8_t     misfire_health;

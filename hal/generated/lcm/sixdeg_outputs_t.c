@@ -23,7 +23,8 @@ uint64_t __sixdeg_outputs_t_hash_recursive(const __lcm_hash_ptr *p)
     cp.v = (void*)__sixdeg_outputs_t_get_hash;
     (void) cp;
 
-    uint64_t hash = (uint64_t)0xb84d837318f5e9d7LL
+    uint64_t hash = (uint64_t)0xa38feecac583378aLL
+         + __int32_t_hash_recursive(&cp)
          + __int32_t_hash_recursive(&cp)
          + __int32_t_hash_recursive(&cp)
          + __int32_t_hash_recursive(&cp)
@@ -35,6 +36,7 @@ uint64_t __sixdeg_outputs_t_hash_recursive(const __lcm_hash_ptr *p)
          + __sixdeg_edge_t_hash_recursive(&cp)
          + __sixdeg_cycle_t_hash_recursive(&cp)
          + __sixdeg_firing_t_hash_recursive(&cp)
+         + __sixdeg_task_t_hash_recursive(&cp)
         ;
 
     return (hash<<1) + ((hash>>63)&1);
@@ -66,6 +68,9 @@ int __sixdeg_outputs_t_encode_array(void *buf, int offset, int maxlen, const six
         thislen = __int32_t_encode_array(buf, offset + pos, maxlen - pos, &(p[element].firings), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
+        thislen = __int32_t_encode_array(buf, offset + pos, maxlen - pos, &(p[element].tasks), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
         thislen = __int32_t_encode_array(buf, offset + pos, maxlen - pos, &(p[element].done), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
@@ -88,6 +93,9 @@ int __sixdeg_outputs_t_encode_array(void *buf, int offset, int maxlen, const six
         if (thislen < 0) return thislen; else pos += thislen;
 
         thislen = __sixdeg_firing_t_encode_array(buf, offset + pos, maxlen - pos, p[element].firing, p[element].firings);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __sixdeg_task_t_encode_array(buf, offset + pos, maxlen - pos, p[element].task, p[element].tasks);
         if (thislen < 0) return thislen; else pos += thislen;
 
     }
@@ -119,6 +127,8 @@ int __sixdeg_outputs_t_encoded_array_size(const sixdeg_outputs_t *p, int element
 
         size += __int32_t_encoded_array_size(&(p[element].firings), 1);
 
+        size += __int32_t_encoded_array_size(&(p[element].tasks), 1);
+
         size += __int32_t_encoded_array_size(&(p[element].done), 1);
 
         size += __int32_t_encoded_array_size(&(p[element].tick), 1);
@@ -134,6 +144,8 @@ int __sixdeg_outputs_t_encoded_array_size(const sixdeg_outputs_t *p, int element
         size += __sixdeg_cycle_t_encoded_array_size(p[element].cycle, p[element].cycles);
 
         size += __sixdeg_firing_t_encoded_array_size(p[element].firing, p[element].firings);
+
+        size += __sixdeg_task_t_encoded_array_size(p[element].task, p[element].tasks);
 
     }
     return size;
@@ -157,6 +169,9 @@ int __sixdeg_outputs_t_decode_array(const void *buf, int offset, int maxlen, six
         if (thislen < 0) return thislen; else pos += thislen;
 
         thislen = __int32_t_decode_array(buf, offset + pos, maxlen - pos, &(p[element].firings), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __int32_t_decode_array(buf, offset + pos, maxlen - pos, &(p[element].tasks), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
         thislen = __int32_t_decode_array(buf, offset + pos, maxlen - pos, &(p[element].done), 1);
@@ -186,6 +201,10 @@ int __sixdeg_outputs_t_decode_array(const void *buf, int offset, int maxlen, six
         thislen = __sixdeg_firing_t_decode_array(buf, offset + pos, maxlen - pos, p[element].firing, p[element].firings);
         if (thislen < 0) return thislen; else pos += thislen;
 
+        p[element].task = (sixdeg_task_t*) lcm_malloc(sizeof(sixdeg_task_t) * p[element].tasks);
+        thislen = __sixdeg_task_t_decode_array(buf, offset + pos, maxlen - pos, p[element].task, p[element].tasks);
+        if (thislen < 0) return thislen; else pos += thislen;
+
     }
     return pos;
 }
@@ -200,6 +219,8 @@ int __sixdeg_outputs_t_decode_array_cleanup(sixdeg_outputs_t *p, int elements)
         __int32_t_decode_array_cleanup(&(p[element].cycles), 1);
 
         __int32_t_decode_array_cleanup(&(p[element].firings), 1);
+
+        __int32_t_decode_array_cleanup(&(p[element].tasks), 1);
 
         __int32_t_decode_array_cleanup(&(p[element].done), 1);
 
@@ -219,6 +240,9 @@ int __sixdeg_outputs_t_decode_array_cleanup(sixdeg_outputs_t *p, int elements)
 
         __sixdeg_firing_t_decode_array_cleanup(p[element].firing, p[element].firings);
         if (p[element].firing) free(p[element].firing);
+
+        __sixdeg_task_t_decode_array_cleanup(p[element].task, p[element].tasks);
+        if (p[element].task) free(p[element].task);
 
     }
     return 0;
@@ -256,6 +280,8 @@ int __sixdeg_outputs_t_clone_array(const sixdeg_outputs_t *p, sixdeg_outputs_t *
 
         __int32_t_clone_array(&(p[element].firings), &(q[element].firings), 1);
 
+        __int32_t_clone_array(&(p[element].tasks), &(q[element].tasks), 1);
+
         __int32_t_clone_array(&(p[element].done), &(q[element].done), 1);
 
         __int32_t_clone_array(&(p[element].tick), &(q[element].tick), 1);
@@ -274,6 +300,9 @@ int __sixdeg_outputs_t_clone_array(const sixdeg_outputs_t *p, sixdeg_outputs_t *
 
         q[element].firing = (sixdeg_firing_t*) lcm_malloc(sizeof(sixdeg_firing_t) * q[element].firings);
         __sixdeg_firing_t_clone_array(p[element].firing, q[element].firing, p[element].firings);
+
+        q[element].task = (sixdeg_task_t*) lcm_malloc(sizeof(sixdeg_task_t) * q[element].tasks);
+        __sixdeg_task_t_clone_array(p[element].task, q[element].task, p[element].tasks);
 
     }
     return 0;

@@ -6,7 +6,7 @@
 
 #include "linalg/linalg.hpp"
 extern "C" {
-#include "sd_ecu_afr.h"
+#include "sd_stage_mixture.h"
 }
 
 namespace sixdeg {
@@ -24,7 +24,7 @@ std::vector<float *> states(sd_afr_chain_f32_t &chain) {
 }
 
 /// Of the chain's states over a cycle in which the sensor says 0; infinite where the chain began anew on the way.
-double radius_here(const sd_afr_t &settled) {
+double radius_here(const sd_afr_t &settled, const sd_afr_tables_t &tables) {
     sd_afr_t afr = settled;
     const auto size = Eigen::Index(states(afr.chain).size());
     Eigen::MatrixXd map(size, size);
@@ -35,7 +35,7 @@ double radius_here(const sd_afr_t &settled) {
         afr.chain.uego.running = afr.chain.observer.running = 1;
         afr.chain.observer.steps = 0;
         *x[std::size_t(i)] = kSmall;
-        for (std::uint32_t k = 0; k < afr.config.cycle_positions; ++k) sd_afr_step(&afr, k, 1); // lambda 1: no air
+        for (std::uint32_t k = 0; k < afr.config.cycle_positions; ++k) sd_afr_step(&afr, &tables, k, 1); // lambda 1: no air
         if (afr.chain.observer.steps != afr.config.cycle_positions) return std::numeric_limits<double>::infinity();
         for (Eigen::Index j = 0; j < size; ++j) map(j, i) = double(*x[std::size_t(j)] / kSmall);
     }
@@ -45,20 +45,23 @@ double radius_here(const sd_afr_t &settled) {
 } // namespace
 
 double chain_radius(const sd_calibration_t &page) {
-    sd_afr_t afr;
+    sd_stage_mixture_t stage;
     if (page.afr.present == 0 || page.parameters.afr_method < 1.5f) return 0;
-    if (sd_ecu_afr_init(&afr, &page) != SD_OK) return std::numeric_limits<double>::infinity();
+    if (sd_stage_mixture_init(&stage, &page, &page.parameters) != SD_OK) return std::numeric_limits<double>::infinity();
+    sd_afr_t &afr = stage.afr;
+    const sd_afr_tables_t tables{&page.afr, page.fourier.sine_q31};
     double worst = 0;
     for (int half = 0; half <= 2 * (SD_AFR_SPEEDS - 1); ++half) {
         const float speed = 0.5f * (page.afr.speed_radps[half / 2] + page.afr.speed_radps[(half + 1) / 2]);
         for (float bar : page.afr.pressure_bar) {
             for (float lambda : page.afr.lambda) {
                 afr.mean_lambda = lambda;
-                sd_afr_cycle(&afr, &page.afr, speed, bar, 0);
+                sd_afr_cycle(&afr, speed, bar, 0);
+                while (sd_afr_work(&afr, &tables)) {}
                 sd_exhaust_now_f32_t now;
                 for (std::uint32_t k = 0; k < kSettle * std::uint32_t(afr.config.cycle_positions); ++k)
-                    sd_exhaust_step_f32(&afr.exhaust, k % afr.config.cycle_positions, &now);
-                worst = std::max(worst, radius_here(afr));
+                    sd_exhaust_step_f32(&afr.exhaust, page.afr.psi, k % afr.config.cycle_positions, &now);
+                worst = std::max(worst, radius_here(afr, tables));
             }
         }
     }

@@ -26,9 +26,12 @@ void add(Wave &wave, const std::vector<double> &pulse, double from_tdc_deg, doub
 std::vector<Wave> waves(const EngineFile &engine) {
     const int n = engine.cylinders();
     std::vector<Wave> all(std::size_t(n) + 2, Wave::Zero(kPulsePoints));
+    std::vector<CylinderPulse> pulses;
     for (int i = 0; i < n; ++i) {
         const auto lane = std::size_t(i);
-        const CylinderPulse pulse = cylinder_pulse(engine, lane);
+        const std::size_t like = like_cylinder(engine, lane);
+        pulses.push_back(like < lane ? pulses[like] : cylinder_pulse(engine, lane));
+        const CylinderPulse &pulse = pulses.back();
         const double from_tdc_deg = engine.position_0_deg - engine.firing_tdc_deg[lane];
         add(all[lane], pulse.combustion, from_tdc_deg, 1);
         add(all[std::size_t(n)], pulse.motored_per_bar, from_tdc_deg, engine.trapped_factor(lane));

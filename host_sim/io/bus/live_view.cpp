@@ -32,10 +32,9 @@ template <std::size_t N> const char *name_of(const char *const (&names)[N], floa
 } // namespace
 
 void LiveView::take(const sd_event_t &event) {
-    said_.take(event);
+    cycles_ += said_.take(event);
     if (event.kind != SD_EVENT_SIGNAL) return;
     const sd_signals_t &s = said_.signals();
-    cycles_ += event.channel == SD_SIGNAL_CYCLE_SPEED;
     // The last of its row: the others are of the same firing now.
     if (event.channel == SD_SIGNAL_MISFIRE_CYLINDER && said_.health(SD_OWNER_FIRING) != SD_INVALID)
         firings_[int(s.misfire_cylinder)] = {int(s.misfire_verdict), s.misfire_index};

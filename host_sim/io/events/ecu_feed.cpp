@@ -14,11 +14,6 @@ bool is_signal(const sd_event_t &event, sd_rate_t rate) {
     return event.kind == SD_EVENT_SIGNAL && event.channel < SD_SIGNAL_COUNT && sd_signal_infos[event.channel].rate == rate;
 }
 
-long channels_of(sd_rate_t rate) {
-    return std::count_if(std::begin(sd_signal_infos), std::end(sd_signal_infos),
-                         [rate](const sd_signal_info_t &info) { return info.rate == rate; });
-}
-
 sd_event_t reading(std::size_t input, float value, std::uint32_t tick) {
     sd_event_t event{tick, SD_EVENT_SAMPLE, std::uint16_t(input), 0, 0};
     std::memcpy(&event.value, &value, sizeof event.value);
@@ -39,7 +34,18 @@ bool EcuSaid::take(const sd_event_t &event) {
         sync_losses_ += synced_ && value == SD_EDGE_UNSYNCED;
         synced_ = is_placed(signals_) || (synced_ && value == SD_EDGE_SPURIOUS);
     }
-    return info.rate == SD_RATE_CYCLE;
+    return info.rate == SD_RATE_CYCLE && completes_cycle(event);
+}
+
+/// A channel of another tick, or said twice, begins a new row: the one before was torn.
+bool EcuSaid::completes_cycle(const sd_event_t &event) {
+    if (event.tick != gathering_tick_ || gathered_[event.channel]) gathered_.reset();
+    gathering_tick_ = event.tick;
+    gathered_.set(event.channel);
+    if (gathered_.count() != sd_rate_infos[SD_RATE_CYCLE].count) return false;
+    gathered_.reset();
+    cycle_tick_ = event.tick;
+    return true;
 }
 
 void EcuSaid::distrust() { std::fill(std::begin(health_), std::end(health_), std::uint8_t(SD_INVALID)); }
@@ -75,21 +81,19 @@ std::uint32_t EcuFeed::tick_at(double t_s) const {
 }
 
 bool Answers::take(std::uint32_t tick, EcuSaid &said) {
-    static const long edge_channels = channels_of(SD_RATE_EDGE), cycle_channels = channels_of(SD_RATE_CYCLE);
+    const std::ptrdiff_t edge_channels = sd_rate_infos[SD_RATE_EDGE].count;
     const auto its_own = [tick](const sd_event_t &e) { return is_signal(e, SD_RATE_EDGE) && e.tick == tick; };
     const auto first = std::find_if(waiting_.begin(), waiting_.end(), its_own);
-    const auto end = first + std::min<std::ptrdiff_t>(edge_channels, waiting_.end() - first);
+    const auto end = first + std::min(edge_channels, waiting_.end() - first);
     if (std::count_if(first, end, its_own) != edge_channels) {
         ++missing_;
         said.distrust();
         return false;
     }
-    const long of_cycle = std::count_if(waiting_.begin(), first, [tick](const sd_event_t &e) {
-        return is_signal(e, SD_RATE_CYCLE) && e.tick == tick;
-    });
-    std::for_each(waiting_.begin(), end, [&said](const sd_event_t &e) { said.take(e); });
+    bool cycle_ended = false;
+    std::for_each(waiting_.begin(), end, [&](const sd_event_t &e) { cycle_ended |= said.take(e); });
     waiting_.erase(waiting_.begin(), end);
-    return of_cycle == cycle_channels;
+    return cycle_ended;
 }
 
 void Answers::take_rest(EcuSaid &said) {

@@ -2,6 +2,7 @@
 // An ecu as a host sees it, wherever it runs: events go in, in order of time; what it says comes back.
 #pragma once
 #include <array>
+#include <bitset>
 #include <cstdint>
 #include <deque>
 #include <optional>
@@ -19,13 +20,16 @@ namespace sixdeg {
 /// The latest of what an ecu said.
 class EcuSaid {
   public:
-    /// Returns true when the event is a signal of a cycle just ended.
+    /// Returns true when the event completes the row of a cycle: it has ended, and signals() holds all of it. The row may
+    /// come in pieces, some teeth after the one that ended the cycle.
     bool take(const sd_event_t &event);
     /// Nothing is known of what it says now.
     void distrust();
 
     const sd_signals_t &signals() const { return signals_; }
     std::uint8_t health(sd_owner_t owner) const { return health_[owner]; }
+    /// Of the tooth that ended the last cycle heard whole.
+    std::uint32_t cycle_tick() const { return cycle_tick_; }
     std::size_t sync_losses() const { return sync_losses_; }
     /// Firings said so far; signals() holds the last one.
     std::size_t firings() const { return firings_; }
@@ -33,6 +37,10 @@ class EcuSaid {
   private:
     sd_signals_t signals_{};
     std::uint8_t health_[SD_OWNER_COUNT] = {};
+    bool completes_cycle(const sd_event_t &event);
+
+    std::bitset<SD_SIGNAL_COUNT> gathered_; ///< Of the cycle whose row is coming in.
+    std::uint32_t gathering_tick_ = 0, cycle_tick_ = 0;
     bool synced_ = false;
     std::size_t sync_losses_ = 0, firings_ = 0;
 };
@@ -80,7 +88,7 @@ class Answers {
   public:
     void add(const std::vector<sd_event_t> &events) { waiting_.insert(waiting_.end(), events.begin(), events.end()); }
     /// Takes in all that was said up to the answer to the edge at `tick`. Without a whole answer it takes
-    /// nothing but distrust, and counts. Returns true when the edge ended a cycle.
+    /// nothing but distrust, and counts. Returns true when a cycle's row was complete with it.
     bool take(std::uint32_t tick, EcuSaid &said);
     /// Takes in the rest.
     void take_rest(EcuSaid &said);

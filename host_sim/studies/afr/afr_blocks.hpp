@@ -2,6 +2,7 @@
 // The AFR blocks on a trace: document 004's chain, block A alone, or the joint filter, each with the same B and C. V names
 // the number type.
 #pragma once
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <vector>
@@ -23,6 +24,7 @@ namespace sixdeg {
         using Now = sd_exhaust_now_##N##_t;                                                                  \
         using Chain = sd_afr_chain_##N##_t;                                                                  \
         static constexpr auto exhaust_init = sd_exhaust_init_##N;                                            \
+        static constexpr auto exhaust_shares = sd_exhaust_shares_##N;                                        \
         static constexpr auto exhaust_set = sd_exhaust_set_##N;                                              \
         static constexpr auto exhaust_step = sd_exhaust_step_##N;                                            \
         static constexpr auto chain_init = sd_afr_chain_init_##N;                                            \
@@ -41,6 +43,30 @@ inline void must(sd_result_t result) {
     if (result != SD_OK) throw std::logic_error("an AFR block refused its configuration");
 }
 
+/// psi as the exhaust block reads it.
+template <class V> std::vector<typename V::Type> psi_table() {
+    std::vector<typename V::Type> table;
+    for (double psi : exhaust_psi()) table.push_back(V::of(psi));
+    return table;
+}
+
+/// Where a cylinder's gas begins to flow, of a cycle of shares from firing TDC on.
+inline std::uint16_t open_position(const std::vector<double> &share) {
+    const auto first = std::find_if(share.begin(), share.end(), [](double s) { return s > 0; });
+    return std::uint16_t(first == share.end() ? 0 : first - share.begin());
+}
+
+/// Such a cycle as the shares of the coming point.
+template <class V> void give_shares(typename V::Exhaust &exhaust, const std::vector<double> &share) {
+    std::vector<float> open(SD_EXHAUST_OPEN);
+    for (std::size_t k = 0; k < share.size(); ++k) {
+        const double s = share[(k + open_position(share)) % share.size()];
+        if (k < open.size()) open[k] = float(s);
+        else if (s > 0) throw std::logic_error("a valve is open for longer than the block can hold");
+    }
+    must(V::exhaust_shares(&exhaust, 0, SD_EXHAUST_OPEN, open.data()));
+}
+
 template <class V> class AfrBlocks {
   public:
     AfrBlocks(const EngineFile &engine, const ExhaustPoint &point, const AfrTrace &trace,
@@ -48,7 +74,6 @@ template <class V> class AfrBlocks {
         : engine_(engine), trace_(trace), setup_(setup), n_(engine.cylinders()) {
         const AfrError &error = setup.error;
         const double charge = point.charge_kg * (1 + error.flow);
-        share_.assign(point.share.begin(), point.share.end());
         sd_exhaust_config_t e{};
         e.cycle_positions = std::uint16_t(trace.cycle_positions);
         e.cylinders = std::uint8_t(n_);
@@ -58,16 +83,15 @@ template <class V> class AfrBlocks {
                                  engine.wheel.positions;
             e.firing_position[i] = std::uint16_t(int(std::ceil(after - 1e-9)) % trace.cycle_positions);
         }
-        const auto psi = exhaust_psi();
-        std::copy(psi.begin(), psi.end(), e.psi);
+        e.open_position = open_position(point.share);
         must(V::exhaust_init(&exhaust_, &e));
+        give_shares<V>(exhaust_, point.share);
         const bool at_manifold = setup.method == AfrMethod::true_gas;
         const double wait =
             engine.exhaust->dead_time_s / trace.step_s + error.delay_deg / 360 * engine.wheel.positions +
             double(SD_UEGO_LEAD);
         const double outflow = 1 / (1 - setup.egr_share); // over the turbine's, which alone fills the pipe
-        const sd_exhaust_point_t p{share_.data(),
-                                   float(charge),
+        const sd_exhaust_point_t p{float(charge),
                                    float(point.rate_hz * (1 + error.turbine) * outflow),
                                    float(point.z0_kg),
                                    at_manifold ? 0.0f : float(point.transport_kg * outflow),
@@ -101,7 +125,7 @@ template <class V> class AfrBlocks {
         for (std::size_t k = 0; k < trace_.sensor.size(); ++k) {
             const auto position = std::uint32_t((trace_.first_cycle_position + k) % std::size_t(trace_.cycle_positions));
             typename V::Now now;
-            V::exhaust_step(&exhaust_, position, &now);
+            V::exhaust_step(&exhaust_, psi_.data(), position, &now);
             const double air = 1 - trace_.sensor[k] - (noise.empty() ? 0 : noise[k]);
             if constexpr (std::is_same_v<V, F32>) sd_afr_delay_step(&delay, &now, position, float(air));
             if (int(k % std::size_t(trace_.cycle_positions)) != trace_.cycle_positions - 1) continue;
@@ -168,7 +192,7 @@ template <class V> class AfrBlocks {
         typename V::Exhaust exhaust = exhaust_;
         for (int k = 0; k < (kSettle + 1) * trace_.cycle_positions; ++k) {
             typename V::Now now;
-            V::exhaust_step(&exhaust, std::uint32_t(k % trace_.cycle_positions), &now);
+            V::exhaust_step(&exhaust, psi_.data(), std::uint32_t(k % trace_.cycle_positions), &now);
             if (k < kSettle * trace_.cycle_positions) continue;
             JointPosition position{double(now.mass), {}};
             for (std::size_t i = 0; i < std::size_t(n_); ++i)
@@ -180,7 +204,7 @@ template <class V> class AfrBlocks {
 
     void step(std::uint32_t position, double air) {
         typename V::Now now;
-        V::exhaust_step(&exhaust_, position, &now);
+        V::exhaust_step(&exhaust_, psi_.data(), position, &now);
         if (setup_.method == AfrMethod::true_gas) return V::observer_step(&chain_.observer, &now, V::of(air));
         if (!is_joint()) return V::chain_step(&chain_, &now, position, V::of(air));
         if constexpr (std::is_same_v<V, F32>)
@@ -193,9 +217,15 @@ template <class V> class AfrBlocks {
             lambda[i] = double(is_joint() ? sd_afr_joint_lambda(&joint_, i) : V::chain_lambda(&chain_, i));
         result.lambda.push_back(lambda);
         if (!is_joint()) cycle_chain();
-        const double variance = double(is_joint() ? sd_afr_joint_deviation_variance(&joint_, 0) : V::chain_variance(&chain_));
+        const double variance = is_joint() ? joint_variance() : double(V::chain_variance(&chain_));
         result.sd.push_back(std::sqrt(variance + of_the_model(lambda)));
         if (is_joint()) result.blamed.push_back(blamed(result));
+    }
+
+    double joint_variance() const {
+        float variance[SD_AFR_CYLINDERS_MAX];
+        sd_afr_joint_deviation_variances(&joint_, variance);
+        return double(variance[0]);
     }
 
     AfrBlamed blamed(const AfrEstimates &so_far) const {
@@ -211,7 +241,7 @@ template <class V> class AfrBlocks {
         return b;
     }
 
-    /// As sd_afr_deviation_sd has it.
+    /// As sd_afr_read has it.
     double of_the_model(const std::array<double, 8> &lambda) const {
         double mean = 0, square = 0;
         for (int i = 0; i < n_; ++i) mean += lambda[std::size_t(i)] / n_;
@@ -224,7 +254,7 @@ template <class V> class AfrBlocks {
     const AfrTrace &trace_;
     AfrSetup setup_;
     int n_;
-    std::vector<float> share_;
+    std::vector<typename V::Type> psi_ = psi_table<V>();
     std::vector<std::int32_t> sine_;
     typename V::Exhaust exhaust_;
     typename V::Chain chain_;

@@ -45,6 +45,11 @@ std::vector<Case> step_cases() {
     return all;
 }
 
+std::vector<Case> first_of(std::vector<Case> cases, int most) {
+    if (int(cases.size()) > most) cases.resize(std::size_t(most));
+    return cases;
+}
+
 Run::Run(const Case &c, double percent, const std::vector<std::string> &changes,
          const std::function<void(PlantEngine &)> &change_plant) {
     TomlFile file(

@@ -24,7 +24,7 @@ extern "C" {
 #define SD_KALMAN_MODES_MAX        2
 #define SD_KALMAN_SCALES           (5 + 2 * SD_KALMAN_MODES_MAX)
 #ifndef SD_KALMAN_POOL
-#define SD_KALMAN_POOL             18000 ///< Words for torques and gains: 12 speeds for 8 cylinders with 2 modes. A build for less may define it.
+#define SD_KALMAN_POOL             26000 ///< Words for torques and gains: 4 speeds for 12 harmonics; 12 speeds for 8 cylinders with 2 modes take 17,160. A build for less may define it.
 #endif
 
 /// A natural vibration that moves the toothed wheel. Torques in Nm hold it at a twist of the wheel in rad.

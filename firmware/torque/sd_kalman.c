@@ -22,7 +22,8 @@ enum { REJECTED_IN_ROW_MAX = 12 }; /* teeth left out in a row after which the es
 /* How late a tooth may be: jitter, and what a torque that nobody expects does over a mark. Once settled, both are known: the
  * innovation as met, and a firing that comes or fails; its peak is some 4 times its mean. Without a root: the part that a
  * torque does not explain is squared. */
-static bool plausible(sd_kalman_filter_t *f, const sd_kalman_tables_t *t, const sd_kalman_choice_t *choice, bool settled, float expected, float scale) {
+static bool plausible(sd_kalman_filter_t *f, const sd_kalman_tables_t *t, const sd_kalman_choice_t *choice, bool settled,
+                      float expected, float scale) {
     float torque = choice->torque_base_nm, jitter = choice->reject_rad * choice->reject_rad;
     if (settled) {
         jitter = JITTER_SQUARE * expected * expected * f->noise_ratio;
@@ -77,7 +78,8 @@ static float peak_of(const float *x, uint32_t count) {
 }
 
 /* Adds the gains times the innovation r; push is r s. */
-static void take_in(sd_kalman_t *self, const sd_kalman_tables_t *t, uint32_t which, const sd_mix_t *m, bool settled, float slowness, float push) {
+static void take_in(sd_kalman_t *self, const sd_kalman_tables_t *t, uint32_t which, const sd_mix_t *m, bool settled, float slowness,
+                    float push) {
     sd_kalman_filter_t *f = &self->filter[which];
     const float *scale = t->gain_scale[which];
     const float r = f->innovation_rad, pull = scale[3] * push;
@@ -94,7 +96,8 @@ static void take_in(sd_kalman_t *self, const sd_kalman_tables_t *t, uint32_t whi
     if (t->modes != 0u) { correct_modes(&f->motion, t, m, count + 2u + t->shapes, &scale[5], r); }
 }
 
-static void correct(sd_kalman_t *self, const sd_kalman_tables_t *t, uint32_t which, const sd_kalman_tooth_t *tooth, const sd_kalman_word_t *word) {
+static void correct(sd_kalman_t *self, const sd_kalman_tables_t *t, uint32_t which, const sd_kalman_tooth_t *tooth,
+                    const sd_kalman_word_t *word) {
     sd_kalman_filter_t *f = &self->filter[which];
     const float square = f->motion.energy_j * word[SD_ROW_TOOTH].value, slowness = sd_rsqrt_f32(square), speed = square * slowness;
     const float scale = t->inertia_mean_kgm2 * square;
@@ -142,11 +145,13 @@ static bool in_range(const sd_kalman_filter_t *f, const sd_kalman_tables_t *t, f
         if (!((q > -TWIST_MAX_RAD) && (q < TWIST_MAX_RAD) && (v > -TWIST_MAX_RAD) && (v < TWIST_MAX_RAD))) { return false; }
     }
     if (!(f->motion.energy_j > sd_motion_energy_min(t)) || (f->rejected_in_row > REJECTED_IN_ROW_MAX)) { return false; }
-    return !every_fourth(f) || ((f->peak_nm < torque_base_nm) && (f->motion.energy_j < 1e9f) && (__builtin_fabsf(f->motion.lateness_s) < 1.0f));
+    return !every_fourth(f) || ((f->peak_nm < torque_base_nm) && (f->motion.energy_j < 1e9f) &&
+        (__builtin_fabsf(f->motion.lateness_s) < 1.0f));
 }
 
 /* Every filter of *moving over one interval: those that stand still leave it. Returns those that completed a firing. */
-static uint32_t advance(sd_kalman_t *self, const sd_kalman_tables_t *t, uint32_t k, float pattern_rad, uint32_t *moving, sd_firing_t *firing) {
+static uint32_t advance(sd_kalman_t *self, const sd_kalman_tables_t *t, uint32_t k, float pattern_rad, uint32_t *moving,
+                        sd_firing_t *firing) {
     sd_motion_row_t row;
     uint32_t complete = 0;
     sd_motion_sum_known(t, k, &self->charge, &row);
@@ -230,7 +235,8 @@ sd_status_t sd_kalman_status(const sd_kalman_t *self, uint32_t which) {
 }
 
 sd_result_t sd_kalman_init(sd_kalman_t *self, const sd_kalman_tables_t *tables, const sd_kalman_choice_t *choice, uint8_t filters) {
-    if (!sd_kalman_tables_ok(tables) || !sd_kalman_choice_ok(choice) || (filters < 1u) || (filters > tables->sets)) { return SD_ERR_CONFIG; }
+    if (!sd_kalman_tables_ok(tables) || !sd_kalman_choice_ok(choice) || (filters < 1u) ||
+        (filters > tables->sets)) { return SD_ERR_CONFIG; }
     const sd_kalman_choice_t chosen = *choice; /* it may stand in *self */
     memset(self, 0, sizeof *self);
     self->choice = chosen;

@@ -69,7 +69,8 @@ static void exponential(float x, float z, float *a, float *b) {
 }
 
 /* The twist that the mean torques of an interval would hold, of mode m; firing j is cylinder j where there are modes. */
-static float held_twist(const sd_motion_t *self, const sd_kalman_tables_t *t, const sd_motion_row_t *row, uint32_t m, float shape, float square) {
+static float held_twist(const sd_motion_t *self, const sd_kalman_tables_t *t, const sd_motion_row_t *row, uint32_t m, float shape,
+                        float square) {
     const sd_kalman_mode_t *mode = &t->mode[m];
     const sd_kalman_word_t *pulse = pulses_of(t, row->word);
     float held = row->held_rad[m] + modes_of(t, row->word)[2u * m + 1u].value * square + mode->constant_radpnm * self->coefficient_nm[0];
@@ -81,10 +82,12 @@ static float held_twist(const sd_motion_t *self, const sd_kalman_tables_t *t, co
     return held;
 }
 
-bool sd_motion_swing(sd_motion_t *self, const sd_kalman_tables_t *t, const sd_motion_row_t *row, float shape, const sd_motion_tuning_t *tuning,
+bool sd_motion_swing(sd_motion_t *self, const sd_kalman_tables_t *t, const sd_motion_row_t *row, float shape,
+                     const sd_motion_tuning_t *tuning,
                      float dt, float square) {
     for (uint32_t m = 0; m < t->modes; ++m) {
-        const float held = tuning->compliance * held_twist(self, t, row, m, shape, square), away = self->twist_rad[m] - held, v = self->swing_rad[m];
+        const float held = tuning->compliance * held_twist(self, t, row, m, shape, square), away = self->twist_rad[m] - held,
+            v = self->swing_rad[m];
         const float z = t->mode[m].damping;
         float a, b;
         exponential(tuning->frequency * t->mode[m].frequency_radps * dt, z, &a, &b);
@@ -94,7 +97,8 @@ bool sd_motion_swing(sd_motion_t *self, const sd_kalman_tables_t *t, const sd_mo
     return true;
 }
 
-bool sd_motion_predict(sd_motion_t *self, const sd_kalman_tables_t *t, const sd_motion_row_t *row, float shape, const sd_motion_tuning_t *tuning) {
+bool sd_motion_predict(sd_motion_t *self, const sd_kalman_tables_t *t, const sd_motion_row_t *row, float shape,
+                       const sd_motion_tuning_t *tuning) {
     return sd_motion_move(self, t, row, shape, tuning);
 }
 

@@ -20,7 +20,8 @@ float sd_motion_held_by_known(const sd_kalman_tables_t *t, const sd_kalman_word_
 
 /* The modes over an interval of dt at a speed squared. Returns true. Apart, so that a rigid crank does not pay for the
  * registers that it takes. */
-bool sd_motion_swing(sd_motion_t *self, const sd_kalman_tables_t *t, const sd_motion_row_t *row, float shape, const sd_motion_tuning_t *tuning,
+bool sd_motion_swing(sd_motion_t *self, const sd_kalman_tables_t *t, const sd_motion_row_t *row, float shape,
+                     const sd_motion_tuning_t *tuning,
                      float dt, float square);
 
 /* As sd_motion_known. */
@@ -40,7 +41,8 @@ static inline void sd_motion_sum_known(const sd_kalman_tables_t *t, uint32_t k, 
 }
 
 /* As sd_motion_predict. */
-static inline bool sd_motion_move(sd_motion_t *self, const sd_kalman_tables_t *t, const sd_motion_row_t *row, float shape, const sd_motion_tuning_t *tuning) {
+static inline bool sd_motion_move(sd_motion_t *self, const sd_kalman_tables_t *t, const sd_motion_row_t *row, float shape,
+                                  const sd_motion_tuning_t *tuning) {
     const sd_kalman_word_t *pulse = pulses_of(t, row->word);
     const float *x = self->coefficient_nm;
     float mean = row->mean_nm + x[0], moment = row->moment_nm + 0.5f * x[0];

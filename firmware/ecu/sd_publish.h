@@ -20,6 +20,7 @@ extern "C" {
 typedef struct sd_publish {
     sd_signals_t signals;                ///< Present values.
     sd_status_t  status[SD_OWNER_COUNT]; ///< Health of each owner's signals.
+    uint32_t     row_flags[SD_OWNER_COUNT]; ///< Health and reasons as they were when the long row under way began.
     uint32_t     unsent;                 ///< Events that the port had no room for, wraps.
 } sd_publish_t;
 
@@ -27,7 +28,8 @@ typedef struct sd_publish {
 void sd_publish_init(sd_publish_t *self);
 
 /// Sends a part of the row of a rate, from its signal number `from` on; returns the number of the next one, or 0 when the row is
-/// complete.
+/// complete. The health of its owners is that of its first part: a bus carries it once a row. One row of several parts may be
+/// under way at a time.
 uint32_t sd_publish_part(sd_publish_t *self, const sd_port_t *port, uint32_t tick, sd_rate_t rate, uint32_t from);
 
 /// Sends the whole row.

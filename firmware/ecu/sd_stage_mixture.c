@@ -69,29 +69,38 @@ static void wait_for(sd_stage_mixture_t *self, float burned) {
     self->waiting_count++;
 }
 
+static void step(sd_stage_mixture_t *self, const sd_afr_tables_t *tables, uint32_t position, float burned) {
+    sd_afr_step(&self->afr, tables, position, burned);
+    sd_afr_delay_step(&self->delay, &self->afr.now, position, 1.0f - burned); /* no sample is none there either */
+}
+
 static void step_oldest(sd_stage_mixture_t *self, const sd_afr_tables_t *tables) {
+    const uint32_t position = self->waiting_position;
     const float burned = self->waiting[self->waiting_first];
-    sd_afr_step(&self->afr, tables, self->waiting_position, burned);
-    sd_afr_delay_step(&self->delay, &self->afr.now, self->waiting_position, 1.0f - burned); /* no sample is none there either */
-    self->waiting_position = (uint16_t)((self->waiting_position + 1u == self->afr.config.cycle_positions) ? 0u : self->waiting_position + 1u);
+    self->waiting_position = (uint16_t)((position + 1u == self->afr.config.cycle_positions) ? 0u : position + 1u);
     self->waiting_first = (uint8_t)((self->waiting_first + 1u) % SD_MIXTURE_WAITING);
     self->waiting_count--;
+    step(self, tables, position, burned);
 }
 
 void sd_stage_mixture_tooth(sd_stage_mixture_t *self, const sd_calibration_t *page, const sd_tooth_t *tooth) {
-    const uint32_t cycle = 2u * page->positions;
     /* Across a mark the mean belongs to no one position. */
     const bool sampled = (self->burned_count > 0u) && (tooth->advance == 1u);
     const float burned = sampled ? self->burned_sum / (float)self->burned_count : SD_AFR_NO_SAMPLE;
     self->burned_sum = 0.0f;
     self->burned_count = 0;
     if (!ready(self)) { return; }
+    const sd_afr_tables_t tables = tables_of(page);
+    if ((self->waiting_count == 0u) && (tooth->advance == 1u)) {
+        step(self, &tables, tooth->cycle_position, burned);
+        return;
+    }
     if (self->waiting_count == 0u) {
+        const uint32_t cycle = 2u * page->positions;
         self->waiting_position = (uint16_t)((tooth->cycle_position + cycle + 1u - tooth->advance) % cycle);
     }
     for (uint32_t left = tooth->advance; left > 1u; --left) { wait_for(self, SD_AFR_NO_SAMPLE); }
     wait_for(self, burned);
-    const sd_afr_tables_t tables = tables_of(page);
     for (uint32_t i = 0; (i < SD_MIXTURE_STEPS) && (self->waiting_count > 0u); ++i) { step_oldest(self, &tables); }
 }
 

@@ -170,9 +170,13 @@ def main():
         for run in runs.values():
             run.functions()
         return 0
-    kept = tomllib.loads(KEPT.read_text()) if KEPT.exists() and arguments.core == "cortex-m7" else {}
+    kept = tomllib.loads(KEPT.read_text()) if KEPT.exists() else {}
+    if arguments.core != "cortex-m7":  # kept figures and goals are its
+        kept = {}
+        for plan in PLAN["figure"]:
+            plan.pop("goal", None)
     figures, wrong = report(runs, kept)
-    if arguments.update:
+    if arguments.update and arguments.core == "cortex-m7":
         keep(kept | figures)
         return 0
     for line in wrong:

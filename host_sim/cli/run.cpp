@@ -18,6 +18,9 @@
 #include "common/files.hpp"
 #include "common/stop.hpp"
 #include "io/log/event_log.hpp"
+extern "C" {
+#include "sd_learned.h"
+}
 
 namespace sixdeg {
 namespace {

@@ -152,7 +152,8 @@ void sd_firings_step(sd_firings_t *self, const sd_kalman_tables_t *tables, const
     out->rough = self->on_rough;
     out->restarted = ((self->kalman.filter[SMOOTH].teeth == 0u) || (filter->teeth == 0u)) ? 1u : 0u;
     out->status = judge(self, tooth);
-    out->waveform_nm = (filter->running != 0u) ? sd_kalman_torque(&self->kalman, tables, self->kalman.believed, tooth->cycle_position) : 0.0f;
+    const bool runs = (filter->running != 0u) && (tooth->cycle_position < 2u * tables->positions);
+    out->waveform_nm = runs ? sd_kalman_torque(&self->kalman, tables, self->kalman.believed, tooth->cycle_position) : 0.0f;
     out->energy_j = filter->motion.energy_j;
     out->speed_radps = sd_root(2.0f * filter->motion.energy_j / tables->inertia_mean_kgm2);
     out->learned = learn(self, tables, tooth, &seen) ? 1u : 0u;

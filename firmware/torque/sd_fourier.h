@@ -45,8 +45,10 @@ typedef struct sd_fourier_config {
 /// Read only, and used where they stand: on a target that is flash. Both variants take the same.
 typedef struct sd_fourier_tables {
     float   inertia_base_kgm2;                      ///< Largest J, (0, 10].
-    int32_t inertia_q31[SD_FOURIER_POSITIONS_MAX];  ///< [positions]: J half a pitch before each position over the largest, (0, 1], times 2^31, saturated.
-    int32_t sine_q31[2 * SD_FOURIER_POSITIONS_MAX]; ///< [2 positions]: sin(pi k / positions) 2^31, saturated, within 4e-6; periodic over the cycle.
+    /// [positions]: J half a pitch before each position over the largest, (0, 1], times 2^31, saturated.
+    int32_t inertia_q31[SD_FOURIER_POSITIONS_MAX];
+    /// [2 positions]: sin(pi k / positions) 2^31, saturated, within 4e-6; periodic over the cycle.
+    int32_t sine_q31[2 * SD_FOURIER_POSITIONS_MAX];
 } sd_fourier_tables_t;
 
 /// What the observer knows.

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "sd_kalman_firing.h"
+#include "sd_motion_inline.h"
 
 #define TWIST_MAX_RAD 2.0f    /* no flywheel's spring goes so far */
 #define WEIGHT        16384.0f /* of two speeds together; gain_scale is over it */
@@ -21,9 +22,10 @@ enum { REJECTED_IN_ROW_MAX = 12 }; /* teeth left out in a row after which the es
 /* How late a tooth may be: jitter, and what a torque that nobody expects does over a mark. Once settled, both are known: the
  * innovation as met, and a firing that comes or fails; its peak is some 4 times its mean. Without a root: the part that a
  * torque does not explain is squared. */
-static bool plausible(sd_kalman_filter_t *f, const sd_kalman_tables_t *t, const sd_kalman_choice_t *choice, float expected, float scale) {
+static bool plausible(sd_kalman_filter_t *f, const sd_kalman_tables_t *t, const sd_kalman_choice_t *choice, bool settled,
+                      float expected, float scale) {
     float torque = choice->torque_base_nm, jitter = choice->reject_rad * choice->reject_rad;
-    if (f->teeth >= choice->settle_teeth) {
+    if (settled) {
         jitter = JITTER_SQUARE * expected * expected * f->noise_ratio;
         torque *= 0.05f;
         torque = (6.0f * f->peak_nm > torque) ? 6.0f * f->peak_nm : torque;
@@ -66,6 +68,9 @@ static void correct_modes(sd_motion_t *motion, const sd_kalman_tables_t *t, cons
     }
 }
 
+/* Where a tooth or three more make no difference. */
+static bool every_fourth(const sd_kalman_filter_t *f) { return (f->teeth & 3u) == 0u; }
+
 static float peak_of(const float *x, uint32_t count) {
     float peak = 0.0f;
     for (uint32_t j = 0; j < count; ++j) { peak = (__builtin_fabsf(x[j]) > peak) ? __builtin_fabsf(x[j]) : peak; }
@@ -73,7 +78,8 @@ static float peak_of(const float *x, uint32_t count) {
 }
 
 /* Adds the gains times the innovation r; push is r s. */
-static void take_in(sd_kalman_t *self, const sd_kalman_tables_t *t, uint32_t which, const sd_mix_t *m, float slowness, float push) {
+static void take_in(sd_kalman_t *self, const sd_kalman_tables_t *t, uint32_t which, const sd_mix_t *m, bool settled, float slowness,
+                    float push) {
     sd_kalman_filter_t *f = &self->filter[which];
     const float *scale = t->gain_scale[which];
     const float r = f->innovation_rad, pull = scale[3] * push;
@@ -83,14 +89,15 @@ static void take_in(sd_kalman_t *self, const sd_kalman_tables_t *t, uint32_t whi
     x[0] += mix(m, 2) * (scale[2] * push);
     const uint32_t count = t->coefficients;
     for (uint32_t j = 1; j < count; ++j) { x[j] += mix(m, j + 2u) * pull; }
-    if ((f->teeth & 3u) == 0u) { f->peak_nm = peak_of(x, count); }
-    if ((t->shapes != 0u) && (which == self->believed) && (f->teeth >= self->choice.settle_teeth)) {
+    if (every_fourth(f)) { f->peak_nm = peak_of(x, count); }
+    if (settled && (t->shapes != 0u) && (which == self->believed)) {
         bend_pulses(self, t, f, mix(m, count + 2u) * (scale[4] * push));
     }
     if (t->modes != 0u) { correct_modes(&f->motion, t, m, count + 2u + t->shapes, &scale[5], r); }
 }
 
-static void correct(sd_kalman_t *self, const sd_kalman_tables_t *t, uint32_t which, const sd_kalman_tooth_t *tooth, const sd_kalman_word_t *word) {
+static void correct(sd_kalman_t *self, const sd_kalman_tables_t *t, uint32_t which, const sd_kalman_tooth_t *tooth,
+                    const sd_kalman_word_t *word) {
     sd_kalman_filter_t *f = &self->filter[which];
     const float square = f->motion.energy_j * word[SD_ROW_TOOTH].value, slowness = sd_rsqrt_f32(square), speed = square * slowness;
     const float scale = t->inertia_mean_kgm2 * square;
@@ -99,17 +106,17 @@ static void correct(sd_kalman_t *self, const sd_kalman_tables_t *t, uint32_t whi
      * trusts the state less, which is right while there is little to trust. */
     const bool settled = f->teeth >= self->choice.settle_teeth;
     const float seen = speed * self->tuning.gain_speed;
-    const sd_between_t at = sd_kalman_between(t, which, (settled || (t->modes > 0u)) ? seen : 0.5f * seen);
-    const float expected = sd_kalman_blend(t->expected_rad, at);
-    if (!plausible(f, t, &self->choice, expected, scale)) { return; }
+    const sd_between_t at = sd_kalman_between(t, 0, (settled || (t->modes > 0u)) ? seen : 0.5f * seen);
+    const float *expects = &t->expected_rad[which * t->speeds], expected = expects[at.at] + at.share * (expects[at.next] - expects[at.at]);
+    if (!plausible(f, t, &self->choice, settled, expected, scale)) { return; }
     if (settled) { /* running mean square over some 2 cycles of what the tables expect to be 1 */
         const float ratio = f->innovation_rad / expected;
         f->noise_ratio += (ratio * ratio - f->noise_ratio) * (1.0f / 256.0f);
     }
     const int32_t high = (int32_t)(at.share * WEIGHT);
-    const sd_mix_t m = { word[t->gains_at].gain + which * t->speeds * sd_motion_columns(t) + (at.at - which * t->speeds), t->speeds,
+    const sd_mix_t m = { word[t->gains_at].gain + which * t->speeds * sd_motion_columns(t) + at.at, t->speeds,
                          { { (int16_t)((int32_t)WEIGHT - high), (int16_t)high } } };
-    take_in(self, t, which, &m, slowness, f->innovation_rad * scale);
+    take_in(self, t, which, &m, settled, slowness, f->innovation_rad * scale);
 }
 
 /* ---- a tooth --------------------------------------------------------------------------------------------------- */
@@ -137,18 +144,20 @@ static bool in_range(const sd_kalman_filter_t *f, const sd_kalman_tables_t *t, f
         const float q = f->motion.twist_rad[m], v = f->motion.swing_rad[m];
         if (!((q > -TWIST_MAX_RAD) && (q < TWIST_MAX_RAD) && (v > -TWIST_MAX_RAD) && (v < TWIST_MAX_RAD))) { return false; }
     }
-    return (f->peak_nm < torque_base_nm) && (f->motion.energy_j > sd_motion_energy_min(t)) && (f->motion.energy_j < 1e9f) &&
-           (f->motion.lateness_s > -1.0f) && (f->motion.lateness_s < 1.0f) && (f->rejected_in_row <= REJECTED_IN_ROW_MAX);
+    if (!(f->motion.energy_j > sd_motion_energy_min(t)) || (f->rejected_in_row > REJECTED_IN_ROW_MAX)) { return false; }
+    return !every_fourth(f) || ((f->peak_nm < torque_base_nm) && (f->motion.energy_j < 1e9f) &&
+        (__builtin_fabsf(f->motion.lateness_s) < 1.0f));
 }
 
 /* Every filter of *moving over one interval: those that stand still leave it. Returns those that completed a firing. */
-static uint32_t advance(sd_kalman_t *self, const sd_kalman_tables_t *t, uint32_t k, float pattern_rad, uint32_t *moving, sd_firing_t *firing) {
+static uint32_t advance(sd_kalman_t *self, const sd_kalman_tables_t *t, uint32_t k, float pattern_rad, uint32_t *moving,
+                        sd_firing_t *firing) {
     sd_motion_row_t row;
     uint32_t complete = 0;
-    sd_motion_known(t, k, &self->charge, &row);
+    sd_motion_sum_known(t, k, &self->charge, &row);
     for (uint32_t i = 0; i < self->filters; ++i) {
         if (((*moving >> i) & 1u) == 0u) { continue; }
-        if (!sd_motion_predict(&self->filter[i].motion, t, &row, self->shape, &self->tuning)) { *moving &= ~(1u << i); }
+        if (!sd_motion_move(&self->filter[i].motion, t, &row, self->shape, &self->tuning)) { *moving &= ~(1u << i); }
     }
     if (row.word[SD_ROW_AT].at.close != 0u) { sd_motion_close_valves(&self->charge, row.word); }
     if (row.word[SD_ROW_AT].at.read == 0u) { return 0u; }
@@ -226,7 +235,8 @@ sd_status_t sd_kalman_status(const sd_kalman_t *self, uint32_t which) {
 }
 
 sd_result_t sd_kalman_init(sd_kalman_t *self, const sd_kalman_tables_t *tables, const sd_kalman_choice_t *choice, uint8_t filters) {
-    if (!sd_kalman_tables_ok(tables) || !sd_kalman_choice_ok(choice) || (filters < 1u) || (filters > tables->sets)) { return SD_ERR_CONFIG; }
+    if (!sd_kalman_tables_ok(tables) || !sd_kalman_choice_ok(choice) || (filters < 1u) ||
+        (filters > tables->sets)) { return SD_ERR_CONFIG; }
     const sd_kalman_choice_t chosen = *choice; /* it may stand in *self */
     memset(self, 0, sizeof *self);
     self->choice = chosen;

@@ -24,13 +24,13 @@
 /// wheel has no tooth, linear between speeds and constant beyond them. Until it has settled, the filter takes the gains
 /// of half its speed, which let it move further; not where there are modes, whose swing over a pitch depends on speed. A
 /// second set of gains is made for rough roads, where the load walks further from tooth to tooth: a second filter runs with
-/// it beside the first, and sd_road.h chooses.
+/// it beside the first on the same teeth, charges and pulses, and sd_road.h chooses.
 ///
-/// Firing torque: x_j as it stands read_position of firing j, a good half turn after its pulse.
+/// Firing torque: x_j as it stands at the read position of firing j, a good half turn after its pulse.
 ///
-/// Real-time contract: no heap, no globals, no libm; a step costs 9 m + 4 n + 60 flop and one division a present tooth for m
-/// coefficients and n cylinders (4 cylinders: m = 5, 121 flop), 4 m + 4 n + 20 for each missing one, and 100 + 5 n a mode. One writer per state. Tables are
-/// read only and may be shared. Call order: init; step for every placed tooth; restart after lost sync or a stall.
+/// Real-time contract: no heap, no globals, no libm. The known torque of a position is summed once for all filters. One
+/// writer per state. Tables are read only, may be shared and may stand in flash. Call order: init; step for every placed
+/// tooth; restart after lost sync or a stall. Instructions on a Cortex-M7: docs/firing.md.
 #ifndef SD_KALMAN_H
 #define SD_KALMAN_H
 #include "sd_motion.h"
@@ -96,7 +96,8 @@ typedef struct sd_kalman_filter {
 typedef struct sd_kalman {
     sd_motion_charge_t charge; ///< Of the cylinders; kept by restart.
     float    shape;       ///< Of the pulses, [SD_KALMAN_SHAPE_MIN, SD_KALMAN_SHAPE_MAX], kept by restart.
-    float    zero_nm_per_bar[SD_KALMAN_FIRINGS_MAX]; ///< What a cylinder reads without combustion, of its charge; 0: not learned; kept by restart.
+    /// What each cylinder reads without combustion, over its charge; 0: not learned; kept by restart.
+    float    zero_nm_per_bar[SD_KALMAN_FIRINGS_MAX];
     sd_motion_tuning_t tuning; ///< Kept by restart.
     sd_kalman_choice_t choice; ///< Kept by restart; may be changed between two steps to another that sd_kalman_choice_ok takes.
     uint8_t  filters;     ///< How many run, 1 to tables.sets.

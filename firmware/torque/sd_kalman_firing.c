@@ -13,7 +13,8 @@ static float remember(sd_kalman_filter_t *f, uint32_t i, float torque_nm) {
 }
 
 /* Variance of a firing less the mean of all, from what is not known of the engine. */
-static float model_variance(const sd_kalman_t *self, const sd_kalman_tables_t *t, const sd_kalman_filter_t *f, sd_between_t at, uint32_t i) {
+static float model_variance(const sd_kalman_t *self, const sd_kalman_tables_t *t, const sd_kalman_filter_t *f, sd_between_t at,
+                            uint32_t i) {
     const float mean = sd_kalman_mean_firing(f, t);
     float spread = 0.0f;
     for (uint32_t j = 1; j <= t->firings; ++j) {
@@ -26,7 +27,8 @@ static float model_variance(const sd_kalman_t *self, const sd_kalman_tables_t *t
     return of_mean * of_mean * mean * mean + of_spread * of_spread * spread + of_charge * of_charge;
 }
 
-void sd_kalman_read_firing(sd_kalman_t *self, const sd_kalman_tables_t *t, uint32_t which, uint32_t i, float pattern_rad, sd_firing_t *firing) {
+void sd_kalman_read_firing(sd_kalman_t *self, const sd_kalman_tables_t *t, uint32_t which, uint32_t i, float pattern_rad,
+                           sd_firing_t *firing) {
     sd_kalman_filter_t *f = &self->filter[which];
     const float square = 2.0f * f->motion.energy_j / t->inertia_mean_kgm2;
     const sd_between_t at = sd_kalman_between(t, which, sd_root(square) * self->tuning.gain_speed);
@@ -38,7 +40,8 @@ void sd_kalman_read_firing(sd_kalman_t *self, const sd_kalman_tables_t *t, uint3
     firing->raw_nm = f->motion.coefficient_nm[1u + i];
     firing->torque_nm = firing->raw_nm - self->zero_nm_per_bar[i] * self->charge.charge_bar[i];
     firing->mean_nm = remember(f, i, firing->torque_nm);
-    const float single = sd_kalman_blend(t->single_sd, at), mean = sd_kalman_blend(t->mean_sd, at), stays = sd_kalman_blend(t->pattern_sd, at);
+    const float single = sd_kalman_blend(t->single_sd, at), mean = sd_kalman_blend(t->mean_sd, at),
+        stays = sd_kalman_blend(t->pattern_sd, at);
     const float model = model_variance(self, t, f, at, i);
     const float shrink = (float)SD_KALMAN_MEAN / (float)f->kept[i]; /* variance, taken as independent until it is full */
     const float load = (which > 0u) ? sd_kalman_blend(t->load_sd_nm, at) : 0.0f;

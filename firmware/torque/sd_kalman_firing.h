@@ -28,11 +28,13 @@ static inline float sd_kalman_blend(const float *table, sd_between_t b) { return
 
 static inline float sd_kalman_mean_firing(const sd_kalman_filter_t *f, const sd_kalman_tables_t *t) {
     float sum = 0.0f;
+    _Pragma("GCC unroll 4")
     for (uint32_t j = 1; j <= t->firings; ++j) { sum += f->motion.coefficient_nm[j]; }
     return sum / (float)t->firings;
 }
 
 /* Fills *firing with firing i < firings as filter `which` has it now, and keeps it for the mean. */
-void sd_kalman_read_firing(sd_kalman_t *self, const sd_kalman_tables_t *t, uint32_t which, uint32_t i, float pattern_rad, sd_firing_t *firing);
+void sd_kalman_read_firing(sd_kalman_t *self, const sd_kalman_tables_t *t, uint32_t which, uint32_t i, float pattern_rad,
+                           sd_firing_t *firing);
 
 #endif

@@ -12,9 +12,11 @@ static bool sizes_ok(const sd_kalman_tables_t *t) {
     if ((t->positions < 12u) || (t->positions > SD_KALMAN_POSITIONS_MAX) || (t->positions % 2u != 0u)) { return false; }
     if ((t->coefficients < 1u) || (t->coefficients > SD_KALMAN_COEFFICIENTS_MAX)) { return false; }
     if ((t->speeds < 1u) || (t->speeds > SD_KALMAN_SPEEDS_MAX) || (t->sets < 1u) || (t->sets > SD_KALMAN_SETS_MAX)) { return false; }
-    if ((t->cylinders < 1u) || (t->cylinders > SD_KALMAN_FIRINGS_MAX) || (t->firings > t->cylinders) || (t->firings >= t->coefficients)) { return false; }
+    if ((t->cylinders < 1u) || (t->cylinders > SD_KALMAN_FIRINGS_MAX) || (t->firings > t->cylinders) ||
+        (t->firings >= t->coefficients)) { return false; }
     if ((t->shapes > 1u) || ((t->shapes > 0u) && (t->firings == 0u))) { return false; }
-    if ((t->modes > SD_KALMAN_MODES_MAX) || ((t->modes > 0u) && ((t->firings != t->cylinders) || (t->coefficients != t->cylinders + 1u)))) { return false; }
+    if ((t->modes > SD_KALMAN_MODES_MAX) || ((t->modes > 0u) && ((t->firings != t->cylinders) ||
+        (t->coefficients != t->cylinders + 1u)))) { return false; }
     if ((t->window >= t->coefficients) || (t->teeth < 4u) || (t->teeth > t->positions)) { return false; }
     if ((t->row_words != sd_motion_row_words(t)) || (t->gains_at != sd_motion_gains_at(t))) { return false; }
     return sd_kalman_pool_used(t) <= SD_KALMAN_POOL;
@@ -46,7 +48,8 @@ static bool gains_ok(const sd_kalman_tables_t *t) {
 static bool row_ok(const sd_kalman_tables_t *t, const sd_kalman_word_t *word) {
     const uint32_t cylinders = (1u << t->cylinders) - 1u;
     bool ok = (word[SD_ROW_AT].at.first + 1u < t->coefficients) || (t->window == 0u);
-    ok = ok && ((word[SD_ROW_AT].at.close & ~cylinders) == 0u) && (word[SD_ROW_AT].at.read <= t->firings) && (word[SD_ROW_AT].at.tooth <= 1u);
+    ok = ok && ((word[SD_ROW_AT].at.close & ~cylinders) == 0u) && (word[SD_ROW_AT].at.read <= t->firings) &&
+        (word[SD_ROW_AT].at.tooth <= 1u);
     ok = ok && sd_within(word[SD_ROW_INTERVAL].value, 0.1f, 1e7f) && sd_within(word[SD_ROW_TOOTH].value, 0.1f, 1e7f);
     for (uint32_t i = SD_ROW_KNOWN; ok && (i < t->gains_at); ++i) { ok = sd_within(word[i].value, -1e6f, 1e6f); }
     return ok;
@@ -54,7 +57,8 @@ static bool row_ok(const sd_kalman_tables_t *t, const sd_kalman_word_t *word) {
 
 bool sd_kalman_tables_ok(const sd_kalman_tables_t *t) {
     if (!sizes_ok(t)) { return false; }
-    bool ok = sd_within(t->tick_hz, 1e5f, 2e8f) && sd_within(t->shape_min_nm, 0.0f, 2e4f) && sd_within(t->inertia_mean_kgm2, 1e-6f, 10.0f) &&
+    bool ok = sd_within(t->tick_hz, 1e5f, 2e8f) && sd_within(t->shape_min_nm, 0.0f, 2e4f) &&
+              sd_within(t->inertia_mean_kgm2, 1e-6f, 10.0f) &&
               sd_within(t->pitch_rad * (float)t->positions, 0.99f * SD_TWO_PI, 1.01f * SD_TWO_PI) && speeds_ok(t) && gains_ok(t);
     for (uint32_t m = 0; ok && (m < t->modes); ++m) { ok = mode_ok(&t->mode[m]); }
     uint32_t teeth = 0;

@@ -1,17 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-#include "sd_motion.h"
+#include "sd_motion_inline.h"
 
 static const float INVERSE[6] = { 1.0f, 0.5f, 1.0f / 3.0f, 0.25f, 0.2f, 1.0f / 6.0f };
-
-enum { MEAN, MOMENT, POINT, BEND, PULSE_WORDS = 6 }; /* of a pulse; BEND: the same three of its bend begin */
-
-static const sd_kalman_word_t *pulses_of(const sd_kalman_tables_t *t, const sd_kalman_word_t *word) {
-    return word + SD_ROW_MOTORED + 3u * t->cylinders;
-}
-
-static const sd_kalman_word_t *modes_of(const sd_kalman_tables_t *t, const sd_kalman_word_t *word) {
-    return pulses_of(t, word) + PULSE_WORDS * t->window;
-}
 
 uint32_t sd_motion_gains_at(const sd_kalman_tables_t *t) {
     return SD_ROW_MOTORED + 3u * t->cylinders + PULSE_WORDS * t->window + 2u * t->modes;
@@ -45,7 +35,7 @@ void sd_motion_close_valves(sd_motion_charge_t *charge, const sd_kalman_word_t *
 /* ---- prediction ------------------------------------------------------------------------------------------------ */
 
 /* Twist that the known torques of a row hold, of mode m. */
-static float held_by_known(const sd_kalman_tables_t *t, const sd_kalman_word_t *word, uint32_t m, const sd_motion_charge_t *charge) {
+float sd_motion_held_by_known(const sd_kalman_tables_t *t, const sd_kalman_word_t *word, uint32_t m, const sd_motion_charge_t *charge) {
     const sd_kalman_word_t *motored = word + SD_ROW_MOTORED;
     float held = modes_of(t, word)[2u * m].value;
     for (uint32_t i = 0; i < t->cylinders; ++i, motored += 3) {
@@ -55,18 +45,7 @@ static float held_by_known(const sd_kalman_tables_t *t, const sd_kalman_word_t *
 }
 
 void sd_motion_known(const sd_kalman_tables_t *t, uint32_t k, const sd_motion_charge_t *charge, sd_motion_row_t *row) {
-    const sd_kalman_word_t *word = sd_motion_word(t, k), *motored = word + SD_ROW_MOTORED;
-    float mean = word[SD_ROW_KNOWN + MEAN].value, moment = word[SD_ROW_KNOWN + MOMENT].value;
-    const float *bar = charge->charge_bar;
-    _Pragma("GCC unroll 4")
-    for (uint32_t left = t->cylinders; left > 0u; --left, motored += 3, ++bar) {
-        mean += motored[MEAN].value * *bar;
-        moment += motored[MOMENT].value * *bar;
-    }
-    row->word = word;
-    row->mean_nm = mean;
-    row->moment_nm = moment;
-    for (uint32_t m = 0; m < t->modes; ++m) { row->held_rad[m] = held_by_known(t, word, m, charge); }
+    sd_motion_sum_known(t, k, charge, row);
 }
 
 /* exp(x A) = a I + b A with A = [0 1; -1 -2 z], for x >= 0: Taylor's series at a small part of x, then squared, both by
@@ -90,7 +69,8 @@ static void exponential(float x, float z, float *a, float *b) {
 }
 
 /* The twist that the mean torques of an interval would hold, of mode m; firing j is cylinder j where there are modes. */
-static float held_twist(const sd_motion_t *self, const sd_kalman_tables_t *t, const sd_motion_row_t *row, uint32_t m, float shape, float square) {
+static float held_twist(const sd_motion_t *self, const sd_kalman_tables_t *t, const sd_motion_row_t *row, uint32_t m, float shape,
+                        float square) {
     const sd_kalman_mode_t *mode = &t->mode[m];
     const sd_kalman_word_t *pulse = pulses_of(t, row->word);
     float held = row->held_rad[m] + modes_of(t, row->word)[2u * m + 1u].value * square + mode->constant_radpnm * self->coefficient_nm[0];
@@ -102,11 +82,12 @@ static float held_twist(const sd_motion_t *self, const sd_kalman_tables_t *t, co
     return held;
 }
 
-/* Apart from predict, so that a rigid crank does not pay for the registers that it takes. */
-__attribute__((noinline)) static bool swing(sd_motion_t *self, const sd_kalman_tables_t *t, const sd_motion_row_t *row, float shape,
-                                            const sd_motion_tuning_t *tuning, float dt, float square) {
+bool sd_motion_swing(sd_motion_t *self, const sd_kalman_tables_t *t, const sd_motion_row_t *row, float shape,
+                     const sd_motion_tuning_t *tuning,
+                     float dt, float square) {
     for (uint32_t m = 0; m < t->modes; ++m) {
-        const float held = tuning->compliance * held_twist(self, t, row, m, shape, square), away = self->twist_rad[m] - held, v = self->swing_rad[m];
+        const float held = tuning->compliance * held_twist(self, t, row, m, shape, square), away = self->twist_rad[m] - held,
+            v = self->swing_rad[m];
         const float z = t->mode[m].damping;
         float a, b;
         exponential(tuning->frequency * t->mode[m].frequency_radps * dt, z, &a, &b);
@@ -116,22 +97,9 @@ __attribute__((noinline)) static bool swing(sd_motion_t *self, const sd_kalman_t
     return true;
 }
 
-bool sd_motion_predict(sd_motion_t *self, const sd_kalman_tables_t *t, const sd_motion_row_t *row, float shape, const sd_motion_tuning_t *tuning) {
-    const sd_kalman_word_t *pulse = pulses_of(t, row->word);
-    const float *x = self->coefficient_nm;
-    float mean = row->mean_nm + x[0], moment = row->moment_nm + 0.5f * x[0];
-    uint32_t j = 1u + row->word[SD_ROW_AT].at.first;
-    for (uint32_t left = t->window; left > 0u; --left, pulse += PULSE_WORDS) {
-        mean += (pulse[MEAN].value + shape * pulse[BEND + MEAN].value) * x[j];
-        moment += (pulse[MOMENT].value + shape * pulse[BEND + MOMENT].value) * x[j];
-        j = (j + 1u < t->coefficients) ? j + 1u : 1u;
-    }
-    const float pitch = t->pitch_rad, middle = self->energy_j + pitch * moment, least = sd_motion_energy_min(t);
-    self->energy_j += pitch * mean;
-    if (!(middle > least) || !(self->energy_j > least)) { return false; }
-    const float square = middle * row->word[SD_ROW_INTERVAL].value, dt = pitch * sd_rsqrt_f32(square);
-    self->lateness_s += dt;
-    return (t->modes == 0u) || swing(self, t, row, shape, tuning, dt, square);
+bool sd_motion_predict(sd_motion_t *self, const sd_kalman_tables_t *t, const sd_motion_row_t *row, float shape,
+                       const sd_motion_tuning_t *tuning) {
+    return sd_motion_move(self, t, row, shape, tuning);
 }
 
 float sd_motion_ahead(const sd_motion_t *self, const sd_kalman_tables_t *t, float slowness, const sd_motion_tuning_t *tuning) {

@@ -24,7 +24,9 @@ extern "C" {
 #define SD_KALMAN_MODES_MAX        2
 #define SD_KALMAN_SCALES           (5 + 2 * SD_KALMAN_MODES_MAX)
 #ifndef SD_KALMAN_POOL
-#define SD_KALMAN_POOL             18000 ///< Words for torques and gains: 12 speeds for 8 cylinders with 2 modes. A build for less may define it.
+/// Words for torques and gains: 12 harmonics at 4 speeds take 25,920, 8 cylinders with 2 modes at 12 speeds 17,160. A build for less
+/// may define it.
+#define SD_KALMAN_POOL             26000
 #endif
 
 /// A natural vibration that moves the toothed wheel. Torques in Nm hold it at a twist of the wheel in rad.
@@ -84,7 +86,8 @@ typedef struct sd_kalman_tables {
     float    inertia_mean_kgm2;///< J_mean, (0, 10].
     sd_kalman_mode_t mode[SD_KALMAN_MODES_MAX];
     float    speed_radps[SD_KALMAN_SPEEDS_MAX]; ///< Of the gain tables, ascending, [1, 2000].
-    float    gain_scale[SD_KALMAN_SETS_MAX][SD_KALMAN_SCALES]; ///< Of K_0, K_1, K_x[0], all other K_x, K_s, and K_q, K_v of each mode; each [0, 1e4].
+    /// Of K_0, K_1, K_x[0], all other K_x, K_s, and K_q, K_v of each mode; each [0, 1e4].
+    float    gain_scale[SD_KALMAN_SETS_MAX][SD_KALMAN_SCALES];
     float    noise_rad[SD_KALMAN_GAINS_MAX];    ///< Of each speed of each set: timing error that the gains were made for, > 0.
     float    expected_rad[SD_KALMAN_GAINS_MAX]; ///< Expected rms of the innovation, no less than that.
     /// Standard deviation of a firing less the mean of all cylinders, per rad of timing error, over J_mean w^2: one
@@ -163,7 +166,8 @@ void sd_motion_close_valves(sd_motion_charge_t *charge, const sd_kalman_word_t *
 void sd_motion_known(const sd_kalman_tables_t *t, uint32_t k, const sd_motion_charge_t *charge, sd_motion_row_t *row);
 
 /// Moves an estimate over an interval. `shape` bends its pulses. False when the crank would stand still in it.
-bool sd_motion_predict(sd_motion_t *self, const sd_kalman_tables_t *t, const sd_motion_row_t *row, float shape, const sd_motion_tuning_t *tuning);
+bool sd_motion_predict(sd_motion_t *self, const sd_kalman_tables_t *t, const sd_motion_row_t *row, float shape,
+                       const sd_motion_tuning_t *tuning);
 
 /// How far the modes have the wheel ahead of the rigid crank at a tooth, rad: a wheel twisted ahead by q and turning faster
 /// by q' comes q / (w + q') early. 0 without modes.
@@ -171,7 +175,8 @@ float sd_motion_ahead(const sd_motion_t *self, const sd_kalman_tables_t *t, floa
 
 /// Lateness of the last tooth against the prediction, rad, its own error not taken out. `speed` and `slowness`, one over the
 /// other, are those of the rigid crank there.
-static inline float sd_motion_late(const sd_motion_t *self, const sd_kalman_tables_t *t, float speed, float slowness, const sd_motion_tuning_t *tuning) {
+static inline float sd_motion_late(const sd_motion_t *self, const sd_kalman_tables_t *t, float speed, float slowness,
+                                   const sd_motion_tuning_t *tuning) {
     const float ahead = (t->modes != 0u) ? sd_motion_ahead(self, t, slowness, tuning) : 0.0f;
     return ahead - self->lateness_s * speed;
 }

@@ -139,7 +139,8 @@ static void end_cycle(sd_pattern_t *self, const sd_kalman_tables_t *t) {
     const float slope = a1 / pitch, bend = a2 / (pitch * pitch); /* a rad */
     const float square_speed = 2.0f * self->energy_j / t->inertia_mean_kgm2;
     self->ripple_nm = sd_root(1e-6f + self->ripple_square / (float)(2u * t->positions));
-    if (settled && (slope < SLOPE_MAX) && (slope > -SLOPE_MAX) && sd_twist_known(&self->twist, t)) { hand_on(self, t, a1, a2, square_speed); }
+    const bool good = settled && (slope < SLOPE_MAX) && (slope > -SLOPE_MAX) && sd_twist_known(&self->twist, t);
+    if (good) { hand_on(self, t, a1, a2, square_speed); }
     /* L' = -de / (2 e), and de grows by the constant torque's error. */
     const float constant = -4.0f * bend * self->energy_j;
     const float cycle_rad = 12.566371f;

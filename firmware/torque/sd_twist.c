@@ -35,7 +35,8 @@ bool sd_twist_predict(sd_twist_t *self, const sd_kalman_tables_t *t, const sd_mo
     return (t->modes == 0u) || sd_motion_predict(&self->trial, t, row, 0.0f, &self->tuning);
 }
 
-void sd_twist_follow(sd_twist_t *self, const sd_kalman_tables_t *t, uint32_t k, float period_s, float late_rad, float d, sd_teeth_sums_t *pairs) {
+void sd_twist_follow(sd_twist_t *self, const sd_kalman_tables_t *t, uint32_t k, float period_s, float late_rad, float d,
+                     sd_teeth_sums_t *pairs) {
     if (t->modes == 0u) { return; }
     const float square = self->trial.energy_j * sd_motion_word(t, k)[SD_ROW_TOOTH].value, slowness = sd_rsqrt_f32(square);
     self->trial.lateness_s -= period_s;

@@ -51,7 +51,8 @@ void sd_twist_begin(sd_twist_t *self, const sd_kalman_tables_t *tables, const sd
 bool sd_twist_predict(sd_twist_t *self, const sd_kalman_tables_t *tables, const sd_motion_row_t *row);
 /// Tooth k of the cycle, period_s after the last one: the free prediction's lateness is late_rad there. In the second
 /// revolution the tooth's sensitivity goes into the sums, with the difference d of its lateness.
-void sd_twist_follow(sd_twist_t *self, const sd_kalman_tables_t *tables, uint32_t k, float period_s, float late_rad, float d, sd_teeth_sums_t *pairs);
+void sd_twist_follow(sd_twist_t *self, const sd_kalman_tables_t *tables, uint32_t k, float period_s, float late_rad, float d,
+                     sd_teeth_sums_t *pairs);
 /// The cycle's end: learns from the pairs, takes what it learned out of them, and moves *free as if it had known.
 void sd_twist_learn(sd_twist_t *self, const sd_kalman_tables_t *tables, sd_twist_sums_t *sums, sd_teeth_sums_t *pairs, sd_motion_t *free);
 /// Whether the frequencies are known so well that what is left of a cycle is pattern. True without modes.

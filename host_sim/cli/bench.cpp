@@ -65,7 +65,8 @@ class Collector : public benchmark::BenchmarkReporter {
 void print_ratios(const Collector &collector, Json &json) {
     for (const std::string harmonics : {"5", "12"}) {
         for (const std::string number : {"f32", "q31"}) {
-            const double ratio = collector.of("torque dense Eigen, per tooth/" + harmonics) / collector.of("torque " + number + ", per tooth/" + harmonics);
+            const double dense = collector.of("torque dense Eigen, per tooth/" + harmonics);
+            const double ratio = dense / collector.of("torque " + number + ", per tooth/" + harmonics);
             fmt::print("dense Eigen / {} with {} harmonics: {:.2f}\n", number, harmonics, ratio);
             json["dense_over_" + number + "_" + harmonics] = ratio;
         }

@@ -151,8 +151,10 @@ void add_block_benches() {
     RegisterBenchmark("crank decoder, per edge", decoder);
     for (const int harmonics : {5, 12}) {
         const auto with = [&](benchmark::internal::Benchmark *b) { b->Arg(harmonics); };
-        with(RegisterBenchmark("torque f32, per tooth", [](benchmark::State &s) { observer<sd_fourier_f32_t>(s, sd_fourier_init_f32, sd_fourier_step_f32); }));
-        with(RegisterBenchmark("torque q31, per tooth", [](benchmark::State &s) { observer<sd_fourier_q31_t>(s, sd_fourier_init_q31, sd_fourier_step_q31); }));
+        const auto f32 = [](benchmark::State &s) { observer<sd_fourier_f32_t>(s, sd_fourier_init_f32, sd_fourier_step_f32); };
+        const auto q31 = [](benchmark::State &s) { observer<sd_fourier_q31_t>(s, sd_fourier_init_q31, sd_fourier_step_q31); };
+        with(RegisterBenchmark("torque f32, per tooth", f32));
+        with(RegisterBenchmark("torque q31, per tooth", q31));
         with(RegisterBenchmark("torque dense Eigen, per tooth", dense));
         with(RegisterBenchmark("whole ecu, per edge", whole_ecu));
     }

@@ -26,8 +26,8 @@ PLACES = {"SCENARIO.toml": "scenario.toml", "ENGINE.toml": str(DATA / "engines/d
           "cylinders.fuel_percent=[-25,0,...]": "cylinders.fuel_percent=[-25,0,0,0,0,0,0,0]"}
 # Where a command is one of many cases, the rest of it is as good shorter.
 SHORTER = {"run": ["--nominal", "--set", "run.cycles=3"], "plant": ["--nominal", "--set", "run.cycles=3"],
-           "sweep": ["--nominal", "--set", "run.cycles=3", "--jobs", "1"], "study afr": ["--seeds", "1", "--cases", "1"], "study loop": ["--seeds", "1"],
-           "study trips": ["--trips", "2"], "bench": ["--seconds", "0.0005", "--repetitions", "1"]}
+           "sweep": ["--nominal", "--set", "run.cycles=3", "--jobs", "1"], "study afr": ["--seeds", "1", "--cases", "1"],
+           "study loop": ["--seeds", "1"], "study trips": ["--trips", "2"], "bench": ["--seconds", "0.0005", "--repetitions", "1"]}
 ONE_PART = {"study afr": "blame", "study loop": "figure-16"}
 
 
@@ -105,7 +105,8 @@ class Docs(Folder):
             return None
         for placeholder, value in PLACES.items():
             rest = [value if word == placeholder else word for word in rest]
-        rest = [re.sub(r"^([a-z.=]+[^,\[\]]*),[^\[\]]*$", r"\1", w) if before == "--over" else w.split("|")[0] for before, w in zip([""] + rest, rest)]
+        rest = [re.sub(r"^([a-z.=]+[^,\[\]]*),[^\[\]]*$", r"\1", word) if before == "--over" else word.split("|")[0]
+                for before, word in zip([""] + rest, rest)]
         rest = ["trace.csv" if w == "FILE" and path == ("replay",) else w for w in rest]
         shorter = SHORTER.get(name, [])
         if "run.cycles=3" in shorter and "duration_s" in (self.folder / rest[0]).read_text():

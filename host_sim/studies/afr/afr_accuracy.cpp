@@ -63,7 +63,8 @@ void accuracy_row(const Case &c, int seeds, AfrMethod method = AfrMethod::joint,
     fmt::print("{:<28}{:6.2f}{:8.1f}{:6.2f}{:6.2f}{:6.2f}{:6.2f}{:6.2f}{:6.2f}{:7.2f}{:7.2f}{:6.2f}{:6.2f}{:8.2f}{:6.2f}{:7.2f}",
                c.name, run.mean, run.settle(clean), bias, percentile(white, &Errors::rms, 0.5),
                percentile(white, &Errors::rms, 0.95), percentile(off, &Errors::rms, 0.5),
-               percentile(coloured, &Errors::rms, 0.5), percentile(coloured_off, &Errors::rms, 0.5), percentile(probed, &Errors::rms, 0.5), first, bound,
+               percentile(coloured, &Errors::rms, 0.5), percentile(coloured_off, &Errors::rms, 0.5),
+               percentile(probed, &Errors::rms, 0.5), first, bound,
                first / bound, rms(white, &Errors::stated) / rms(white, &Errors::deviations),
                rms(off, &Errors::stated) / rms(off, &Errors::deviations), rms(probed, &Errors::stated) / rms(probed, &Errors::deviations));
     fmt::print("\n");
@@ -96,7 +97,8 @@ void blames(int seeds, int cases) {
 
 /// A calibration that is right and states the defaults of afr.late_error and afr.lag_error all the same.
 void doubts(int seeds, int cases) {
-    fmt::print("\nstated over rms of deviations, nominal, {} seeds: with no doubt of lags and delay; with the default 0.6 ms and 11.5 %\n", seeds);
+    fmt::print("\nstated over rms of deviations, nominal, {} seeds: with no doubt of lags and delay; with the default 0.6 ms and 11.5 %\n",
+               seeds);
     for (const Case &c : first_of(step_cases(), cases)) {
         const Run run(c, 20);
         AfrSetup setup = setup_for(run, c);

@@ -23,7 +23,8 @@ std::vector<std::string> probe_changes(const Case &c, std::vector<std::array<dou
         for (int i = 0; i < kLanes; ++i) {
             trims[std::size_t(k)][std::size_t(i)] = i == 0 ? trim : -trim / (kLanes - 1);
             if ((k - kProbeFrom) % half == 0)
-                steps += fmt::format("{{at_s={}, cylinder={}, percent={}}},", k * 120 / c.rpm, i + 1, i == 0 ? 100 * trim : -100 * trim / (kLanes - 1));
+                steps += fmt::format("{{at_s={}, cylinder={}, percent={}}},", k * 120 / c.rpm, i + 1,
+                                     i == 0 ? 100 * trim : -100 * trim / (kLanes - 1));
         }
     }
     return {fmt::format("run.cycles={}", kProbeCycles), fmt::format("cylinders.fuel_step=[{}]", steps)};

@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "design/calibration.hpp"
+#include "design/kept_pages.hpp"
 #include "cli/commands.hpp"
 #include "cli/run_figures.hpp"
 #include "cli/tune_options.hpp"
@@ -35,6 +36,8 @@ struct Options {
     bool start_ecu = true;
     Pace pace;
     bool nominal = false;
+    std::string cache;
+    bool no_cache = false;
 };
 
 struct Inputs {
@@ -94,13 +97,15 @@ Inputs read_inputs(const Options &options) {
     inputs.scenario = read_scenario(file, path.parent_path());
     if (options.seed) inputs.scenario.seed = *options.seed;
     inputs.files[options.scenario] = sha256(file.content());
-    inputs.files[inputs.scenario.engine_path.string()] = sha256(read_file(inputs.scenario.engine_path));
+    const std::string engine_text = read_file(inputs.scenario.engine_path);
+    inputs.files[inputs.scenario.engine_path.string()] = sha256(engine_text);
 
     TomlFile tune = open_tune(options.tune, of_tune, options.number);
     inputs.tune = read_tune(tune);
     inputs.tune_name = tune.name();
     if (!options.tune.empty()) inputs.files[options.tune] = sha256(tune.content());
-    inputs.calibration = calibrate(inputs.scenario.engine.shared, inputs.tune, tune.name());
+    const KeptPages pages(options.no_cache ? "" : options.cache.empty() ? KeptPages::usual_folder() : std::filesystem::path(options.cache));
+    inputs.calibration = pages.calibrate(inputs.scenario.engine.shared, engine_text, inputs.tune, tune.name());
     inputs.lesson = read_lesson(options, inputs.scenario);
     if (inputs.lesson) inputs.files[options.learned] = sha256(read_file(options.learned));
     else if (!options.learned.empty()) inputs.learned = read_learned(options.learned, inputs.files);
@@ -248,6 +253,8 @@ void add_options(Command &command, const std::shared_ptr<Options> &options) {
     command.option("--learned", options->learned, "what was learned before, or a scenario whose fuel cut is learned from first (by each calibration for itself); not over a bus");
     command.option("--learn", options->learn, "where the tooth pattern goes at the end of the run; not over a bus");
     command.flag("--nominal", options->nominal, "skip the second run, whose calibration is wrong on purpose; over a bus there is none");
+    const Option cache = command.option("--cache", options->cache, "folder of pages seen before, in place of ~/.cache/sixdeg (docs/files.md)");
+    command.flag("--no-cache", options->no_cache, "design the page anew, and keep it nowhere").excludes(cache);
     command.option("--record", options->record, "event log of all that goes in and out (docs/log.md)");
     const Option real_time = command.flag("--real-time", options->pace.real_time,
                                           "at the pace of the clock; without it plant and ecu wait for each other");

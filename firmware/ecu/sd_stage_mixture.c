@@ -71,7 +71,7 @@ static void wait_for(sd_stage_mixture_t *self, float burned) {
 
 static void step(sd_stage_mixture_t *self, const sd_afr_tables_t *tables, uint32_t position, float burned) {
     sd_afr_step(&self->afr, tables, position, burned);
-    sd_afr_delay_step(&self->delay, &self->afr.now, position, 1.0f - burned); /* no sample is none there either */
+    sd_afr_delay_step(&self->delay, &self->afr.in, position, 1.0f - burned); /* no sample is none there either */
 }
 
 static void step_oldest(sd_stage_mixture_t *self, const sd_afr_tables_t *tables) {

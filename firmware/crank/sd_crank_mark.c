@@ -2,125 +2,82 @@
 #include "sd_crank_parts.h"
 
 enum {
-    SLIP_MAX        = 3,  /* teeth the vote at a mark can put right */
-    VOTERS_MIN      = 5,  /* edges that make a vote */
-    ASTRAY_MAX      = 1,  /* edges astray that a vote may count as faults */
-    STRAY           = (35 * ONE) / 100, /* an edge further from a tooth stands astray */
-    UNLEARNED       = ONE / 2,          /* scatter of a mark seen less than twice */
-    STRAINED        = (16 * ONE) / 100, /* clocks this far off, on average, may have slipped */
+    SLIP_MAX = 3,     /* teeth the vote at a mark can put right */
+    STRAINED = (16 * ONE) / 100, /* clocks this far off, on average, may have slipped */
 };
+#define VOTERS_MIN 5u /* edges that make a vote */
+#define ASTRAY_MAX 1u /* edges astray that a vote may count as faults */
+#define STRAY      ((35u * ONE) / 100u) /* an edge further from a tooth stands astray */
 
-/* ---- the wheel ------------------------------------------------------------------------------------------------- */
+/* How the edges around the mark fit the wheel where we think it is. */
+typedef struct sd_vote {
+    uint32_t edges;       /* edges looked at */
+    uint32_t astray;      /* of these, edges where no tooth should be */
+    uint32_t inside;      /* of these, edges in the midst of the mark */
+    bool     left, right; /* the teeth beside the mark stand where they should */
+} sd_vote_t;
 
-static bool is_missing(const sd_crank_config_t *config, uint32_t position) {
-    for (uint32_t i = 0; i < config->missing_count; ++i) {
-        if (config->missing[i] == position) { return true; }
-    }
-    return false;
+SD_INLINE bool on_tooth(int32_t from_tooth, uint32_t within) {
+    return (((uint32_t)from_tooth + within) & (ONE - 1u)) <= 2u * within;
+}
+SD_INLINE bool near(int32_t x) { return (uint32_t)x + STRAY <= 2u * STRAY; }
+
+/* How far an edge lies beyond the tooth before the mark; whether it is near enough to vote. */
+SD_INLINE bool votes(const sd_crank_t *self, uint32_t i, int32_t width, int32_t *here) {
+    *here = (int32_t)((uint32_t)self->witness[i] - (uint32_t)self->mark_travel);
+    return (uint32_t)(*here + (SLIP_MAX + 2) * ONE) <= (uint32_t)(width + (SLIP_MAX + 2 + VOTE_AFTER + 1) * ONE);
 }
 
-/* The mark that begins right after `position`, or SD_CRANK_MARKS_MAX. */
-uint32_t sd_wheel_mark_after(const sd_crank_t *self, uint32_t position) {
-    for (uint32_t m = 0; m < self->mark_count; ++m) {
-        if (self->mark_first[m] == position + 1u) { return m; }
-    }
-    return SD_CRANK_MARKS_MAX;
-}
-
-uint32_t sd_wheel_first_after(const sd_crank_t *self, uint32_t mark) {
-    return ((uint32_t)self->mark_first[mark] + self->mark_run[mark]) % self->config.positions;
-}
-
-bool sd_wheel_second_after(const sd_crank_t *self) {
-    for (uint32_t m = 0; m < self->mark_count; ++m) {
-        if (self->position == sd_wheel_first_after(self, m) + 1u) { return true; }
-    }
-    return false;
-}
-
-void sd_wheel_sum_turn(sd_crank_t *self) {
-    self->turn_spacings = (self->config.positions - self->config.missing_count - self->mark_count) * ONE;
-    for (uint32_t m = 0; m < self->mark_count; ++m) { self->turn_spacings += self->mark_spacings[m]; }
-}
-
-void sd_wheel_reset_widths(sd_crank_t *self) {
-    for (uint32_t m = 0; m < self->mark_count; ++m) {
-        self->mark_spacings[m] = (self->mark_run[m] + 1) * ONE;
-        self->mark_scatter[m] = UNLEARNED;
-    }
-    sd_wheel_sum_turn(self);
-}
-
-/* 1.6 to 4.5 spacings is what real sensors make of a mark of any width. */
-int32_t sd_wheel_plausible_width(int64_t spacings) { return clamp32(spacings, (16 * ONE) / 10, (45 * ONE) / 10); }
-
-static bool collect_marks(sd_crank_t *self) {
-    const sd_crank_config_t *config = &self->config;
-    for (uint32_t p = 0; p < config->positions; ++p) {
-        if (!is_missing(config, p)) { continue; }
-        if ((p == 0u) || !is_missing(config, p - 1u)) {
-            if (self->mark_count == SD_CRANK_MARKS_MAX) { return false; }
-            self->mark_first[self->mark_count] = (uint8_t)p;
-            self->mark_count++;
+static sd_vote_t count(const sd_crank_t *self, int32_t width) {
+    sd_vote_t vote = { 0u, 0u, 0u, false, false };
+    for (uint32_t i = 0; i < SD_CRANK_WITNESSES; ++i) {
+        int32_t here;
+        if (!votes(self, i, width, &here)) { continue; }
+        vote.edges++;
+        if (here < ONE / 2) {
+            if (!on_tooth(here, STRAY)) { vote.astray++; }
+        } else if (here >= width - ONE / 2) {
+            if (!on_tooth(here - width, STRAY)) { vote.astray++; }
+        } else {
+            vote.astray++;
+            vote.inside++;
         }
-        if (++self->mark_run[self->mark_count - 1u] > SD_CRANK_RUN_MAX) { return false; }
+        if (near(here)) { vote.left = true; }
+        if (near(here - width)) { vote.right = true; }
     }
-    return true;
+    return vote;
 }
 
-/* The vote needs teeth of its own on both sides of every mark. */
-static bool marks_stand_apart(const sd_crank_t *self) {
-    for (uint32_t m = 0; m < self->mark_count; ++m) {
-        const uint32_t next = self->mark_first[(m + 1u) % self->mark_count];
-        const uint32_t teeth = (next + self->config.positions - sd_wheel_first_after(self, m)) % self->config.positions;
-        if (teeth < 4u) { return false; }
-    }
-    return true;
-}
+/* Slips of -3 to 3 teeth side by side, four bits each: one pass over the edges counts for all of them. */
+#define ALL_SLIPS 0x1111111u
 
-bool sd_wheel_find_marks(sd_crank_t *self) { return collect_marks(self) && marks_stand_apart(self); }
-
-/* ---- the vote at a mark ---------------------------------------------------------------------------------------- */
-
-/* How the edges around the mark fit the wheel when its mark stands `slip` teeth later than we think. */
-typedef struct sd_fit {
-    int32_t edges;  /* edges that were looked at */
-    int32_t astray; /* of these, edges where no tooth should be */
-    int32_t inside; /* of these, edges in the midst of the mark */
-} sd_fit_t;
-
-static sd_fit_t fit(const sd_crank_t *self, int32_t width, int32_t slip) {
-    sd_fit_t sum = { 0, 0, 0 };
-    for (uint32_t i = 0; i < self->witness_count; ++i) {
-        const int32_t here = (int32_t)((uint32_t)self->witness[i] - (uint32_t)self->mark_travel);
-        if ((here < -(SLIP_MAX + 2) * ONE) || (here > width + (VOTE_AFTER + 1) * ONE)) { continue; }
-        const int32_t x = here - slip * ONE;
-        const bool before = x < ONE / 2;
-        const bool inside = !before && (x < width - ONE / 2);
-        const int32_t off = (((before ? x : x - width) + ONE / 2) & (ONE - 1)) - ONE / 2;
-        sum.edges++;
-        sum.inside += inside ? 1 : 0;
-        sum.astray += (inside || (abs32(off) > STRAY)) ? 1 : 0;
-    }
-    return sum;
-}
-
-static bool stands(const sd_crank_t *self, int32_t beyond_mark) {
-    for (uint32_t i = 0; i < self->witness_count; ++i) {
-        const int32_t here = (int32_t)((uint32_t)self->witness[i] - (uint32_t)self->mark_travel);
-        if (abs32(here - beyond_mark) <= STRAY) { return true; }
-    }
-    return false;
+/* The slips with which this edge is astray. With a slip of s the mark begins s teeth later. */
+static uint32_t astray_with(int32_t here, int32_t width, uint32_t within) {
+    const int32_t least = clamp_in((here + ONE / 2) >> 12, -SLIP_MAX, SLIP_MAX + 1);              /* before the mark from this slip on */
+    const int32_t most = clamp_in((here - width + ONE / 2) >> 12, -SLIP_MAX - 1, SLIP_MAX);       /* after it up to this slip */
+    const uint32_t before = ALL_SLIPS & (uint32_t)((uint64_t)ALL_SLIPS << (4 * (least + SLIP_MAX)));
+    const uint32_t after = (uint32_t)((uint64_t)ALL_SLIPS >> (4 * (SLIP_MAX - most))) & ~before;
+    uint32_t off = ALL_SLIPS & ~(before | after);
+    if (!on_tooth(here, within)) { off |= before; }
+    if (!on_tooth(here - width, within)) { off |= after; }
+    return off;
 }
 
 /* The slip that leaves fewer edges astray than none does. A single edge astray speaks for a slip only where a tooth
  * beside the mark is missing as well: without a slip that takes two faults. */
-static int32_t find_slip(const sd_crank_t *self, int32_t width, const sd_fit_t *here) {
-    int32_t found = 0, least = here->astray;
-    if ((here->astray <= 1) && stands(self, 0) && stands(self, width)) { return 0; }
-    for (int32_t slip = -SLIP_MAX; slip <= SLIP_MAX; ++slip) {
-        const int32_t astray = fit(self, width, slip).astray;
-        if (astray < least) { least = astray; found = slip; }
+static int32_t find_slip(const sd_crank_t *self, const sd_vote_t *vote, int32_t width, uint32_t within) {
+    if ((vote->astray == 0u) || ((vote->astray == 1u) && vote->left && vote->right)) { return 0; }
+    uint32_t sums = 0, edges = 0;
+    for (uint32_t i = 0; (i < SD_CRANK_WITNESSES) && (edges < 15u); ++i) { /* what four bits hold */
+        int32_t here;
+        if (!votes(self, i, width, &here)) { continue; }
+        sums += astray_with(here, width, within);
+        edges++;
+    }
+    int32_t found = 0;
+    uint32_t least = vote->astray;
+    for (int32_t slip = -SLIP_MAX; slip <= SLIP_MAX; ++slip, sums >>= 4) {
+        if ((sums & 15u) < least) { least = sums & 15u; found = slip; }
     }
     return (least <= ASTRAY_MAX) ? found : 0;
 }
@@ -130,42 +87,50 @@ static void angle_confirmed(sd_crank_t *self) {
     self->suspected_slip = 0;
     self->strain = 0;
     self->unsure = 0;
+    self->provisional = 0;
 }
 
-/* A first sight sets the scatter; later ones average. */
-static void learn_mark(sd_crank_t *self, uint32_t mark) {
-    if (self->mark_clean == 0u) { return; }
-    int32_t *scatter = &self->mark_scatter[mark];
-    const bool first = *scatter == UNLEARNED;
-    const int32_t stray = self->mark_late;
-    *scatter = clamp32(first ? abs32(stray) : *scatter + (abs32(stray) - *scatter) / 8, 0, UNLEARNED - 1);
-    self->mark_spacings[mark] = sd_wheel_plausible_width(self->mark_spacings[mark] + stray / (first ? 2 : 8));
-    sd_wheel_sum_turn(self);
+static void put_right(sd_crank_t *self, int32_t slip) {
+    const uint32_t before = self->position;
+    self->position = (uint8_t)sd_wheel_step(self, before, -slip);
+    if ((slip > 0) && (self->position > before)) { self->revolution ^= 1u; }
+    if ((slip < 0) && (self->position < before)) { self->revolution ^= 1u; }
+    self->counts.slips++;
+    sd_memory_forget(self);
+    angle_confirmed(self);
+}
+
+/* A mark lies behind the edge that comes now. */
+void sd_mark_passed(sd_crank_t *self, uint32_t tick, const sd_crank_way_t *way, int32_t to_mark, uint32_t mark, bool clean) {
+    self->pending_mark = (uint8_t)mark;
+    self->mark_travel = (int32_t)((uint32_t)self->travel + (uint32_t)to_mark);
+    /* The memory knows how long the mark takes, not how wide it is. */
+    const sd_crank_clocks_t *clocks = &self->clocks[self->now];
+    const uint32_t judge = sd_clock_best(clocks, MEMORY);
+    const sd_forecast_t ahead = sd_clock_forecast(clocks, judge, way);
+    const sd_inverse_t inverse = sd_inverse_of(ahead.period);
+    self->mark_late = sd_in_spacings(&inverse, sd_clock_late(&clocks->clock[judge], tick, ahead.time));
+    self->mark_clean = clean ? 1u : 0u;
 }
 
 void sd_mark_vote(sd_crank_t *self) {
     const uint32_t mark = self->pending_mark;
-    const int32_t width = self->mark_spacings[mark];
-    const sd_fit_t here = fit(self, width, 0);
-    const int32_t slip = find_slip(self, width, &here);
+    const sd_vote_t vote = count(self, self->mark_spacings[mark]);
+    const bool strained = self->strain > STRAINED;
+    const bool loose = strained && (self->provisional == 0u);
+    const uint32_t within = loose ? STRAY : (uint32_t)clamp_in(tight_gate(leading(self)->error), 0, (int32_t)STRAY);
+    const int32_t slip = find_slip(self, &vote, self->mark_spacings[mark], within);
     self->pending_mark = SD_CRANK_MARKS_MAX;
     if (slip != 0) {
         /* Clocks that were never far off cannot have slipped: then it takes two marks to convince us. */
-        const bool believed = (self->strain > STRAINED) || (slip == self->suspected_slip);
+        const bool believed = strained || (slip == self->suspected_slip);
         self->suspected_slip = (int8_t)slip;
-        if (!believed) {
-            self->unsure = 1;
-            return;
-        }
-        self->position = (uint8_t)((int32_t)self->position - slip);
-        self->counts.slips++;
-        sd_memory_forget(self);
-        angle_confirmed(self);
-    } else if ((here.inside > 0) || (here.astray > ASTRAY_MAX) || (here.edges < VOTERS_MIN)) {
+        if (believed) { put_right(self, slip); } else { self->unsure = 1; }
+    } else if ((vote.inside > 0u) || (vote.astray > ASTRAY_MAX) || (vote.edges < VOTERS_MIN)) {
         self->counts.marks_missed++;
-        self->missed = (uint8_t)(self->missed + 1u + self->unsure);
-    } else {
-        learn_mark(self, mark);
+        self->missed = (uint8_t)(self->missed + 1u + self->unsure + 2u * self->provisional);
+    } else if ((self->provisional == 0u) || (vote.left && vote.right)) {
+        if (self->mark_clean != 0u) { sd_wheel_learn(self, mark, self->mark_late); }
         angle_confirmed(self);
     }
 }

@@ -1,0 +1,249 @@
+/* SPDX-License-Identifier: MIT */
+#include <string.h>
+
+#include "sd_crank_parts.h"
+
+/* A gap stands out against both its neighbours. Each gap is followed as one mark or another; the one that comes again
+ * after as many edges as the wheel has teeth there, and as wide, is the mark. No clock is needed for that. */
+
+enum {
+    Q8           = 256,
+    GAP_LEAST    = (14 * Q8) / 10, /* width of a gap over the mean of its neighbours */
+    GAP_MOST     = 7 * Q8,
+    MISSING_FROM = (175 * Q8) / 100, /* from here on a gap may be missing teeth */
+    RIVAL_PARTS  = 4,                /* a rival is as wide as 4/5 of the other */
+};
+
+#define SLACK   2u /* edges by which a count over faults may be wrong */
+#define SETTLED 3u /* further hits after which the widest wins */
+
+typedef struct sd_gap {
+    bool     seen, noisy;
+    uint32_t width, side; /* Q8 */
+    uint32_t tolerance;   /* widths within this factor are alike, Q8 */
+} sd_gap_t;
+
+void sd_search_begin(sd_crank_t *self) {
+    memset(self->sight, 0, sizeof self->sight);
+    memset(self->raw_period, 0, sizeof self->raw_period);
+    self->slot = 0;
+    self->unlearned = self->teeth;
+    self->fault_age = 255;
+    self->noise = self->hum = self->mean = self->uneven = 0;
+    self->gap_age = 0;
+    self->grown_now = self->grown_before = 0;
+}
+
+/* ---- what the newest intervals say ----------------------------------------------------------------------------- */
+
+/* Every interval has its place in the memory, which so holds the last revolution. */
+static void record(sd_crank_t *self) {
+    self->slot = (uint8_t)next_slot(self, self->slot);
+    const uint32_t now = self->raw_period[0] << 6;
+    if (self->unlearned > 0u) {
+        self->unlearned--;
+    } else {
+        self->grown_now += (now >> 2) - (self->grown_now >> 2);
+        self->grown_before += (self->memory[self->slot] >> 2) - (self->grown_before >> 2);
+    }
+    self->memory[self->slot] = now;
+}
+
+/* How far edges stray from even, where no gap is near. */
+static void listen(sd_crank_t *self) {
+    const uint32_t *q = self->raw_period;
+    if (self->gap_age < 3u) { self->gap_age++; return; }
+    const uint32_t bend = (uint32_t)abs32((int32_t)(2u * q[2]) - (int32_t)(q[1] + q[3])) / 2u;
+    self->noise += ((bend < q[2] / 4u) ? bend : q[2] / 4u) - self->noise / 16u;
+    self->hum += ((bend < q[2] / 8u) ? bend : q[2] / 8u) - self->hum / 16u;
+    self->uneven += (uint32_t)abs32((int32_t)(q[2] - self->mean / 16u)) - self->uneven / 16u;
+    self->mean += q[2] - self->mean / 16u;
+}
+
+/* A fading sum, 16 times a mean, over a period, Q12. */
+static uint32_t over(uint32_t sum, uint32_t period) { return (sum << 4) / ((period >> 4) + 1u); }
+
+/* A single fault among even edges does not make them noisy. */
+static bool noisy(const sd_crank_t *self, uint32_t period) { return over(self->hum, period) >= (uint32_t)NOISY; }
+
+static bool stands_out(uint32_t gap, uint32_t beside) { return 10u * gap >= 13u * beside; }
+
+static sd_gap_t gap_before_last(const sd_crank_t *self) {
+    const uint32_t *q = self->raw_period;
+    sd_gap_t gap = { false, false, 0, 0, 0 };
+    if ((q[2] == 0u) || !stands_out(q[1], q[0]) || !stands_out(q[1], q[2]) || (5u * q[1] < 6u * q[3])) { return gap; }
+    const uint32_t down = (q[1] >= (1u << 22)) ? 3u : 0u; /* so that the products fit */
+    const uint32_t both = (q[0] >> down) + (q[2] >> down);
+    gap.width = ((q[1] >> down) * 2u * Q8) / (both + 1u);
+    gap.side = ((q[1] >> down) * Q8) / ((q[2] >> down) + 1u);
+    const uint32_t noise = over(self->noise, (q[0] + q[2]) / 2u);
+    gap.tolerance = (12 * Q8) / 10 + noise / 4u; /* 1.2 + 4 times the noise */
+    gap.noisy = noisy(self, (q[0] + q[2]) / 2u);
+    gap.seen = (gap.width >= (uint32_t)GAP_LEAST) && (gap.width <= (uint32_t)GAP_MOST);
+    return gap;
+}
+
+static bool within(uint32_t a, uint32_t b, uint32_t factor_q8) { return (a * Q8 <= b * factor_q8) && (b * Q8 <= a * factor_q8); }
+
+/* ---- gaps followed --------------------------------------------------------------------------------------------- */
+
+static uint32_t mark_after(const sd_crank_t *self, uint32_t mark) { return (mark + 1u < self->mark_count) ? mark + 1u : 0u; }
+
+static bool expects(const sd_crank_t *self, const sd_crank_sight_t *s, const sd_gap_t *gap) {
+    const uint32_t teeth = self->mark_teeth[s->mark] + 1u; /* the gap ended an edge ago */
+    const uint32_t slack = gap->noisy ? 0u : SLACK;
+    if ((s->raw != teeth) && ((s->mended + slack < teeth) || (s->mended > teeth + slack))) { return false; }
+    const bool same = self->mark_run[s->mark] == self->mark_run[mark_after(self, s->mark)];
+    return within(s->width, gap->width, same ? gap->tolerance : 2u * Q8);
+}
+
+static void hit(sd_crank_t *self, sd_crank_sight_t *s, const sd_gap_t *gap) {
+    const bool clean = (s->raw == self->mark_teeth[s->mark] + 1u) && (gap->noisy || (self->fault_age > s->raw));
+    s->clean = (uint8_t)(clean ? s->clean + 1u : 0u);
+    s->mark = (uint8_t)mark_after(self, s->mark);
+    s->hits = (uint8_t)(s->hits + ((s->hits < 100u) ? 1u : 0u));
+    s->raw = s->mended = 1;
+    s->width = (uint16_t)((s->width + gap->width) / 2u);
+    s->side = (uint16_t)gap->side;
+}
+
+static void follow(sd_crank_t *self, uint32_t mark, const sd_gap_t *gap) {
+    sd_crank_sight_t *at = &self->sight[0];
+    for (uint32_t i = 0; i < SD_CRANK_SIGHTS; ++i) {
+        sd_crank_sight_t *s = &self->sight[i];
+        if ((s->hits > 0u) && (s->raw == 1u) && (s->mark == mark)) { return; }
+        if ((s->hits < at->hits) || ((s->hits == at->hits) && (s->width < at->width))) { at = s; }
+    }
+    if ((at->hits > 1u) || ((at->hits == 1u) && (at->width > gap->width))) { return; }
+    *at = (sd_crank_sight_t){ .hits = 1, .mark = (uint8_t)mark, .raw = 1, .mended = 1,
+                              .width = (uint16_t)gap->width, .side = (uint16_t)gap->side };
+}
+
+static void count_on(sd_crank_t *self) {
+    const uint32_t *q = self->raw_period;
+    const uint32_t least = (q[0] < q[3]) ? q[0] : q[3];
+    const bool split = (q[3] > 0u) && (5u * (q[1] + q[2]) < 6u * least); /* a spurious edge in the midst of an interval */
+    if (split) { self->fault_age = 0; } else if (self->fault_age < 255u) { self->fault_age++; }
+    for (uint32_t i = 0; i < SD_CRANK_SIGHTS; ++i) {
+        sd_crank_sight_t *s = &self->sight[i];
+        if (s->hits == 0u) { continue; }
+        const uint32_t last = self->mark_teeth[s->mark] + 1u;
+        s->raw++;
+        s->mended = (uint8_t)(s->mended + (split ? 0u : 1u));
+        if ((s->raw > last) && ((s->mended > last + SLACK) || (s->raw > last + 20u))) { s->hits = 0; }
+    }
+}
+
+static void gap_seen(sd_crank_t *self, const sd_gap_t *gap) {
+    const uint32_t missing = (gap->width >= (uint32_t)MISSING_FROM) ? (gap->width + Q8 / 2u) / Q8 - 1u : 0u;
+    bool expected = false;
+    for (uint32_t i = 0; i < SD_CRANK_SIGHTS; ++i) {
+        sd_crank_sight_t *s = &self->sight[i];
+        if (s->hits == 0u) { continue; }
+        if (expects(self, s, gap)) {
+            hit(self, s, gap);
+            expected = true;
+        } else {
+            if (((RIVAL_PARTS + 1u) * gap->width > RIVAL_PARTS * (uint32_t)s->width) && (s->strange < 100u)) { s->strange++; }
+            s->mended = (uint8_t)(s->mended + missing);
+        }
+    }
+    if (!expected && (missing > 0u) && (self->sight[0].hits > 0u)) { self->fault_age = 0; }
+    for (uint32_t mark = 0; mark < self->mark_count; ++mark) { follow(self, mark, gap); }
+}
+
+/* Another gap that may as well be the mark. */
+static bool has_rival(const sd_crank_t *self, const sd_crank_sight_t *own, uint32_t hits, bool is_noisy) {
+    const bool settled = hits >= (uint32_t)self->mark_count + SETTLED;
+    for (uint32_t i = 0; i < SD_CRANK_SIGHTS; ++i) {
+        const sd_crank_sight_t *s = &self->sight[i];
+        if ((s == own) || (s->hits == 0u) || (s->strange > own->strange) || ((s->raw == 1u) && (s->hits == 1u))) { continue; }
+        if (settled || is_noisy ? (s->width > own->width) && (s->hits + SETTLED > hits)
+                    : (RIVAL_PARTS + 1u) * s->width > RIVAL_PARTS * (uint32_t)own->width) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* ---- sync ------------------------------------------------------------------------------------------------------ */
+
+/* The newest edge is the tooth `beyond` the first after `mark`. */
+static void sync(sd_crank_t *self, uint32_t tick, uint32_t mark, uint32_t beyond, const sd_crank_sight_t *s, uint32_t clean) {
+    const uint32_t *q = self->raw_period;
+    const bool whole = (clean >= self->mark_count) && (self->unlearned == 0u);
+    sd_track_begin(self, tick, sd_wheel_first_after(self, mark) + beyond);
+    if (whole) {
+        const bool quiet = !noisy(self, q[2]);
+        sd_clocks_recall(self, tick, quiet ? 0u : over(self->noise, q[2]), over(self->uneven, q[2]));
+        sd_wheel_measure(self, mark, (self->slot >= beyond) ? self->slot - beyond : self->teeth - 1u, quiet);
+        return;
+    }
+    /* Faults on the way: the next mark must confirm the angle before a tooth is valid. */
+    self->unsure = 1;
+    self->provisional = 1;
+    self->strain = ONE;
+    const int32_t width = (int32_t)((uint32_t)s->width << 4);
+    sd_wheel_set_width(self, mark, width);
+    self->unlearned = self->teeth;
+    const int32_t grown = ((int32_t)q[0] - (int32_t)q[2]) * 64;
+    sd_clocks_start(self, tick, clamp32((int64_t)q[0] << 6, PERIOD_MIN, PERIOD_MAX), grown / ((width + ONE) >> 12));
+}
+
+/* Where edges are quiet, and nothing else on the way looked like a mark, the first tooth after it gives the angle. */
+static bool sync_early(sd_crank_t *self, uint32_t tick) {
+    const uint32_t *q = self->raw_period;
+    if (!stands_out(q[0], q[1])) { return false; }
+    for (uint32_t i = 0; i < SD_CRANK_SIGHTS; ++i) {
+        const sd_crank_sight_t *s = &self->sight[i];
+        if ((s->hits < self->mark_count) || (s->clean + 1u < self->mark_count)) { continue; }
+        if ((s->raw != self->mark_teeth[s->mark]) || (self->fault_age < s->raw)) { continue; }
+        const uint32_t down = (q[0] >= (1u << 22)) ? 3u : 0u;
+        const uint32_t side = ((q[0] >> down) * Q8) / ((q[1] >> down) + 1u);
+        if (within(side, s->side, (12 * Q8) / 10) && !noisy(self, q[1]) && !has_rival(self, s, s->hits + 1u, false)) {
+            sync(self, tick, mark_after(self, s->mark), 0u, s, s->clean + 1u);
+            return true;
+        }
+    }
+    return false;
+}
+
+/* The newest edge as a tooth: the one before it is known as well. */
+static void describe(const sd_crank_t *self, sd_tooth_t *tooth) {
+    const uint32_t before = sd_wheel_step(self, self->position, -1);
+    const uint32_t mark = sd_wheel_mark_after(self, before);
+    tooth->edge_class = SD_EDGE_TOOTH;
+    tooth->period_ticks = self->raw_period[0];
+    tooth->span_spacings = (uint32_t)((mark < SD_CRANK_MARKS_MAX) ? self->mark_spacings[mark] : ONE);
+    tooth->advance = (uint8_t)((mark < SD_CRANK_MARKS_MAX) ? self->mark_run[mark] + 1u : 1u);
+}
+
+static bool find_mark(sd_crank_t *self, uint32_t tick) {
+    record(self);
+    count_on(self);
+    const sd_gap_t gap = gap_before_last(self);
+    if (!gap.seen) {
+        listen(self);
+        return sync_early(self, tick);
+    }
+    self->gap_age = 0;
+    gap_seen(self, &gap);
+    for (uint32_t i = 0; i < SD_CRANK_SIGHTS; ++i) {
+        sd_crank_sight_t *s = &self->sight[i];
+        if ((s->raw != 1u) || (s->hits < 2u)) { continue; }
+        if ((s->hits > self->mark_count) && !has_rival(self, s, s->hits, gap.noisy)) {
+            sync(self, tick, s->mark, 1u, s, s->clean);
+            return true;
+        }
+        s->strange = 0;
+    }
+    return false;
+}
+
+bool sd_search_edge(sd_crank_t *self, uint32_t tick, uint32_t period, sd_tooth_t *tooth) {
+    for (uint32_t i = 3; i > 0u; --i) { self->raw_period[i] = self->raw_period[i - 1u]; }
+    self->raw_period[0] = period;
+    const bool found = find_mark(self, tick);
+    if (found) { describe(self, tooth); }
+    return found;
+}

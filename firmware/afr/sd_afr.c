@@ -22,13 +22,12 @@ static sd_afr_joint_config_t joint_config(const sd_afr_config_t *c, const sd_afr
                                     .start_sd = 0.1f, .reject = REJECT_SD };
 }
 
-static sd_afr_chain_config_t chain_config(const sd_afr_config_t *c, const sd_afr_tables_t *tables) {
+static sd_afr_chain_config_t chain_config(const sd_afr_config_t *c, const sd_afr_grid_t *grid) {
     return (sd_afr_chain_config_t){ .cycle_positions = c->cycle_positions, .cylinders = c->cylinders,
                                     .harmonics = sd_afr_harmonics(c->cylinders), .settle_steps = 0,
-                                    .tau1_s = tables->grid->tau1_s, .tau2_s = tables->grid->tau2_s,
+                                    .tau1_s = grid->tau1_s, .tau2_s = grid->tau2_s,
                                     .gain_air = c->gain_air, .gain_cylinder = c->gain_cylinder,
-                                    .inversion_gain = c->inversion_gain, .inversion_floor = c->inversion_floor,
-                                    .sine_q31 = tables->sine_q31 };
+                                    .inversion_gain = c->inversion_gain, .inversion_floor = c->inversion_floor };
 }
 
 uint8_t sd_afr_harmonics(uint8_t cylinders) { return (cylinders < 4u) ? 1u : (uint8_t)(cylinders / 2u); }
@@ -47,7 +46,7 @@ sd_result_t sd_afr_init(sd_afr_t *self, const sd_afr_config_t *config, const sd_
     memcpy(exhaust.firing_position, config->firing_position, sizeof exhaust.firing_position);
     if (!config_ok(config, grid) || (sd_exhaust_check_f32(&exhaust) != SD_OK)) { return SD_ERR_CONFIG; }
     const sd_afr_joint_config_t joint = joint_config(config, grid);
-    const sd_afr_chain_config_t chain = chain_config(config, tables);
+    const sd_afr_chain_config_t chain = chain_config(config, grid);
     const bool is_joint = config->method == SD_AFR_JOINT;
     if (is_joint && (sd_afr_joint_check(&joint) != SD_OK)) { return SD_ERR_CONFIG; }
     if (!is_joint && ((tables->sine_q31 == NULL) || (sd_afr_chain_check_f32(&chain) != SD_OK))) { return SD_ERR_CONFIG; }
@@ -144,9 +143,9 @@ static void set_joint(sd_afr_t *self, const sd_afr_grid_t *grid, float speed, fl
     sd_afr_joint_set(&self->joint, step_s, lambda * drift, lambda * self->config.jump);
 }
 
-static void set_chain(sd_afr_t *self, const sd_afr_grid_t *grid, float speed, float step_s) {
-    const sd_uego_gains_t gains = inversion_gains(grid, speed);
-    sd_afr_chain_set_f32(&self->chain, step_s, (self->config.method == SD_AFR_OSCILLATORS) ? &gains : NULL, self->exhaust.charge);
+static void set_chain(sd_afr_t *self, const sd_afr_tables_t *tables, float speed, float step_s) {
+    const sd_uego_gains_t gains = inversion_gains(tables->grid, speed);
+    sd_afr_chain_set_f32(&self->chain, tables->sine_q31, step_s, (self->config.method == SD_AFR_OSCILLATORS) ? &gains : NULL, self->exhaust.charge);
 }
 
 void sd_afr_cycle(sd_afr_t *self, float speed_radps, float intake_bar, float fuel_mg) {
@@ -164,7 +163,8 @@ void sd_afr_cycle(sd_afr_t *self, float speed_radps, float intake_bar, float fue
 }
 
 /* Last piece: the new point takes effect. */
-static void take_effect(sd_afr_t *self, const sd_afr_grid_t *grid) {
+static void take_effect(sd_afr_t *self, const sd_afr_tables_t *tables) {
+    const sd_afr_grid_t *grid = tables->grid;
     const sd_afr_coming_t *c = &self->coming;
     const float step_s = 2.0f * SD_TWO_PI / (c->speed_radps * (float)self->config.cycle_positions);
     const sd_exhaust_point_t point = { .charge_kg = grid->air_kg_per_bar * c->intake_bar + 1e-6f * c->fuel_mg, .rate_hz = c->rate_hz,
@@ -175,7 +175,7 @@ static void take_effect(sd_afr_t *self, const sd_afr_grid_t *grid) {
     if (slow != self->slow) { self->cycles = 0; }
     self->slow = slow;
     if (is_chain(self)) { /* its deviation is what it is seen to be off by */
-        set_chain(self, grid, c->speed_radps, step_s);
+        set_chain(self, tables, c->speed_radps, step_s);
     } else {
         set_joint(self, grid, c->speed_radps, step_s);
     }
@@ -190,7 +190,7 @@ bool sd_afr_work(sd_afr_t *self, const sd_afr_tables_t *tables) {
     } else if (piece < SD_AFR_PIECES - 1u) {
         mix_shares(self, tables->grid, (piece - 1u) * SD_AFR_PIECE);
     } else {
-        take_effect(self, tables->grid);
+        take_effect(self, tables);
     }
     self->coming.piece++;
     return self->coming.piece < SD_AFR_PIECES;
@@ -209,12 +209,14 @@ void sd_afr_restart(sd_afr_t *self) {
 
 void sd_afr_step(sd_afr_t *self, const sd_afr_tables_t *tables, uint32_t cycle_position, float lambda) {
     if (self->placed == 0u) { return; }
-    sd_exhaust_step_f32(&self->exhaust, tables->grid->psi, cycle_position, &self->now);
+    sd_exhaust_now_f32_t now;
+    sd_exhaust_step_f32(&self->exhaust, tables->grid->psi, cycle_position, &now);
+    sd_afr_inflow_of(&now, &self->in);
     const float air = (lambda < 2.0f) ? 1.0f - lambda : SD_AFR_NO_SAMPLE;
     if (is_chain(self)) {
-        sd_afr_chain_step_f32(&self->chain, &self->now, cycle_position, air);
+        sd_afr_chain_step_f32(&self->chain, tables->sine_q31, &now, cycle_position, air);
     } else {
-        sd_afr_joint_step(&self->joint, &self->now, air, NULL);
+        sd_afr_joint_step(&self->joint, &self->in, air, NULL);
     }
     if (!is_running(self)) { self->cycles = 0; }
 }

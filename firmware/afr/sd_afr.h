@@ -57,7 +57,7 @@ typedef struct sd_afr_grid {
 /// What is read in place, of the calibration.
 typedef struct sd_afr_tables {
     const sd_afr_grid_t *grid;
-    const int32_t *sine_q31;     ///< As in sd_afr_chain_config_t; NULL for the joint filter.
+    const int32_t *sine_q31;     ///< As in sd_uego.h; NULL for the joint filter.
 } sd_afr_tables_t;
 
 /// Choices; read by init only.
@@ -98,7 +98,7 @@ typedef struct sd_afr {
         sd_afr_joint_t     joint;
         sd_afr_chain_f32_t chain;
     };
-    sd_exhaust_now_f32_t now;             ///< What the sensor met at the last position.
+    sd_afr_inflow_t in;                   ///< What came to the sensor at the last position.
     sd_afr_learned_t known;               ///< Of delay and lags, and how well.
     float    doubt;                       ///< What that leaves in deviations: sd_afr_delay_doubt.
     sd_afr_coming_t coming;

@@ -10,7 +10,7 @@
 ///
 /// B and C are stepped by the caller, as for the joint filter (sd_afr_joint.h), and so serve whoever else reads them; their
 /// delay includes SD_UEGO_LEAD. Two variants from one body: _f32 and _q31. Real-time contract: no heap, no globals, no libm;
-/// set divides, once a cycle. One writer per state.
+/// set divides, once a cycle. Sines as in sd_uego.h, read in place. One writer per state.
 #ifndef SD_AFR_CHAIN_H
 #define SD_AFR_CHAIN_H
 #include "sd_afr_observer.h"
@@ -22,14 +22,13 @@ extern "C" {
 
 /// Read by init only.
 typedef struct sd_afr_chain_config {
-    uint16_t cycle_positions;               ///< As in sd_uego_config_t, and the table of sines with it.
+    uint16_t cycle_positions;               ///< As in sd_uego_config_t.
     uint8_t  cylinders;                     ///< 1 to SD_AFR_CYLINDERS_MAX.
     uint8_t  harmonics;                     ///< n_h of D, 1 to SD_UEGO_HARMONICS_MAX: half the cylinders, more is noise.
     uint16_t settle_steps;                  ///< Positions until the estimate counts as converged.
     float    tau1_s, tau2_s;                ///< The sensor's lags, each [1e-4, 1].
     float    gain_air, gain_cylinder;       ///< A: L2 (0, 2) and L_cyl (0, 100].
     float    inversion_gain, inversion_floor; ///< D, Fourier form: g (0, 0.1] and rho [0.01, 1].
-    const int32_t *sine_q31;
 } sd_afr_chain_config_t;
 
 #define SD_AFR_CHAIN_DECLARE(N, T)                                                                                     \
@@ -46,14 +45,14 @@ typedef struct sd_afr_chain_config {
     sd_result_t sd_afr_chain_init_##N(sd_afr_chain_##N##_t *self, const sd_afr_chain_config_t *config);                \
     /* Once a cycle. Duration of a position, (0, 0.1] s; gains: oscillator form of D, NULL: Fourier form; */           \
     /* charge_pu: one cylinder's gas in one cycle over mass_base, (0, 1). What is outside keeps its last value. */     \
-    void sd_afr_chain_set_##N(sd_afr_chain_##N##_t *self, float step_s, const sd_uego_gains_t *gains,                  \
-                              float charge_pu);                                                                        \
+    void sd_afr_chain_set_##N(sd_afr_chain_##N##_t *self, const int32_t *sine_q31, float step_s,                       \
+                              const sd_uego_gains_t *gains, float charge_pu);                                          \
     /* The next sample begins anew, all cylinders alike. */                                                            \
     void sd_afr_chain_restart_##N(sd_afr_chain_##N##_t *self);                                                         \
     /* Next position. measured: air fraction, mean of the samples within the position; anything outside (-1, 1) */     \
     /* (NaN too) counts as no sample. */                                                                               \
-    void sd_afr_chain_step_##N(sd_afr_chain_##N##_t *self, const sd_exhaust_now_##N##_t *now, uint32_t cycle_position, \
-                               T measured);                                                                            \
+    void sd_afr_chain_step_##N(sd_afr_chain_##N##_t *self, const int32_t *sine_q31, const sd_exhaust_now_##N##_t *now, \
+                               uint32_t cycle_position, T measured);                                                   \
     /* A cylinder's lambda is known to have changed by this much: its fuel was trimmed. Beyond +-1, or NaN: ignored. */\
     void sd_afr_chain_move_##N(sd_afr_chain_##N##_t *self, uint32_t cylinder, float lambda_change);                    \
     /* lambda = 1 - a of a cylinder, by firing order; 0 beyond, or while not running. */                               \

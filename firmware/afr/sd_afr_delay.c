@@ -55,42 +55,35 @@ sd_result_t sd_afr_delay_init(sd_afr_delay_t *self, const sd_afr_delay_config_t 
 }
 
 /* The trims' own composition at the sensor. */
-static void answer(sd_afr_delay_t *self, const sd_exhaust_now_f32_t *now) {
-    float mass = now->mass;
-    for (uint32_t i = 0; i < self->config.cylinders; ++i) { mass -= now->charge * now->share[i]; }
-    if (!(mass > 0.0f)) { mass = 0.0f; }
-    for (uint32_t i = 0; i < self->config.cylinders; ++i) {
-        const float added = now->charge * now->share[i];
-        if (!(added > 0.0f)) { continue; }
-        mass += added;
-        self->x += added / mass * (self->trim[i] - self->x);
-    }
-    self->lag2 += self->move2 * (self->x - self->lag2);
+static void answer(sd_afr_delay_t *self, const sd_afr_inflow_t *in) {
+    float x = self->x;
+    for (uint32_t k = 0; k < in->count; ++k) { x += in->share[k] * (self->trim[in->cylinder[k]] - x); }
+    self->x = x;
+    self->lag2 += self->move2 * (x - self->lag2);
     self->lag1 += self->move1 * (self->lag2 - self->lag1);
 }
 
-void sd_afr_delay_step(sd_afr_delay_t *self, const sd_exhaust_now_f32_t *now, uint32_t cycle_position, float measured) {
+void sd_afr_delay_step(sd_afr_delay_t *self, const sd_afr_inflow_t *in, uint32_t cycle_position, float measured) {
     if (self->set == 0u) { return; }
-    answer(self, now);
-    if (cycle_position == 0u) {
-        self->phase[0] = 1.0f;
-        self->phase[1] = 0.0f;
-    } else {
-        const float re = self->phase[0], im = self->phase[1];
-        self->phase[0] = re * self->turn[0] - im * self->turn[1];
-        self->phase[1] = re * self->turn[1] + im * self->turn[0];
+    answer(self, in);
+    float re = 1.0f, im = 0.0f;
+    if (cycle_position != 0u) {
+        re = self->phase[0] * self->turn[0] - self->phase[1] * self->turn[1];
+        im = self->phase[0] * self->turn[1] + self->phase[1] * self->turn[0];
     }
+    self->phase[0] = re;
+    self->phase[1] = im;
     if ((measured > -2.0f) && (measured < 2.0f)) {
         self->last_seen = 1.0f - measured;
         self->last_told = self->lag1;
         self->sum += self->last_seen;
         self->samples++;
     }
-    const float differs = self->last_seen - self->level;
-    self->seen[0] += differs * self->phase[0];
-    self->seen[1] -= differs * self->phase[1];
-    self->told[0] += self->last_told * self->phase[0];
-    self->told[1] -= self->last_told * self->phase[1];
+    const float differs = self->last_seen - self->level, told = self->last_told;
+    self->seen[0] += differs * re;
+    self->seen[1] -= differs * im;
+    self->told[0] += told * re;
+    self->told[1] -= told * im;
 }
 
 static void forget(sd_afr_delay_t *self) {

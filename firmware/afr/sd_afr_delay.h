@@ -23,7 +23,7 @@
 /// step for every wheel position, missing ones included; cycle once a cycle. One writer per state.
 #ifndef SD_AFR_DELAY_H
 #define SD_AFR_DELAY_H
-#include "sd_exhaust.h"
+#include "sd_afr_inflow.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -76,8 +76,8 @@ sd_result_t sd_afr_delay_init(sd_afr_delay_t *self, const sd_afr_delay_config_t 
 /// The angle was lost: fits begin anew, what was learned stays.
 void sd_afr_delay_restart(sd_afr_delay_t *self);
 /// Next position, as the joint filter is given it. measured: air fraction, (-2, 2), anything else (NaN too) is no sample.
-void sd_afr_delay_step(sd_afr_delay_t *self, const sd_exhaust_now_f32_t *now, uint32_t cycle_position, float measured);
-/// Ends a cycle. Returns true when something was learned: the caller then takes `learned` over into the tables of `now`.
+void sd_afr_delay_step(sd_afr_delay_t *self, const sd_afr_inflow_t *in, uint32_t cycle_position, float measured);
+/// Ends a cycle. Returns true when something was learned: the caller then takes `learned` over into what `in` comes from.
 /// Numbers that are not finite count as not steady.
 bool sd_afr_delay_cycle(sd_afr_delay_t *self, const sd_afr_trims_t *cycle);
 /// Begins a probe, or ends it. It ends by itself when the fit is good for 5 deg crank, or after 600 cycles.

@@ -5,18 +5,14 @@
 
 #include "sd_math.h"
 
-enum { REJECTED_IN_ROW_MAX = 60, /* samples left out in a row after which the estimate must be wrong */
-       JUMP_HOLD = 120,          /* samples, about a cycle, until the next jump may be seen */
-       X = 0 };
+enum { GROUP = SD_AFR_GROUP,
+       REJECTED_IN_ROW_MAX = 60 / GROUP, /* groups left out in a row after which the estimate must be wrong */
+       JUMP_HOLD = 120 / GROUP };        /* groups, about a cycle, until the next jump may be seen */
 
-#define MEAN_PACE 0.06f /* the mean of innovations reaches back about 1/this samples */
-#define MEAN_MAX  0.77f /* its square over the innovation's variance: 5 standard deviations of such a mean, sqrt(pace/(2 - pace)) */
-
-static uint32_t states(const sd_afr_joint_t *self) { return self->config.cylinders + 3u; }
-
-static float *entry(sd_afr_joint_t *self, uint32_t i, uint32_t j) {
-    return &self->covariance[(i >= j) ? i * (i + 1u) / 2u + j : j * (j + 1u) / 2u + i];
-}
+#define MEAN_PACE 0.310f /* the mean of innovations reaches back about 1/this groups: 16 positions */
+#define MEAN_MAX  4.59f  /* its square over the innovation's variance: 5 standard deviations of such a mean, sqrt(pace/(2 - pace)) */
+#define VARIANCE_LEAST 1e-12f
+#define KEPT_LEAST     0.05f /* of x in a position: so little that it does not matter, and a group of it is still above 0 */
 
 sd_result_t sd_afr_joint_check(const sd_afr_joint_config_t *c) {
     const bool ok = (c->cylinders >= 1u) && (c->cylinders <= SD_AFR_CYLINDERS_MAX) && sd_within(c->tau1_s, 1e-4f, 1.0f) &&
@@ -33,71 +29,108 @@ sd_result_t sd_afr_joint_init(sd_afr_joint_t *self, const sd_afr_joint_config_t 
     return SD_OK;
 }
 
+/* What a lag moves by in a group. */
+static float group_of(float move) {
+    float keep = 1.0f;
+    for (uint32_t k = 0; k < GROUP; ++k) { keep *= 1.0f - move; }
+    return 1.0f - keep;
+}
+
 void sd_afr_joint_set(sd_afr_joint_t *self, float step_s, float drift, float jump) {
     if (!(step_s > 0.0f) || !(step_s <= 0.1f) || !sd_within(drift, 1e-6f, 1.0f) || !sd_within(jump, 0.0f, 1.0f)) { return; }
     self->move2 = sd_lag_move(step_s / self->config.tau2_s);
     self->move1 = sd_lag_move(step_s / self->config.tau1_s);
+    self->group2 = group_of(self->move2);
+    self->group1 = group_of(self->move1);
     self->noise_var = self->config.noise_per_rthz * self->config.noise_per_rthz / (2.0f * step_s);
     self->drift_var = drift * drift;
     self->jump_var = jump * jump;
+    for (uint32_t i = 0; i < self->config.cylinders; ++i) { /* rounding must not make it negative */
+        if (!(self->p.a[i][i] > VARIANCE_LEAST)) { self->p.a[i][i] = VARIANCE_LEAST; }
+    }
 }
 
 void sd_afr_joint_restart(sd_afr_joint_t *self) { self->running = 0; }
 
+/* Every state varies by so much more, for itself. */
+static void let_go(sd_afr_joint_t *self, float variance) {
+    sd_afr_covariance_t *p = &self->p;
+    for (uint32_t i = 0; i < self->config.cylinders; ++i) { p->a[i][i] += variance; }
+    p->x_x += variance;
+    p->s2_s2 += variance;
+    p->s1_s1 += variance;
+}
+
 static void begin(sd_afr_joint_t *self, float measured) {
-    const uint32_t n = states(self);
     for (uint32_t i = 0; i < self->config.cylinders; ++i) { self->air_fraction[i] = measured; }
     self->x = self->lag2 = self->lag1 = measured;
-    memset(self->covariance, 0, sizeof self->covariance);
-    for (uint32_t i = 0; i < n; ++i) { *entry(self, i, i) = self->config.start_sd * self->config.start_sd; }
-    self->steps = 0;
+    memset(&self->p, 0, sizeof self->p);
+    let_go(self, self->config.start_sd * self->config.start_sd);
+    memset(self->let_in, 0, sizeof self->let_in);
+    self->error = self->mean_innovation = 0.0f;
+    self->keep = 1.0f;
+    self->positions = self->samples = self->flowing = 0;
     self->rejected_in_row = 0;
-    self->mean_innovation = 0.0f;
     self->hold = JUMP_HOLD;
     self->running = 1;
 }
 
-/* State `row` becomes keep times itself plus share times state `other`; their covariances follow. */
-static void blend(sd_afr_joint_t *self, uint32_t row, float keep, uint32_t other, float share) {
-    const uint32_t n = states(self);
-    const float own = *entry(self, row, row), cross = *entry(self, row, other);
-    for (uint32_t j = 0; j < n; ++j) {
-        if (j != row) { *entry(self, row, j) = keep * *entry(self, row, j) + share * *entry(self, other, j); }
-    }
-    *entry(self, row, row) = keep * (keep * own + 2.0f * share * cross) + share * share * *entry(self, other, other);
-}
-
-/* One cylinder after the other: the same as all at once, since what is mixed in first is diluted by what follows. */
-static void mix(sd_afr_joint_t *self, const sd_exhaust_now_f32_t *now, bool with_covariance) {
-    float mass = now->mass; /* after the position: before it, without what flowed in */
-    for (uint32_t i = 0; i < self->config.cylinders; ++i) { mass -= now->charge * now->share[i]; }
-    if (!(mass > 0.0f)) { mass = 0.0f; }
-    for (uint32_t i = 0; i < self->config.cylinders; ++i) {
-        const bool flows = now->share[i] > 0.0f;
-        if (flows) {
-            const float added = now->charge * now->share[i], share = added / (mass + added);
-            if (with_covariance && (self->flowing[i] == 0u)) { *entry(self, 1u + i, 1u + i) += self->drift_var; }
-            self->x += share * (self->air_fraction[i] - self->x);
-            if (with_covariance) { blend(self, X, 1.0f - share, 1u + i, share); }
-            mass += added;
-        }
-        self->flowing[i] = flows ? 1u : 0u;
+/* A row over the cylinders becomes keep times itself plus share times another. By four, which costs half of one by one. */
+static inline void blend(float *row, const float *other, float keep, float share, uint32_t n) {
+    for (uint32_t i = 0; i < n; i += 4u) {
+        row[i] = keep * row[i] + share * other[i];
+        row[i + 1u] = keep * row[i + 1u] + share * other[i + 1u];
+        row[i + 2u] = keep * row[i + 2u] + share * other[i + 2u];
+        row[i + 3u] = keep * row[i + 3u] + share * other[i + 3u];
     }
 }
 
-static void lag(sd_afr_joint_t *self, bool with_covariance) {
-    const uint32_t s2 = self->config.cylinders + 1u, s1 = s2 + 1u;
-    self->lag2 += self->move2 * (self->x - self->lag2);
-    self->lag1 += self->move1 * (self->lag2 - self->lag1);
-    if (with_covariance) {
-        blend(self, s2, 1.0f - self->move2, X, self->move2);
-        blend(self, s1, 1.0f - self->move1, s2, self->move1);
+/* x becomes (1 - share) x + share a_i; its covariances follow. */
+static void let_in(sd_afr_covariance_t *p, uint32_t i, float share, uint32_t n) {
+    const float keep = 1.0f - share;
+    p->x_x = keep * (keep * p->x_x + 2.0f * share * p->x_a[i]) + share * share * p->a[i][i];
+    p->s2_x = keep * p->s2_x + share * p->s2_a[i];
+    p->s1_x = keep * p->s1_x + share * p->s1_a[i];
+    blend(p->x_a, p->a[i], keep, share, n);
+}
+
+/* s2 follows x and s1 follows s2. */
+static void lag(sd_afr_joint_t *self, uint32_t n) {
+    sd_afr_covariance_t *p = &self->p;
+    const float m2 = self->group2, k2 = 1.0f - m2, m1 = self->group1, k1 = 1.0f - m1;
+    p->s2_s2 = k2 * (k2 * p->s2_s2 + 2.0f * m2 * p->s2_x) + m2 * m2 * p->x_x;
+    p->s2_x = k2 * p->s2_x + m2 * p->x_x;
+    p->s1_s2 = k2 * p->s1_s2 + m2 * p->s1_x;
+    blend(p->s2_a, p->x_a, k2, m2, n);
+    p->s1_s1 = k1 * (k1 * p->s1_s1 + 2.0f * m1 * p->s1_s2) + m1 * m1 * p->s2_s2;
+    p->s1_s2 = k1 * p->s1_s2 + m1 * p->s2_s2;
+    p->s1_x = k1 * p->s1_x + m1 * p->s2_x;
+    blend(p->s1_a, p->s2_a, k1, m1, n);
+}
+
+/* The covariance moves on by a group. The lags first, by the x before: s2 is late by that, s1, which follows the new s2, early,
+   and their mean over the group is what the samples' mean error is of. */
+static void predict(sd_afr_joint_t *self) {
+    const uint32_t n = self->config.cylinders;
+    uint32_t flowing = 0;
+    float sum = 1.0f;
+    lag(self, n);
+    for (uint32_t i = 0; i < n; ++i) {
+        const float added = self->let_in[i];
+        if (!(added > 0.0f)) { continue; }
+        flowing |= 1u << i;
+        if (((self->flowing >> i) & 1u) == 0u) { self->p.a[i][i] += self->drift_var; } /* its exhaust begins */
+        sum += added;
+        let_in(&self->p, i, added / sum, n);
+        self->let_in[i] = 0.0f;
     }
+    self->flowing = (uint8_t)flowing;
+    self->keep = 1.0f;
 }
 
 static void correct(sd_afr_joint_t *self, const float *k, float error) {
     const uint32_t n = self->config.cylinders;
-    self->x += k[X] * error;
+    self->x += k[0] * error;
     for (uint32_t i = 0; i < n; ++i) { self->air_fraction[i] += k[1u + i] * error; }
     self->lag2 += k[n + 1u] * error;
     self->lag1 += k[n + 2u] * error;
@@ -110,17 +143,52 @@ static void watch(sd_afr_joint_t *self, float error, float inverse) {
     if (self->hold > 0u) { self->hold--; }
     const float square = self->mean_innovation * self->mean_innovation * inverse;
     if ((square < MEAN_MAX) || (self->hold > 0u) || !(self->jump_var > 0.0f)) { return; }
-    for (uint32_t i = 0; i < states(self); ++i) { *entry(self, i, i) += self->jump_var; }
+    let_go(self, self->jump_var);
     self->mean_innovation = 0.0f;
     self->hold = JUMP_HOLD;
     if (self->jumps < UINT16_MAX) { self->jumps++; }
 }
 
-/* K = P h / (h' P h + R) with h the last state; P -= K h' P. */
-static void update(sd_afr_joint_t *self, float error) {
-    const uint32_t n = states(self), s1 = n - 1u;
-    float column[SD_AFR_STATES_MAX], k[SD_AFR_STATES_MAX];
-    const float inverse = 1.0f / (*entry(self, s1, s1) + self->noise_var);
+/* P -= K h' P with h the last state and K = P h inverse: a row of the cylinders, for four of them at a time. */
+static inline void shrink(float *row, const float *s1_a, float gain, uint32_t n) {
+    for (uint32_t i = 0; i < n; i += 4u) {
+        row[i] -= gain * s1_a[i];
+        row[i + 1u] -= gain * s1_a[i + 1u];
+        row[i + 2u] -= gain * s1_a[i + 2u];
+        row[i + 3u] -= gain * s1_a[i + 3u];
+    }
+}
+
+/* State and covariance, by the mean error of the samples; inverse of its variance. */
+static void take_in(sd_afr_joint_t *self, float error, float inverse) {
+    sd_afr_covariance_t *p = &self->p;
+    const uint32_t n = self->config.cylinders;
+    const float s1_x = p->s1_x, s1_s2 = p->s1_s2, s1_s1 = p->s1_s1;
+    const float of_x = s1_x * inverse, of_s2 = s1_s2 * inverse, of_s1 = s1_s1 * inverse;
+    for (uint32_t i = 0; i < n; ++i) {
+        const float of_a = p->s1_a[i] * inverse;
+        self->air_fraction[i] += of_a * error;
+        shrink(p->a[i], p->s1_a, of_a, n);
+    }
+    shrink(p->x_a, p->s1_a, of_x, n);
+    shrink(p->s2_a, p->s1_a, of_s2, n);
+    shrink(p->s1_a, p->s1_a, of_s1, n);
+    self->x += of_x * error;
+    self->lag2 += of_s2 * error;
+    self->lag1 += of_s1 * error;
+    p->x_x -= of_x * s1_x;
+    p->s2_x -= of_s2 * s1_x;
+    p->s2_s2 -= of_s2 * s1_s2;
+    p->s1_x -= of_s1 * s1_x;
+    p->s1_s2 -= of_s1 * s1_s2;
+    p->s1_s1 -= of_s1 * s1_s1;
+}
+
+/* What the samples of a group say. */
+static void update(sd_afr_joint_t *self) {
+    const float part = 1.0f / (float)self->samples, error = part * self->error;
+    const float inverse = 1.0f / (((self->p.s1_s1 > 0.0f) ? self->p.s1_s1 : 0.0f) + part * self->noise_var);
+    self->innovation = error;
     self->test_ratio = error * error * inverse / (self->config.reject * self->config.reject);
     if (self->test_ratio > 1.0f) {
         if (self->rejected < UINT16_MAX) { self->rejected++; }
@@ -128,32 +196,48 @@ static void update(sd_afr_joint_t *self, float error) {
         return;
     }
     self->rejected_in_row = 0;
-    for (uint32_t i = 0; i < n; ++i) {
-        column[i] = *entry(self, i, s1);
-        k[i] = column[i] * inverse;
-    }
-    for (uint32_t i = 0; i < n; ++i) {
-        for (uint32_t j = 0; j <= i; ++j) { *entry(self, i, j) -= k[i] * column[j]; }
-        if (*entry(self, i, i) < 1e-12f) { *entry(self, i, i) = 1e-12f; } /* rounding must not make it negative */
-    }
-    correct(self, k, error);
+    take_in(self, error, inverse);
     watch(self, error, inverse);
 }
 
-void sd_afr_joint_step(sd_afr_joint_t *self, const sd_exhaust_now_f32_t *now, float measured, const float *gains) {
+static void end_group(sd_afr_joint_t *self) {
+    predict(self);
+    if (self->samples > 0u) { update(self); }
+    self->error = 0.0f;
+    self->positions = self->samples = 0;
+    if (!((self->x > -4.0f) && (self->x < 4.0f))) { self->running = 0; } /* or NaN: begins anew */
+}
+
+void sd_afr_joint_step(sd_afr_joint_t *self, const sd_afr_inflow_t *in, float measured, const float *gains) {
     const bool seen = (measured > -2.0f) && (measured < 2.0f);
     if (self->running == 0u) {
         if (seen) { begin(self, measured); }
         return;
     }
-    mix(self, now, gains == 0);
-    lag(self, gains == 0);
-    if (seen) {
-        self->innovation = measured - self->lag1;
-        if (gains != 0) { correct(self, gains, self->innovation); } else { update(self, self->innovation); }
+    const uint32_t count = in->count;
+    float x = self->x, keep = self->keep;
+    for (uint32_t k = 0; k < count; ++k) {
+        const uint32_t i = in->cylinder[k];
+        const float share = in->share[k], left = 1.0f - share;
+        x += share * (self->air_fraction[i] - x);
+        keep *= (left > KEPT_LEAST) ? left : KEPT_LEAST;
+        self->let_in[i] += share / keep;
     }
-    if (!((self->x > -4.0f) && (self->x < 4.0f))) { self->running = 0; } /* or NaN: begins anew */
-    if (self->steps < UINT32_MAX) { self->steps++; }
+    self->keep = keep;
+    const float lag2 = self->lag2 + self->move2 * (x - self->lag2), lag1 = self->lag1 + self->move1 * (lag2 - self->lag1);
+    self->x = x;
+    self->lag2 = lag2;
+    self->lag1 = lag1;
+    if (gains != 0) {
+        if (seen) { correct(self, gains, measured - lag1); }
+        return;
+    }
+    if (seen) {
+        self->error += measured - lag1;
+        self->samples++;
+    }
+    self->positions++;
+    if (self->positions >= GROUP) { end_group(self); }
 }
 
 void sd_afr_joint_move(sd_afr_joint_t *self, uint32_t cylinder, float lambda_change) {
@@ -170,15 +254,27 @@ float sd_afr_joint_lambda(const sd_afr_joint_t *self, uint32_t cylinder) {
 void sd_afr_joint_deviation_variances(const sd_afr_joint_t *self, float *variance) {
     const uint32_t n = self->config.cylinders;
     const float part = 1.0f / (float)n;
-    sd_afr_joint_t *s = (sd_afr_joint_t *)self; /* entry() only reads here */
     float all = 0.0f;
     for (uint32_t i = 0; i < n; ++i) {
-        float row = 0.0f;
-        for (uint32_t j = 0; j < n; ++j) { row += *entry(s, 1u + i, 1u + j); }
-        all += row;
-        variance[i] = *entry(s, 1u + i, 1u + i) - 2.0f * part * row;
+        const float *row = self->p.a[i];
+        float sum = 0.0f;
+        for (uint32_t j = 0; j < n; ++j) { sum += row[j]; }
+        all += sum;
+        variance[i] = row[i] - 2.0f * part * sum;
     }
     for (uint32_t i = 0; i < n; ++i) { variance[i] += part * part * all; }
+}
+
+float sd_afr_joint_covariance(const sd_afr_joint_t *self, uint32_t row, uint32_t column) {
+    const sd_afr_covariance_t *p = &self->p;
+    const uint32_t n = self->config.cylinders, high = (row > column) ? row : column, low = (row > column) ? column : row;
+    if (high >= n + 3u) { return 0.0f; }
+    if (high == 0u) { return p->x_x; }
+    if (high <= n) { return (low == 0u) ? p->x_a[high - 1u] : p->a[high - 1u][low - 1u]; }
+    const bool of_s1 = high == n + 2u;
+    if (low == 0u) { return of_s1 ? p->s1_x : p->s2_x; }
+    if (low <= n) { return of_s1 ? p->s1_a[low - 1u] : p->s2_a[low - 1u]; }
+    return !of_s1 ? p->s2_s2 : (low == high) ? p->s1_s1 : p->s1_s2;
 }
 
 /* In place, by Gauss and Jordan without pivots: it is positive definite. */
@@ -203,13 +299,12 @@ sd_afr_blame_t sd_afr_joint_blame(const sd_afr_joint_t *self, const sd_afr_usual
     const uint32_t n = self->config.cylinders;
     sd_afr_blame_t blame = { 0, 0.0f, 0.0f };
     if ((self->running == 0u) || (n < 2u) || !sd_within(usual->sd, 1e-6f, 1.0f)) { return blame; }
-    sd_afr_joint_t *s = (sd_afr_joint_t *)self; /* entry() only reads here */
     const bool mean_known = sd_within(usual->lambda, -2.0f, 2.0f) && sd_within(usual->lambda_sd, 1e-6f, 1.0f);
     const float lambda = mean_known ? usual->lambda : sd_afr_joint_lambda(self, 0);
     float w[SD_AFR_CYLINDERS_MAX][SD_AFR_CYLINDERS_MAX], row[SD_AFR_CYLINDERS_MAX], common = 0.0f;
     float sum = mean_known ? 1.0f / (usual->lambda_sd * usual->lambda_sd) : 0.0f;
     for (uint32_t i = 0; i < n; ++i) {
-        for (uint32_t j = 0; j < n; ++j) { w[i][j] = *entry(s, 1u + i, 1u + j) + ((i == j) ? usual->sd * usual->sd : 0.0f); }
+        for (uint32_t j = 0; j < n; ++j) { w[i][j] = self->p.a[i][j] + ((i == j) ? usual->sd * usual->sd : 0.0f); }
     }
     invert(w, n);
     for (uint32_t i = 0; i < n; ++i) {

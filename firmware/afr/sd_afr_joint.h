@@ -3,13 +3,16 @@
 /// in place of blocks A and D of document 004 (docs/afr.md).
 ///
 /// State: x air fraction in the manifold as it reaches the sensor, a_i of every cylinder's gas, s2 and s1 the two lags of
-/// the sensor. Once a wheel position, with M and D_i as the sensor meets them (sd_exhaust.h, delay included):
+/// the sensor. Once a wheel position, with M and D_i as the sensor meets them (sd_afr_inflow.h, delay included):
 ///     x   = (M x + sum D_i a_i)/(M + sum D_i)     D_i >= 0: stable whatever the numbers
 ///     s2 += m2 (x - s2);  s1 += m1 (s2 - s1)      m = 1 - exp(-step/tau)
-///     state += K (y - s1)                         where there is a sample
-/// K is either given (fixed gains, one column a position) or found on the way from the filter's own covariance: each
-/// line above touches one row of it, so a step costs some 217 flop for four cylinders instead of the 686 of a full one,
-/// and no gain table. a_i gains variance q^2 once a cycle, where its exhaust begins. Where innovations keep to one side
+/// and every sixth position, with the mean error e = y - s1 of the samples in the six:
+///     state += K e
+/// K is either given (fixed gains, one column a position, and a correction at each) or found on the way from the filter's own
+/// covariance, which moves by six positions at a time: the lags follow the x before them, and what a cylinder lets in within
+/// them is mixed in at once. The sensor's lags are tens of positions, so this K is as good as one found at every position
+/// (docs/afr.md). Each line above touches one row of the covariance. a_i gains variance q^2 once a cycle, where its
+/// exhaust begins. Where innovations keep to one side
 /// by more than 5 of their standard deviations, every state gains jump^2: a small drift for quiet estimates and yet a step
 /// is followed as fast as the noise allows. Covariance comes with what the estimate may be trusted for: sd of a cylinder's
 /// deviation from the mean.
@@ -17,13 +20,14 @@
 /// Float only. Real-time contract: no heap, no globals, no libm; set divides, once a cycle. One writer per state.
 #ifndef SD_AFR_JOINT_H
 #define SD_AFR_JOINT_H
-#include "sd_exhaust.h"
+#include "sd_afr_inflow.h"
+#include "sd_status.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
 
-#define SD_AFR_STATES_MAX (SD_AFR_CYLINDERS_MAX + 3)
+#define SD_AFR_GROUP 6 /* positions whose samples are taken in together */
 
 /// Read by init only.
 typedef struct sd_afr_joint_config {
@@ -35,17 +39,29 @@ typedef struct sd_afr_joint_config {
     float    reject;            ///< Innovations beyond this many of their sd are left out, [3, 1e3].
 } sd_afr_joint_config_t;
 
+/// Its parts; symmetric. Rows of cylinders are filled up with zeros to a multiple of four.
+typedef struct sd_afr_covariance {
+    float a[SD_AFR_CYLINDERS_MAX][SD_AFR_CYLINDERS_MAX]; ///< Of a_i with a_j, both halves;
+    float x_a[SD_AFR_CYLINDERS_MAX], s2_a[SD_AFR_CYLINDERS_MAX], s1_a[SD_AFR_CYLINDERS_MAX]; ///< of x, s2 and s1 with a_i,
+    float x_x, s2_x, s1_x, s2_s2, s1_s2, s1_s1;          ///< and with one another.
+} sd_afr_covariance_t;
+
 typedef struct sd_afr_joint {
     float x, air_fraction[SD_AFR_CYLINDERS_MAX], lag2, lag1;
-    float covariance[SD_AFR_STATES_MAX * (SD_AFR_STATES_MAX + 1) / 2]; ///< Lower triangle by rows; x, a_i, s2, s1.
-    float move2, move1, noise_var, drift_var, jump_var;
+    sd_afr_covariance_t p;
+    float move2, move1;         ///< In a position,
+    float group2, group1;       ///< and in a group.
+    float noise_var, drift_var, jump_var;
     float innovation, test_ratio;
     sd_afr_joint_config_t config;
     float mean_innovation;      ///< Of the last 16 samples or so.
-    uint16_t rejected, rejected_in_row, jumps, hold; ///< hold: samples until the next jump may be seen.
-    uint32_t steps;             ///< Since a start.
+    float error;                ///< Sum of y - s1 over the samples of the group so far,
+    float keep;                 ///< what share of x is still there from before them,
+    float let_in[SD_AFR_CYLINDERS_MAX]; ///< and what has come from each cylinder, over `keep`.
+    uint16_t rejected, rejected_in_row, jumps, hold; ///< In groups; hold: until the next jump may be seen.
     uint8_t  running;
-    uint8_t  flowing[SD_AFR_CYLINDERS_MAX]; ///< The cylinder's gas is passing.
+    uint8_t  positions, samples; ///< Of the group so far.
+    uint8_t  flowing;           ///< Bit i: the cylinder's gas passed in the last group.
 } sd_afr_joint_t;
 
 /// What is known of the cylinders beside the one to blame.
@@ -72,7 +88,7 @@ void sd_afr_joint_set(sd_afr_joint_t *self, float step_s, float drift, float jum
 void sd_afr_joint_restart(sd_afr_joint_t *self);
 /// Next position. measured: air fraction, mean of the samples within the position, (-2, 2); anything else (NaN too)
 /// counts as no sample. gains: NULL, or K of this position in the order x, a_i, s2, s1 (the covariance then rests).
-void sd_afr_joint_step(sd_afr_joint_t *self, const sd_exhaust_now_f32_t *now, float measured, const float *gains);
+void sd_afr_joint_step(sd_afr_joint_t *self, const sd_afr_inflow_t *in, float measured, const float *gains);
 /// A cylinder's lambda is known to have changed by this much: its fuel was trimmed. Ignored beyond +-1 (NaN too).
 void sd_afr_joint_move(sd_afr_joint_t *self, uint32_t cylinder, float lambda_change);
 /// lambda = 1 - a of a cylinder, by firing order; 0 beyond, or while not running.
@@ -84,6 +100,8 @@ void sd_afr_joint_deviation_variances(const sd_afr_joint_t *self, float *varianc
 /// apart is which way the mean of all moved, hence usual->lambda. Once a cycle: it inverts a matrix of all cylinders. All 0
 /// while not running, with fewer than two cylinders, or sd outside its range.
 sd_afr_blame_t sd_afr_joint_blame(const sd_afr_joint_t *self, const sd_afr_usual_t *usual);
+/// Entry of the covariance, states in the order x, a_i, s2, s1; 0 beyond.
+float sd_afr_joint_covariance(const sd_afr_joint_t *self, uint32_t row, uint32_t column);
 /// Invalid until the first sample; rejected samples degrade it.
 sd_status_t sd_afr_joint_status(const sd_afr_joint_t *self);
 

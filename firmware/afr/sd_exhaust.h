@@ -56,29 +56,31 @@ typedef struct sd_exhaust_point {
     typedef struct sd_exhaust_now_##N {                                                                                \
         T mass, out;                        /* in the manifold; leaving it within the position */                      \
         T charge;                           /* gas of one cylinder in one cycle */                                     \
-        T share[SD_AFR_CYLINDERS_MAX];      /* of each charge within the position, in firing order */                  \
+        T share[SD_AFR_CYLINDERS_MAX];      /* of each charge within the position, by firing order; */                  \
+        uint8_t count, flowing[SD_AFR_CYLINDERS_MAX]; /* how many are above 0, and which, ascending */                 \
     } sd_exhaust_now_##N##_t;                                                                                          \
     typedef struct sd_exhaust_##N {                                                                                    \
         T mass;                             /* M */                                                                    \
-        T ring_mass[SD_EXHAUST_RING], ring_out[SD_EXHAUST_RING];                                                       \
-        T ring_piped[SD_EXHAUST_RING];      /* how long ago what leaves the pipe left the manifold, over the ring */   \
-        uint32_t at;                        /* last written */                                                         \
-        uint32_t held;                      /* positions whose outflow is in the pipe, */                              \
-        T inside, pipe;                     /* how much that is, and how much the pipe holds */                        \
+        T inside, pipe;                     /* outflow that is in the pipe, and how much the pipe holds */             \
         T delay;                            /* whole delay, over the ring */                                           \
-        T share[2][SD_EXHAUST_OPEN];        /* of the present point and of the coming one, */                          \
         T charge;                                                                                                      \
         T late;                             /* fraction of a position in the constant part of the delay, */            \
+        T waited;                           /* all of that part over the ring, */                                      \
         uint32_t wait;                      /* and its whole positions; */                                             \
         T early;                            /* what is below 0 of it, over the ring */                                 \
         sd_gain_##N##_t to_z, rate;         /* M to z/2; M psi to outflow a position */                                \
         sd_gain_##N##_t to_positions;       /* from parts of the ring */                                               \
         float    mass_base_kg;                                                                                         \
+        uint32_t at;                        /* last written */                                                         \
+        uint32_t held;                      /* positions whose outflow is in the pipe */                               \
         uint16_t cycle_positions;                                                                                      \
         uint16_t open_at[SD_AFR_CYLINDERS_MAX]; /* first cycle position of each cylinder's shares */                   \
-        uint16_t open;                      /* how many of a cycle they are */                                         \
+        uint16_t open[2];                   /* how many positions from there on something passes, of either shares */  \
         uint8_t  cylinders, set, cut;       /* cut: the delay is longer than the ring */                               \
-        uint8_t  present, changed;          /* which shares are the present ones; 1: the others count from the next set on */ \
+        uint8_t  present, changed;          /* which shares are the present ones; 1: the others count from the next set on */\
+        T ring_mass[SD_EXHAUST_RING], ring_out[SD_EXHAUST_RING];                                                       \
+        T ring_piped[SD_EXHAUST_RING];      /* how long ago what leaves the pipe left the manifold, over the ring */   \
+        T share[2][SD_EXHAUST_OPEN];        /* of the present point and of the coming one */                           \
     } sd_exhaust_##N##_t;                                                                                              \
     /* SD_OK if init takes it, else SD_ERR_CONFIG. */                                                                  \
     sd_result_t sd_exhaust_check_##N(const sd_exhaust_config_t *config);                                               \

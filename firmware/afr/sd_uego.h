@@ -11,6 +11,7 @@
 /// Each lag takes its input from the end of a position for all of it and so leads by half a position; a reading that is the
 /// mean over a position lags by half. So u is the gas of SD_UEGO_LEAD positions ago, which the caller adds to his delay.
 ///
+/// Sines are read where the caller keeps them, sine_q31[k] = sin(2 pi k / cycle_positions) 2^31, saturated.
 /// Two variants from one body: _f32 and _q31. Real-time contract: no heap, no globals, no libm; n_h passes a step; set
 /// divides, once a cycle. One writer per state.
 #ifndef SD_UEGO_H
@@ -38,7 +39,6 @@ typedef struct sd_uego_config {
     uint8_t  harmonics;       ///< n_h of the cycle, 1 to SD_UEGO_HARMONICS_MAX.
     float    tau1_s, tau2_s;  ///< The sensor's lags, each [1e-4, 1].
     float    gain, floor;     ///< g (0, 0.1] and rho [0.01, 1] of the Fourier form.
-    const int32_t *sine_q31;  ///< [cycle_positions]: sin(2 pi k / cycle_positions) 2^31, saturated.
 } sd_uego_config_t;
 
 #define SD_UEGO_DECLARE(N, T)                                                                                          \
@@ -48,7 +48,6 @@ typedef struct sd_uego_config {
         T lag2, lag1, innovation;                                                                                      \
         sd_gain_##N##_t g_re[SD_UEGO_HARMONICS_MAX + 1], g_im[SD_UEGO_HARMONICS_MAX + 1], g_lag2, g_lag1;              \
         sd_gain_##N##_t move2, move1;               /* 1 - exp(-step/tau) */                                           \
-        T sine[SD_UEGO_POSITIONS_MAX];                                                                                 \
         float    tau1_s, tau2_s, gain, floor;                                                                          \
         uint16_t cycle_positions;                                                                                      \
         uint8_t  harmonics, oscillator, running;                                                                       \
@@ -58,11 +57,11 @@ typedef struct sd_uego_config {
     /* SD_OK, or SD_ERR_CONFIG with the state untouched. */                                                            \
     sd_result_t sd_uego_init_##N(sd_uego_##N##_t *self, const sd_uego_config_t *config);                               \
     /* Duration of a position, (0, 0.1] s, ignored outside; gains: oscillator form, NULL: Fourier form. */             \
-    void sd_uego_set_##N(sd_uego_##N##_t *self, float step_s, const sd_uego_gains_t *gains);                           \
+    void sd_uego_set_##N(sd_uego_##N##_t *self, const int32_t *sine_q31, float step_s, const sd_uego_gains_t *gains);                           \
     /* The next sample begins anew. */                                                                                 \
     void sd_uego_restart_##N(sd_uego_##N##_t *self);                                                                   \
     /* Position with the measured air fraction; anything outside (-1, 1) counts as not measured. Returns u. */         \
-    T sd_uego_step_##N(sd_uego_##N##_t *self, uint32_t cycle_position, T measured);
+    T sd_uego_step_##N(sd_uego_##N##_t *self, const int32_t *sine_q31, uint32_t cycle_position, T measured);
 
 SD_UEGO_DECLARE(f32, float)
 SD_UEGO_DECLARE(q31, sd_q31_t)

@@ -1,317 +1,182 @@
 /* SPDX-License-Identifier: MIT */
 #include "sd_ecu.h"
-#include "sd_ecu_afr.h"
 
 #include <string.h>
 
 #include "sd_ecu_parts.h"
+#include "sd_say.h"
 
-#define RPM_PER_RADPS 9.5492966f
-#define TINY 1e-30f
-#define NUMBER_MAX 1e9f
-#define RAD_PER_DEG 0.017453293f
-#define TIMER_SD_TICKS 0.28867513f /* of rounding down to a whole tick: 1 / sqrt(12) */
+_Static_assert((SD_AFR_CYLINDERS_MAX == SD_CYLINDERS_MAX) && (SD_BALANCE_CYLINDERS_MAX == SD_CYLINDERS_MAX) &&
+               (SD_MISFIRE_CYLINDERS_MAX == SD_CYLINDERS_MAX) && (SD_KALMAN_FIRINGS_MAX == SD_CYLINDERS_MAX),
+               "blocks that hold the same engine hold as many cylinders");
 
-static bool fixed_point(const sd_ecu_t *self) { return self->calibration.parameters.torque_fixed_point > 0.5f; }
-
-/* ---- the torque observer in either number type ----------------------------------------------------------------- */
-
-static float torque_step(sd_ecu_t *self, const sd_tooth_t *tooth) {
-    const uint8_t trusted = (tooth->health == SD_VALID) ? 1u : 0u;
-    const sd_fourier_tables_t *tables = &self->calibration.fourier;
-    return fixed_point(self) ? sd_fourier_step_q31(&self->torque.q31, tables, tooth->cycle_position, tooth->advance,
-                                                   tooth->period_ticks, trusted)
-                             : sd_fourier_step_f32(&self->torque.f32, tables, tooth->cycle_position, tooth->advance,
-                                                   tooth->period_ticks, trusted);
-}
-
-static void torque_restart(sd_ecu_t *self) {
-    if (fixed_point(self)) { sd_fourier_restart_q31(&self->torque.q31); } else { sd_fourier_restart_f32(&self->torque.f32); }
-}
-
-static void torque_shift(sd_ecu_t *self) {
-    if (fixed_point(self)) {
-        sd_fourier_shift_revolution_q31(&self->torque.q31);
-    } else {
-        sd_fourier_shift_revolution_f32(&self->torque.f32);
-    }
-}
-
-static sd_status_t torque_status(const sd_ecu_t *self) {
-    return fixed_point(self) ? sd_fourier_status_q31(&self->torque.q31) : sd_fourier_status_f32(&self->torque.f32);
-}
-
-static sd_fourier_estimate_t torque_estimate(const sd_ecu_t *self) {
-    sd_fourier_estimate_t estimate;
-    if (fixed_point(self)) { sd_fourier_read_q31(&self->torque.q31, &estimate); } else { sd_fourier_read_f32(&self->torque.f32, &estimate); }
-    return estimate;
-}
-
-/* A right checksum is no proof of right numbers. What the blocks do not check themselves: */
-
-static bool within(float x, float low, float high) { return (x >= low) && (x <= high); } /* false for NaN */
-
-static bool map_ok(const sd_calibration_t *calibration) {
-    const sd_cylinder_map_t *map = &calibration->cylinder_map;
-    bool ok = ((map->cylinders == 0u) || (map->cylinders == calibration->cylinders)) && (map->harmonics <= SD_FOURIER_HARMONICS_MAX);
-    for (uint32_t i = 0; ok && (i < map->cylinders); ++i) {
-        ok = within(map->offset_nm[i], -NUMBER_MAX, NUMBER_MAX) && within(map->nm_per_bar[i], -NUMBER_MAX, NUMBER_MAX) &&
-             within(map->sd_kgm2[i], 0.0f, NUMBER_MAX);
-        for (uint32_t j = 0; ok && (j <= 2u * map->harmonics); ++j) { ok = within(map->map[i][j], -NUMBER_MAX, NUMBER_MAX); }
-    }
-    return ok;
-}
-
-static bool cylinders_ok(const sd_calibration_t *calibration) {
-    bool ok = (calibration->cylinders >= 1u) && (calibration->cylinders <= SD_CYLINDERS_MAX) && map_ok(calibration);
-    for (uint32_t i = 0; ok && (i < calibration->cylinders); ++i) {
-        ok = (calibration->firing_order[i] >= 1u) && (calibration->firing_order[i] <= SD_CYLINDERS_MAX) &&
-             (calibration->firing_position[i] < 2u * calibration->positions);
-    }
-    return ok;
-}
-
-static bool page_ok(const sd_calibration_t *calibration) {
-    const float *parameter = (const float *)&calibration->parameters;
-    bool ok = within(calibration->position_0_deg, 0.0f, 360.0f) && within(calibration->tick_hz, 1e5f, 2e8f) && cylinders_ok(calibration);
-    for (uint32_t i = 0; ok && (i < SD_PARAMETER_COUNT); ++i) {
-        ok = within(parameter[i], sd_parameter_infos[i].low, sd_parameter_infos[i].high);
-    }
-    return ok;
-}
-
-sd_result_t sd_ecu_init(sd_ecu_t *self, const sd_calibration_t *calibration) {
-    if (!page_ok(calibration)) { return SD_ERR_CONFIG; }
-    const sd_crank_config_t crank_config = sd_calibration_crank(calibration);
-    const sd_fourier_config_t torque_config = sd_calibration_torque(calibration);
-    sd_crank_t crank;
-    sd_torque_t torque;
-    sd_misfire_t misfire;
-    sd_afr_t afr;
-    sd_afr_delay_t afr_delay;
-    sd_balance_t balance;
-    const sd_misfire_config_t misfire_config = sd_calibration_misfire(calibration);
-    if (sd_crank_init(&crank, &crank_config) != SD_OK) { return SD_ERR_CONFIG; }
-    const sd_result_t result = (calibration->parameters.torque_fixed_point > 0.5f)
-                                   ? sd_fourier_init_q31(&torque.q31, &torque_config, &calibration->fourier)
-                                   : sd_fourier_init_f32(&torque.f32, &torque_config, &calibration->fourier);
-    if (result != SD_OK) { return result; }
-    if (sd_misfire_init(&misfire, &misfire_config) != SD_OK) { return SD_ERR_CONFIG; }
-    const bool has_filter = calibration->kalman.positions != 0u;
-    if (has_filter && (calibration->kalman.positions != calibration->positions)) { return SD_ERR_CONFIG; }
-    const sd_firings_config_t firings_config = sd_ecu_firings_config(calibration);
-    sd_firings_t firings;
-    if (sd_firings_init(&firings, &firings_config, &calibration->kalman) != SD_OK) { return SD_ERR_CONFIG; }
-    if ((sd_ecu_afr_init(&afr, calibration) != SD_OK) || (sd_ecu_delay_init(&afr_delay, calibration) != SD_OK) ||
-        (sd_ecu_balance_init(&balance, calibration) != SD_OK)) { return SD_ERR_CONFIG; }
-    memset(self, 0, sizeof *self); /* from here on nothing fails; the struct is too large to be built aside */
-    for (uint32_t owner = 0; owner < SD_OWNER_COUNT; ++owner) {
-        self->status[owner] = (sd_status_t){ .health = SD_INVALID, .why = SD_WHY_NO_SYNC };
-    }
-    self->calibration = *calibration;
-    self->reference = calibration->parameters;
-    self->crank = crank;
-    self->torque = torque;
-    self->misfire = misfire;
-    self->afr = afr;
-    self->afr_delay = afr_delay;
-    self->balance = balance;
-    self->firings = firings;
+sd_result_t sd_ecu_init(sd_ecu_t *self, const sd_calibration_t *page) {
+    memset(self, 0, sizeof *self);
+    sd_publish_init(&self->say);
+    self->work.piece = SD_PIECE_NONE;
+    if (!sd_calibration_in_range(page)) { return SD_ERR_CONFIG; }
+    const sd_parameters_t *p = &page->parameters;
+    const sd_crank_config_t crank = sd_calibration_crank(page, p);
+    const sd_firings_config_t firings = sd_ecu_firings_config(page, p);
+    const bool ok = (sd_crank_init(&self->crank, &crank) == SD_OK) && (sd_stage_torque_init(&self->torque, page, p) == SD_OK) &&
+                    (sd_firings_init(&self->firings, &firings, &page->kalman) == SD_OK) &&
+                    (sd_stage_misfire_init(&self->misfire, page, p) == SD_OK) &&
+                    (sd_stage_mixture_init(&self->mixture, page, p) == SD_OK) && (sd_stage_trims_init(&self->trims, page, p) == SD_OK);
+    if (!ok) { return SD_ERR_CONFIG; }
+    self->working = *p;
+    self->reference = *p;
+    self->ready = 1;
     return SD_OK;
 }
 
-/* ---- signals --------------------------------------------------------------------------------------------------- */
+sd_result_t sd_ecu_resume(sd_ecu_t *self, const sd_calibration_t *page, const sd_pattern_sums_t *learned) {
+    if ((self->ready == 0u) || (sd_firings_resume(&self->firings, &page->kalman, learned) != SD_OK)) { return SD_ERR_CONFIG; }
+    sd_say_pattern(&self->say, &self->firings.pattern);
+    return SD_OK;
+}
 
-void sd_ecu_publish(sd_ecu_t *self, const sd_port_t *port, uint32_t tick, sd_rate_t rate) {
-    const float *value = (const float *)&self->signals;
-    const sd_rate_info_t *said = &sd_rate_infos[rate];
-    for (uint32_t i = 0; i < said->count; ++i) {
-        const uint32_t channel = said->channels[i];
-        const sd_status_t *status = &self->status[sd_signal_infos[channel].owner];
-        sd_event_t event = { .tick = tick, .kind = SD_EVENT_SIGNAL, .channel = (uint16_t)channel,
-                             .flags = status->health | ((uint32_t)status->why << 8) };
-        memcpy(&event.value, &value[channel], sizeof event.value);
-        self->unsent_signals += 1u - port->send(port->context, &event, 1u);
+/* ---- a tooth --------------------------------------------------------------------------------------------------- */
+
+static void restart_firings(sd_ecu_t *self) {
+    if (self->firings.enabled == 0u) { return; }
+    sd_firings_restart(&self->firings);
+    sd_misfire_start(&self->misfire.monitor);
+    self->say.status[SD_OWNER_MISFIRE] = (sd_status_t){ .health = SD_INVALID, .why = SD_WHY_CONVERGING };
+}
+
+static void jump(sd_ecu_t *self, sd_course_jump_t jump) {
+    sd_stage_torque_jump(&self->torque, jump);
+    restart_firings(self);
+    sd_stage_mixture_restart(&self->mixture);
+}
+
+static void end_cycle(sd_ecu_t *self, const sd_calibration_t *page, const sd_port_t *port, const sd_cycle_t *cycle) {
+    sd_stage_torque_end_cycle(&self->torque);
+    sd_stage_trims_end_cycle(&self->trims);
+    sd_ecu_begin_work(self, page, port, cycle);
+}
+
+static void step_torque(sd_ecu_t *self, const sd_calibration_t *page, const sd_tooth_t *tooth) {
+    sd_torque_out_t torque;
+    sd_stage_torque_tooth(&self->torque, page, tooth, &torque);
+    sd_say_torque(&self->say, &torque);
+    /* What is read at the end of the cycle has settled by then, or says so itself. */
+    const bool good = (torque.status.health != (uint8_t)SD_INVALID) && ((torque.status.why & ~(uint32_t)SD_WHY_CONVERGING) == 0u);
+    sd_course_add(&self->course, tooth, good);
+}
+
+static void judge_firing(sd_ecu_t *self, const sd_firings_out_t *firings) {
+    const sd_stage_misfire_in_t in = { .firing = &firings->firing,
+                                       .estimate = firings->status,
+                                       .energy_j = firings->energy_j,
+                                       .speed_radps = firings->speed_radps,
+                                       .shifting = sd_inputs_value(&self->inputs, SD_INPUT_DRIVELINE_SHIFT) > 0.5f,
+                                       .level_known = sd_inputs_fresh(&self->inputs, SD_INPUT_FUEL_LEVEL),
+                                       .fuel_level_percent = sd_inputs_value(&self->inputs, SD_INPUT_FUEL_LEVEL) };
+    const sd_misfire_verdict_t verdict = sd_stage_misfire_firing(&self->misfire, &in);
+    sd_stage_trims_firing(&self->trims, &firings->firing, firings->status.health, verdict.verdict == (uint8_t)SD_MISFIRE);
+    sd_say_verdict(&self->say, &verdict);
+    sd_status_t *status = &self->say.status[SD_OWNER_MISFIRE];
+    *status = sd_misfire_status(&self->misfire.monitor);
+    sd_status_worst_of(status, firings->status.health, firings->status.why);
+    sd_inputs_judge(&self->inputs, SD_OWNER_MISFIRE, status);
+}
+
+/* Returns true when a firing was read. */
+static bool step_firings(sd_ecu_t *self, const sd_calibration_t *page, const sd_port_t *port, const sd_tooth_t *tooth) {
+    const sd_inputs_t *inputs = &self->inputs;
+    const bool fuel_known = sd_inputs_fresh(inputs, SD_INPUT_FUEL_INJECTED);
+    const float fuel_mg = fuel_known ? sd_inputs_value(inputs, SD_INPUT_FUEL_INJECTED) : SD_FUEL_UNKNOWN;
+    const sd_firings_tooth_t seen = { .cycle_position = tooth->cycle_position,
+                                      .position = tooth->position,
+                                      .advance = tooth->advance,
+                                      .period_ticks = tooth->period_ticks,
+                                      .health = tooth->health,
+                                      .phase_known = tooth->phase_known,
+                                      .intake_known = sd_inputs_fresh(inputs, SD_INPUT_AIR_INTAKE_PRESSURE) ? 1u : 0u,
+                                      .fuel_cut = (fuel_known && (fuel_mg <= 0.0f)) ? 1u : 0u,
+                                      .intake_bar = sd_inputs_value(inputs, SD_INPUT_AIR_INTAKE_PRESSURE),
+                                      .speed_radps = sd_crank_speed_radps(&self->crank, tooth, page->tick_hz) };
+    sd_firings_out_t out;
+    sd_firings_step(&self->firings, &page->kalman, &seen, &out);
+    sd_inputs_judge(inputs, SD_OWNER_FIRING, &out.status);
+    self->say.status[SD_OWNER_FIRING] = out.status;
+    self->say.signals.firing_waveform_nm = out.waveform_nm;
+    if (self->firings.enabled == 0u) {
+        self->say.status[SD_OWNER_MISFIRE] = out.status;
+        return false;
     }
+    sd_stage_misfire_tooth(&self->misfire, page, tooth, fuel_mg);
+    if (out.restarted != 0u) { sd_misfire_start(&self->misfire.monitor); }
+    if (out.learned != 0u) { sd_say_pattern(&self->say, &self->firings.pattern); }
+    if (out.complete == 0u) { return false; }
+    sd_say_firing(&self->say, page, &out);
+    judge_firing(self, &out);
+    sd_publish_row(&self->say, port, tooth->tick, SD_RATE_FIRING);
+    return true;
 }
 
-_Static_assert(sizeof(sd_signals_t) == SD_SIGNAL_COUNT * sizeof(float), "signals are floats, without gaps");
-
-void sd_ecu_worst_of(sd_status_t *status, uint8_t health, uint16_t why) {
-    if (health > status->health) { status->health = health; }
-    status->why |= why;
-}
-
-/* ---- the cycle ------------------------------------------------------------------------------------------------- */
-
-static void begin_cycle(sd_ecu_t *self) {
-    self->cycle_ticks = 0;
-    self->cycle_positions = 0;
-    self->cycle_clean = 1;
-}
-
-/* Torque of each cylinder by its physical number, from the cycle just ended and its mean speed. */
-static void read_cylinders(sd_ecu_t *self) {
-    const sd_calibration_t *c = &self->calibration;
-    const sd_cylinder_map_t *map = &c->cylinder_map;
-    const sd_fourier_config_t observer = sd_calibration_torque(c);
-    if (!sd_cylinders_fit(map, &observer)) {
-        sd_ecu_worst_of(&self->status[SD_OWNER_CYLINDER], SD_INVALID, SD_WHY_UNCALIBRATED);
-        return;
-    }
-    const float speed = self->signals.cycle_speed_rpm / RPM_PER_RADPS;
-    const float spacing = c->parameters.torque_tooth_sd_deg * RAD_PER_DEG, timer = speed * TIMER_SD_TICKS / c->tick_hz;
-    const float variance = spacing * spacing + timer * timer;
-    const float tooth_error = variance * sd_rsqrt_f32(variance + TINY);
-    const sd_sample_t *intake = &self->sample[SD_INPUT_AIR_INTAKE_PRESSURE];
-    if (intake->seen == 0u) { sd_ecu_worst_of(&self->status[SD_OWNER_CYLINDER], SD_DEGRADED, SD_WHY_NO_INPUT); }
-    const float intake_bar = (intake->seen != 0u) ? intake->value : 1.0f;
-    const sd_fourier_estimate_t estimate = torque_estimate(self);
-    for (uint32_t i = 0; i < map->cylinders; ++i) {
-        const uint32_t cylinder = c->firing_order[i] - 1u;
-        self->signals.cycle_cylinder_torque_nm[cylinder] = sd_cylinders_torque(map, &estimate, intake_bar, i);
-        self->signals.cycle_cylinder_sd_nm[cylinder] = sd_cylinders_sd(map, i, speed, tooth_error);
-    }
-}
-
-static void end_cycle(sd_ecu_t *self) {
-    const sd_calibration_t *c = &self->calibration;
-    sd_status_t *status = &self->status[SD_OWNER_CYLINDER];
-    *status = self->status[SD_OWNER_TORQUE];
-    if (self->crank.phase_votes < 2u) { sd_ecu_worst_of(status, SD_INVALID, SD_WHY_NO_PHASE); }
-    if (self->cycle_positions < 2u * c->positions) { sd_ecu_worst_of(status, SD_INVALID, SD_WHY_NO_SYNC); }
-    if (self->cycle_clean == 0u) { sd_ecu_worst_of(status, SD_DEGRADED, SD_WHY_FAULT); }
-    const float turns = (float)self->cycle_positions / (float)c->positions;
-    self->signals.cycle_speed_rpm = (self->cycle_ticks > 0u) ? 60.0f * turns * c->tick_hz / (float)self->cycle_ticks : 0.0f;
-    read_cylinders(self);
-    sd_ecu_afr_cycle(self);
-}
-
-static void add_to_cycle(sd_ecu_t *self, const sd_tooth_t *tooth) {
-    self->cycle_ticks += tooth->period_ticks;
-    self->cycle_positions += tooth->advance;
-    /* What is read at its end has settled by then, or says so itself. */
-    const sd_status_t *torque = &self->status[SD_OWNER_TORQUE];
-    if ((torque->health == (uint8_t)SD_INVALID) || ((torque->why & (uint16_t)~SD_WHY_CONVERGING) != 0u)) { self->cycle_clean = 0; }
+static void on_tooth(sd_ecu_t *self, const sd_calibration_t *page, const sd_port_t *port, const sd_tooth_t *tooth) {
+    sd_cycle_t cycle;
+    const sd_course_jump_t moved = sd_course_follow(&self->course, tooth, page->positions);
+    if (moved != SD_COURSE_NONE) { jump(self, moved); }
+    if (sd_course_ended(&self->course, tooth, page->positions, page->tick_hz, &cycle)) { end_cycle(self, page, port, &cycle); }
+    step_torque(self, page, tooth);
+    const bool firing_read = step_firings(self, page, port, tooth);
+    sd_stage_mixture_tooth(&self->mixture, page, tooth);
+    if (!firing_read) { sd_ecu_do_piece(self, page, port); } /* no tooth does both */
 }
 
 /* ---- events ---------------------------------------------------------------------------------------------------- */
 
-/* Keeps the observer's angle the decoder's: half a cycle off is a matter of sign, anything else a fresh start. */
-static void follow(sd_ecu_t *self, const sd_tooth_t *tooth) {
-    const uint32_t cycle = 2u * self->calibration.positions;
-    const uint32_t expected = (self->cycle_position + (uint32_t)tooth->advance) % cycle;
-    const uint32_t off = (tooth->cycle_position + cycle - expected) % cycle;
-    if ((self->following == 0u) || ((off != 0u) && (off != self->calibration.positions))) {
-        torque_restart(self);
-        sd_ecu_firing_restart(self);
-        sd_ecu_afr_restart(self);
-        begin_cycle(self);
-    } else if (off != 0u) {
-        torque_shift(self);
-        sd_ecu_firing_restart(self);
-        sd_ecu_afr_restart(self);
-        begin_cycle(self);
-    }
-    self->following = 1;
-}
-
-static void on_tooth(sd_ecu_t *self, const sd_port_t *port, const sd_tooth_t *tooth) {
-    follow(self, tooth);
-    if (tooth->cycle_position < self->cycle_position) {
-        end_cycle(self);
-        begin_cycle(self);
-    } else if (sd_ecu_afr_work(self)) {
-        sd_ecu_publish(self, port, tooth->tick, SD_RATE_CYCLE);
-    }
-    self->signals.torque_mass_nm = torque_step(self, tooth);
-    self->cycle_position = tooth->cycle_position;
-    sd_status_t *status = &self->status[SD_OWNER_TORQUE];
-    *status = torque_status(self);
-    sd_ecu_worst_of(status, tooth->health, tooth->why);
-    self->signals.torque_innovation_j = status->innovation;
-    add_to_cycle(self, tooth);
-    sd_ecu_firing_tooth(self, port, tooth);
-    sd_ecu_afr_tooth(self, tooth);
-}
-
 static void lose_angle(sd_ecu_t *self, uint16_t why) {
-    self->following = 0;
-    sd_ecu_afr_restart(self);
-    self->signals.torque_mass_nm = 0.0f;
-    sd_ecu_worst_of(&self->status[SD_OWNER_TORQUE], SD_INVALID, why);
-    sd_ecu_worst_of(&self->status[SD_OWNER_FIRING], SD_INVALID, why);
+    sd_course_lose(&self->course);
+    sd_stage_mixture_restart(&self->mixture);
+    self->say.signals.torque_mass_nm = 0.0f;
+    sd_status_worst_of(&self->say.status[SD_OWNER_TORQUE], SD_INVALID, why);
+    sd_status_worst_of(&self->say.status[SD_OWNER_FIRING], SD_INVALID, why);
 }
 
-static void on_crank_edge(sd_ecu_t *self, const sd_port_t *port, uint32_t tick) {
+static void on_crank_edge(sd_ecu_t *self, const sd_calibration_t *page, const sd_port_t *port, uint32_t tick) {
     sd_tooth_t tooth;
     sd_crank_edge(&self->crank, tick, &tooth);
-    const sd_calibration_t *c = &self->calibration;
-    sd_signals_t *s = &self->signals;
-    self->status[SD_OWNER_CRANK] = (sd_status_t){ .health = tooth.health, .why = tooth.why };
-    s->crank_edge_class = (float)tooth.edge_class;
-    s->crank_tooth = (float)tooth.position;
-    const float angle_deg = c->position_0_deg + (float)tooth.cycle_position * (360.0f / (float)c->positions);
-    s->crank_angle_deg = (angle_deg >= 720.0f) ? angle_deg - 720.0f : angle_deg;
-    s->crank_phase_known = (float)tooth.phase_known;
-    if (tooth.period_ticks > 0u) {
-        s->crank_speed_rpm = sd_crank_speed_radps(&self->crank, &tooth, c->tick_hz) * RPM_PER_RADPS;
-        s->crank_acceleration_radps2 = sd_crank_acceleration_radps2(&self->crank, &tooth, c->tick_hz);
-    }
-    if (tooth.edge_class == SD_EDGE_UNSYNCED) {
+    self->say.status[SD_OWNER_CRANK] = (sd_status_t){ .health = tooth.health, .why = tooth.why };
+    sd_say_tooth(&self->say, page, &self->crank, &tooth);
+    if (tooth.edge_class == (uint8_t)SD_EDGE_UNSYNCED) {
         lose_angle(self, SD_WHY_NO_SYNC);
-    } else if (tooth.edge_class != SD_EDGE_SPURIOUS) {
-        on_tooth(self, port, &tooth);
+        sd_ecu_do_piece(self, page, port);
+    } else if (tooth.edge_class != (uint8_t)SD_EDGE_SPURIOUS) {
+        on_tooth(self, page, port, &tooth);
     } else {
-        sd_ecu_firing_spurious(self);
+        sd_firings_spurious(&self->firings, &page->kalman);
     }
-    sd_ecu_publish(self, port, tick, SD_RATE_EDGE);
+    self->edge_seen = 1;
+    sd_publish_row(&self->say, port, tick, SD_RATE_EDGE);
 }
 
 static void publish_lost_angle(sd_ecu_t *self, const sd_port_t *port, uint32_t tick, uint16_t why) {
     lose_angle(self, why);
-    self->status[SD_OWNER_CRANK] = (sd_status_t){ .health = SD_INVALID, .why = why };
-    self->signals.crank_edge_class = (float)SD_EDGE_UNSYNCED;
-    self->signals.crank_phase_known = 0.0f;
-    self->signals.crank_speed_rpm = 0.0f;
-    self->signals.crank_acceleration_radps2 = 0.0f;
-    sd_ecu_publish(self, port, tick, SD_RATE_EDGE);
+    sd_say_lost_angle(&self->say, SD_INVALID, why);
+    sd_publish_row(&self->say, port, tick, SD_RATE_EDGE);
 }
 
 static void on_sample(sd_ecu_t *self, const sd_event_t *event) {
-    float value = 0.0f;
+    float value;
     memcpy(&value, &event->value, sizeof value);
-    const sd_input_info_t *info = (event->channel < SD_INPUT_COUNT) ? &sd_input_infos[event->channel] : NULL;
-    if ((info == NULL) || !((value >= info->low) && (value <= info->high))) { /* written so that NaN is out of range */
-        self->bad_samples++;
-        return;
+    const bool taken = sd_inputs_take(&self->inputs, event->channel, event->tick, value);
+    if (taken && (event->channel == (uint16_t)SD_INPUT_EXHAUST_LAMBDA)) {
+        sd_stage_mixture_sample(&self->mixture, value, self->working.afr_stoichiometric);
     }
-    if (event->channel == SD_INPUT_EXHAUST_LAMBDA) { sd_ecu_afr_sample(self, value); }
-    self->sample[event->channel] = (sd_sample_t){ .value = value, .tick = event->tick, .seen = 1 };
 }
 
-/* Which inputs have no reading that counts. Once stale a reading stays so: the timer wraps, and would make it young again. */
-static void watch_inputs(sd_ecu_t *self, uint32_t tick) {
-    uint32_t stale[2] = { 0u }, missing[2] = { 0u };
-    for (uint32_t i = 0; i < SD_INPUT_COUNT; ++i) {
-        sd_sample_t *sample = &self->sample[i];
-        const float limit_s = sd_input_infos[i].age_s, age_ticks = (float)(int32_t)(tick - sample->tick);
-        if ((limit_s > 0.0f) && (age_ticks > limit_s * self->calibration.tick_hz)) { sample->stale = sample->seen; }
-        stale[i / 16u] |= (uint32_t)sample->stale << (i % 16u);
-        missing[i / 16u] |= (1u - (uint32_t)sample->seen) << (i % 16u);
-    }
-    for (uint32_t i = 0; i < 2u; ++i) {
-        self->signals.inputs_stale[i] = (float)stale[i];
-        self->signals.inputs_missing[i] = (float)missing[i];
-    }
-    self->status[SD_OWNER_INPUTS] = (sd_status_t){ .health = SD_VALID };
-}
-
-static void on_time(sd_ecu_t *self, const sd_port_t *port, uint32_t tick) {
+static void on_time(sd_ecu_t *self, const sd_calibration_t *page, const sd_port_t *port, uint32_t tick) {
+    sd_inputs_age(&self->inputs, tick, page->tick_hz);
     if (sd_crank_poll(&self->crank, tick)) { publish_lost_angle(self, port, tick, SD_WHY_STALL); }
-    watch_inputs(self, tick);
-    sd_ecu_publish(self, port, tick, SD_RATE_TASK);
-    const sd_event_t done = { .tick = tick, .kind = SD_EVENT_DONE, .value = self->unsent_signals, .flags = self->unknown_events };
+    if (self->edge_seen == 0u) { sd_ecu_do_piece(self, page, port); } /* no tooth comes to do it */
+    self->edge_seen = 0;
+    sd_say_inputs(&self->say, &self->inputs);
+    sd_publish_row(&self->say, port, tick, SD_RATE_TASK);
+    const sd_event_t done = { .tick = tick, .kind = SD_EVENT_DONE, .value = self->say.unsent, .flags = self->unknown_events };
     (void)port->send(port->context, &done, 1u);
 }
 
@@ -321,20 +186,18 @@ static void on_gap(sd_ecu_t *self, const sd_port_t *port, uint32_t tick) {
     publish_lost_angle(self, port, tick, SD_WHY_NO_SYNC);
 }
 
-/* ---- the loop -------------------------------------------------------------------------------------------------- */
-
-uint32_t sd_ecu_run(sd_ecu_t *self, const sd_port_t *port) {
+uint32_t sd_ecu_run(sd_ecu_t *self, const sd_calibration_t *page, const sd_port_t *port) {
     sd_event_t event;
     uint32_t handled = 0;
-    while (port->receive(port->context, &event, 1u) == 1u) {
+    while ((self->ready != 0u) && (port->receive(port->context, &event, 1u) == 1u)) {
         switch (event.kind) {
-        case SD_EVENT_CRANK_EDGE: on_crank_edge(self, port, event.tick); break;
+        case SD_EVENT_CRANK_EDGE: on_crank_edge(self, page, port, event.tick); break;
         case SD_EVENT_CAM_EDGE:   sd_crank_cam_edge(&self->crank, event.tick); break;
-        case SD_EVENT_TIME:       on_time(self, port, event.tick); break;
+        case SD_EVENT_WHEEL_EDGE: break; /* nothing takes it yet */
+        case SD_EVENT_TIME:       on_time(self, page, port, event.tick); break;
         case SD_EVENT_SAMPLE:     on_sample(self, &event); break;
         case SD_EVENT_GAP:        on_gap(self, port, event.tick); break;
-        case SD_EVENT_WHEEL_EDGE: break; /* nothing takes it yet */
-        case SD_EVENT_PARAMETER:  sd_ecu_parameter(self, port, &event); break;
+        case SD_EVENT_PARAMETER:  sd_ecu_parameter(self, page, port, &event); break;
         default:                  self->unknown_events++; break;
         }
         handled++;

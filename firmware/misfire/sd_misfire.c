@@ -259,6 +259,11 @@ static float percent(const sd_misfire_window_t *window, uint32_t i, uint32_t cyl
     return 100.0f * (float)(window->misfires[i] * cylinders) / (float)window->firings;
 }
 
+sd_status_t sd_misfire_status(const sd_misfire_t *self) {
+    return (sd_status_t){ .health = self->health, .why = self->why, .rejected = self->rejected, .innovation = self->innovation,
+                          .test_ratio = self->test_ratio };
+}
+
 void sd_misfire_read(const sd_misfire_t *self, sd_misfire_report_t *report) {
     const sd_misfire_config_t *c = &self->config;
     memset(report, 0, sizeof *report);
@@ -276,8 +281,7 @@ void sd_misfire_read(const sd_misfire_t *self, sd_misfire_report_t *report) {
     report->lamp = self->lamp;
     report->emission_exceeded = self->emission_exceeded;
     report->catalyst_exceeded = self->catalyst_exceeded;
-    report->status = (sd_status_t){ .health = self->health, .why = self->why, .rejected = self->rejected,
-                                    .innovation = self->innovation, .test_ratio = self->test_ratio };
+    report->status = sd_misfire_status(self);
 }
 
 /* Written so that NaN is out of range. */

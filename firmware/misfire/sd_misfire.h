@@ -142,6 +142,8 @@ sd_result_t sd_misfire_configure(sd_misfire_t *self, const sd_misfire_config_t *
 void sd_misfire_start(sd_misfire_t *self);
 /// Judges a firing; never NaN. An index out of range is counted and not judged.
 sd_misfire_verdict_t sd_misfire_judge(sd_misfire_t *self, const sd_misfire_firing_t *firing);
+/// As in the report. rejected: firings not judged.
+sd_status_t sd_misfire_status(const sd_misfire_t *self);
 void sd_misfire_read(const sd_misfire_t *self, sd_misfire_report_t *report);
 
 #ifdef __cplusplus

@@ -8,6 +8,9 @@
 #define SD_NUM_H
 #include <stdbool.h>
 #include <stdint.h>
+#ifdef __ARM_FEATURE_DSP
+#include <arm_acle.h>
+#endif
 
 #ifdef __cplusplus
 extern "C" {
@@ -24,17 +27,41 @@ typedef float   sd_acc_f32_t;
 typedef int64_t sd_acc_q31_t;
 
 static inline sd_q31_t sd_sat_q31(int64_t x) {
-    return (x > INT32_MAX) ? INT32_MAX : (x < INT32_MIN) ? INT32_MIN : (sd_q31_t)x;
+    const int32_t low = (int32_t)(uint32_t)x, high = (int32_t)(x >> 32);
+    return (high == (low >> 31)) ? low : (high >> 31) ^ INT32_MAX;
+}
+
+/* Saturating sums, one instruction where the core has it. */
+#ifdef __ARM_FEATURE_DSP
+static inline sd_q31_t sd_add_q31(sd_q31_t a, sd_q31_t b) { return __qadd(a, b); }
+static inline sd_q31_t sd_sub_q31(sd_q31_t a, sd_q31_t b) { return __qsub(a, b); }
+#else
+static inline sd_q31_t sd_add_q31(sd_q31_t a, sd_q31_t b) { return sd_sat_q31((int64_t)a + b); }
+static inline sd_q31_t sd_sub_q31(sd_q31_t a, sd_q31_t b) { return sd_sat_q31((int64_t)a - b); }
+#endif
+
+/* a[0] b[0] + a[1] b[1] of two halves each, |sum| < 2^31: one instruction where the core has it. */
+typedef union { int16_t half[2]; int32_t word; } sd_pair_t;
+#ifdef __ARM_FEATURE_DSP
+static inline int32_t sd_dot_pair(sd_pair_t a, sd_pair_t b) { return __smuad(a.word, b.word); }
+#else
+static inline int32_t sd_dot_pair(sd_pair_t a, sd_pair_t b) { return a.half[0] * b.half[0] + a.half[1] * b.half[1]; }
+#endif
+
+/* x / 2^31 rounded down, |x| <= 2^62: only 2^62 itself saturates, and does so by doubling its upper half. */
+static inline sd_q31_t sd_high_q31(int64_t x) {
+    const int32_t high = (int32_t)(x >> 32);
+    return sd_add_q31(high, high) | (sd_q31_t)((uint32_t)x >> 31);
 }
 
 static inline float    sd_add_f32(float a, float b)       { return a + b; }
-static inline sd_q31_t sd_add_q31(sd_q31_t a, sd_q31_t b) { return sd_sat_q31((int64_t)a + b); }
 static inline float    sd_sub_f32(float a, float b)       { return a - b; }
-static inline sd_q31_t sd_sub_q31(sd_q31_t a, sd_q31_t b) { return sd_sat_q31((int64_t)a - b); }
 static inline float    sd_mul_f32(float a, float b)       { return a * b; }
-static inline sd_q31_t sd_mul_q31(sd_q31_t a, sd_q31_t b) { return sd_sat_q31(((int64_t)a * b) >> 31); }
+static inline sd_q31_t sd_mul_q31(sd_q31_t a, sd_q31_t b) { return sd_high_q31((int64_t)a * b); }
+static inline float    sd_abs_f32(float a)                { return __builtin_fabsf(a); }
+static inline sd_q31_t sd_abs_q31(sd_q31_t a)             { return (a >= 0) ? a : sd_sub_q31(0, a); }
 static inline float    sd_neg_f32(float a)                { return -a; }
-static inline sd_q31_t sd_neg_q31(sd_q31_t a)             { return sd_sat_q31(-(int64_t)a); }
+static inline sd_q31_t sd_neg_q31(sd_q31_t a)             { return sd_sub_q31(0, a); }
 
 /* numerator / denominator, both > 0; q31 saturates just below 1. */
 static inline float    sd_ratio_f32(uint32_t n, uint32_t d) { return (float)n / (float)d; }
@@ -78,12 +105,13 @@ static inline float sd_rsqrt_f32(float x) {
     union { float f; uint32_t u; } start = { x };
     start.u = 0x5f3759dfu - (start.u >> 1);
     float y = start.f;
+    _Pragma("GCC unroll 3")
     for (int i = 0; i < 3; ++i) { y = y * (1.5f - 0.5f * x * y * y); }
     return y;
 }
 
 /* Inside the range, not at its ends, where q31 saturates; false for NaN. */
-static inline bool sd_in_unit_f32(float x)    { return (x > -1.0f) && (x < 1.0f); }
+static inline bool sd_in_unit_f32(float x)    { return __builtin_fabsf(x) < 1.0f; }
 static inline bool sd_in_unit_q31(sd_q31_t x) { return (x > INT32_MIN) && (x < INT32_MAX); }
 
 #ifdef __cplusplus

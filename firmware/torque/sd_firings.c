@@ -3,10 +3,12 @@
 
 #include <string.h>
 
-#define RAD_PER_DEG 0.017453293f
 #define ZERO_REVOLUTIONS 40u /* without fuel before a cylinder's zero is read: burnt gas is gone, the pattern known, the filter at rest */
 
-static const sd_kalman_t *believed(const sd_firings_t *self) { return (self->on_rough != 0u) ? &self->rough : &self->smooth; }
+#define SMOOTH 0u
+#define ROUGH  1u
+
+static const sd_kalman_filter_t *believed(const sd_firings_t *self) { return &self->kalman.filter[self->kalman.believed]; }
 
 /* ---- configuration --------------------------------------------------------------------------------------------- */
 
@@ -20,13 +22,13 @@ static bool config_ok(const sd_firings_config_t *config, const sd_kalman_choice_
 static sd_kalman_choice_t choice_of(const sd_firings_config_t *config) {
     const float teeth = config->settle_cycles * 2.0f * (float)config->teeth + 0.5f;
     return (sd_kalman_choice_t){ .torque_base_nm = config->torque_base_nm,
-                                 .reject_rad = config->reject_deg * RAD_PER_DEG,
+                                 .reject_rad = config->reject_deg * SD_RAD_PER_DEG,
                                  .settle_teeth = ((teeth >= 0.0f) && (teeth < 65535.0f)) ? (uint16_t)teeth : 0u };
 }
 
 static void take_config(sd_firings_t *self, const sd_firings_config_t *config, const sd_kalman_choice_t *choice) {
-    self->smooth.choice = self->rough.choice = self->pattern.free.choice = *choice;
-    self->unlearned_rad = config->pattern_deg * RAD_PER_DEG;
+    self->kalman.choice = *choice;
+    self->unlearned_rad = config->pattern_deg * SD_RAD_PER_DEG;
     self->enabled = (config->enabled != 0u) ? 1u : 0u;
 }
 
@@ -36,10 +38,8 @@ sd_result_t sd_firings_init(sd_firings_t *self, const sd_firings_config_t *confi
     if (present && (!config_ok(config, &choice) || !sd_kalman_tables_ok(tables))) { return SD_ERR_CONFIG; }
     memset(self, 0, sizeof *self);
     if (!present) { return SD_OK; }
-    (void)sd_kalman_init(&self->smooth, tables, &choice);
-    self->rough = self->smooth;
-    self->rough.set = 1;
-    sd_pattern_init(&self->pattern, tables, &choice);
+    (void)sd_kalman_init(&self->kalman, tables, &choice, tables->sets);
+    sd_pattern_init(&self->pattern, tables);
     take_config(self, config, &choice);
     return SD_OK;
 }
@@ -56,15 +56,8 @@ sd_result_t sd_firings_configure(sd_firings_t *self, const sd_firings_config_t *
 
 /* ---- learning in fuel cut -------------------------------------------------------------------------------------- */
 
-/* At what frequencies the crank twists. */
-static void take_twist(sd_firings_t *self) {
-    sd_twist_tune(&self->pattern.sums.twist, &self->smooth);
-    self->rough.tuning = self->smooth.tuning;
-}
-
 static void take_zeros(sd_firings_t *self, const sd_kalman_tables_t *tables) {
-    sd_pattern_zeros(&self->pattern, tables, self->smooth.zero_nm_per_bar);
-    memcpy(self->rough.zero_nm_per_bar, self->smooth.zero_nm_per_bar, sizeof self->rough.zero_nm_per_bar);
+    sd_pattern_zeros(&self->pattern, tables, self->kalman.zero_nm_per_bar);
 }
 
 /* Motored for so long that no cylinder of the cycle to come holds burnt gas. */
@@ -77,20 +70,17 @@ static bool is_motored(sd_firings_t *self, const sd_kalman_tables_t *tables, con
 /* Returns whether the pattern changed. */
 static bool learn(sd_firings_t *self, const sd_kalman_tables_t *tables, const sd_firings_tooth_t *tooth, const sd_kalman_tooth_t *seen) {
     const bool known = (tooth->phase_known != 0u) && (tooth->intake_known != 0u);
-    if (!is_motored(self, tables, tooth) || !known) {
-        sd_pattern_pause(&self->pattern);
-        return false;
-    }
-    if (!sd_pattern_step(&self->pattern, tables, seen)) { return false; }
-    take_twist(self);
-    return true;
+    const bool motored = is_motored(self, tables, tooth) && known;
+    const bool changed = motored ? sd_pattern_step(&self->pattern, tables, seen) : sd_pattern_rest(&self->pattern, tables);
+    if (changed) { self->kalman.tuning = sd_twist_tuning(&self->pattern.sums.twist); }
+    return changed;
 }
 
 /* What cylinders read without fuel is their zero. */
 static void learn_zero(sd_firings_t *self, const sd_kalman_tables_t *tables, const sd_firings_tooth_t *tooth, const sd_firing_t *firing) {
     const bool rests = (self->motored > ZERO_REVOLUTIONS * tables->positions) && sd_twist_known(&self->pattern.twist, tables);
     if (!rests) { return; }
-    if (sd_pattern_take_zero(&self->pattern, tables, firing, self->smooth.charge_bar[firing->index], tooth->speed_radps)) {
+    if (sd_pattern_take_zero(&self->pattern, tables, firing, self->kalman.charge.charge_bar[firing->index], tooth->speed_radps)) {
         take_zeros(self, tables);
     }
 }
@@ -109,25 +99,17 @@ static sd_kalman_tooth_t filter_tooth(const sd_firings_t *self, const sd_kalman_
                                 .intake_bar = tooth->intake_bar };
 }
 
-/* Both filters take the tooth. The road chooses between them, unless one of them had to begin anew. */
-static bool step_filters(sd_firings_t *self, const sd_kalman_tables_t *tables, const sd_kalman_tooth_t *seen, sd_firing_t *firing) {
-    const bool complete = sd_kalman_step(&self->smooth, tables, seen, firing);
-    if (tables->sets < 2u) { return complete; }
-    sd_firing_t other;
-    const bool other_complete = sd_kalman_step(&self->rough, tables, seen, &other);
-    const uint8_t smooth = sd_kalman_status(&self->smooth).health, rough = sd_kalman_status(&self->rough).health;
-    const bool settled = (smooth == (uint8_t)SD_VALID) && (rough == (uint8_t)SD_VALID);
-    if (!settled) {
+/* The road chooses between the filters, unless one of them had to begin anew. `complete`: bit i, filter i read a firing. */
+static void choose(sd_firings_t *self, const sd_kalman_tables_t *tables, uint32_t complete, const sd_firing_t *firing) {
+    if (tables->sets < 2u) { return; }
+    const uint8_t smooth = sd_kalman_health(&self->kalman, SMOOTH), rough = sd_kalman_health(&self->kalman, ROUGH);
+    if ((smooth | rough) != (uint8_t)SD_VALID) {
         sd_road_restart(&self->road);
-    } else if (complete && other_complete) {
-        (void)sd_road_step(&self->road, firing, &other);
+    } else if (complete == ((1u << SMOOTH) | (1u << ROUGH))) {
+        (void)sd_road_step(&self->road, &firing[SMOOTH], &firing[ROUGH]);
     }
-    self->on_rough = (smooth != rough) ? (smooth > rough) : self->road.rough;
-    /* The pulses' shape is learned by the one that is believed. */
-    *((self->on_rough != 0u) ? &self->smooth.shape : &self->rough.shape) = believed(self)->shape;
-    if (self->on_rough == 0u) { return complete; }
-    *firing = other;
-    return other_complete;
+    self->on_rough = (uint8_t)((smooth != rough) ? (smooth > rough) : self->road.rough);
+    self->kalman.believed = self->on_rough; /* the pulses' shape is learned by the one that is believed */
 }
 
 /* A tooth left out, or not sure, spoils the firings under way. */
@@ -140,7 +122,7 @@ static void watch_teeth(sd_firings_t *self, const sd_kalman_tables_t *tables, co
 void sd_firings_spurious(sd_firings_t *self, const sd_kalman_tables_t *tables) { self->doubt = (uint16_t)(4u * tables->positions); }
 
 static sd_status_t judge(const sd_firings_t *self, const sd_firings_tooth_t *tooth) {
-    sd_status_t status = sd_kalman_status(believed(self));
+    sd_status_t status = sd_kalman_status(&self->kalman, self->kalman.believed);
     if (tooth->phase_known == 0u) { sd_status_worst_of(&status, SD_INVALID, SD_WHY_NO_PHASE); }
     if (self->doubt > 0u) { sd_status_worst_of(&status, SD_DEGRADED, SD_WHY_FAULT); }
     if (tooth->intake_known == 0u) { sd_status_worst_of(&status, SD_DEGRADED, SD_WHY_NO_INPUT); }
@@ -149,37 +131,45 @@ static sd_status_t judge(const sd_firings_t *self, const sd_firings_tooth_t *too
 
 void sd_firings_restart(sd_firings_t *self) {
     if (self->enabled == 0u) { return; }
-    sd_kalman_restart(&self->smooth);
-    sd_kalman_restart(&self->rough);
+    sd_kalman_restart(&self->kalman);
     sd_road_restart(&self->road);
     sd_pattern_pause(&self->pattern);
     self->motored = 0;
 }
 
 void sd_firings_step(sd_firings_t *self, const sd_kalman_tables_t *tables, const sd_firings_tooth_t *tooth, sd_firings_out_t *out) {
-    memset(out, 0, sizeof *out);
     if (self->enabled == 0u) {
+        memset(out, 0, sizeof *out);
         out->status = (sd_status_t){ .health = SD_INVALID, .why = SD_WHY_UNCALIBRATED };
         return;
     }
     const sd_kalman_tooth_t seen = filter_tooth(self, tables, tooth);
-    out->complete = step_filters(self, tables, &seen, &out->firing) ? 1u : 0u;
+    sd_firing_t firing[SD_KALMAN_SETS_MAX];
+    const uint32_t complete = sd_kalman_step(&self->kalman, tables, &seen, firing);
+    choose(self, tables, complete, firing);
     watch_teeth(self, tables, tooth);
-    const sd_kalman_t *filter = believed(self);
+    const sd_kalman_filter_t *filter = believed(self);
     out->rough = self->on_rough;
-    out->restarted = ((self->smooth.teeth == 0u) || (filter->teeth == 0u)) ? 1u : 0u;
+    out->restarted = ((self->kalman.filter[SMOOTH].teeth == 0u) || (filter->teeth == 0u)) ? 1u : 0u;
     out->status = judge(self, tooth);
-    out->waveform_nm = filter->torque_nm;
-    out->energy_j = filter->energy_j;
-    const float square = 2.0f * filter->energy_j / tables->inertia_mean_kgm2;
-    out->speed_radps = (square > 0.0f) ? square * sd_rsqrt_f32(square) : 0.0f;
+    const bool runs = (filter->running != 0u) && (tooth->cycle_position < 2u * tables->positions);
+    out->waveform_nm = runs ? sd_kalman_torque(&self->kalman, tables, self->kalman.believed, tooth->cycle_position) : 0.0f;
+    out->energy_j = filter->motion.energy_j;
+    out->speed_radps = sd_root(2.0f * filter->motion.energy_j / tables->inertia_mean_kgm2);
     out->learned = learn(self, tables, tooth, &seen) ? 1u : 0u;
-    if ((out->complete != 0u) && (out->status.health == (uint8_t)SD_VALID)) { learn_zero(self, tables, tooth, &out->firing); }
+    out->complete = (uint8_t)((complete >> self->kalman.believed) & 1u);
+    if (out->complete == 0u) { return; }
+    out->firing = firing[self->kalman.believed];
+    if (out->status.health == (uint8_t)SD_VALID) { learn_zero(self, tables, tooth, &out->firing); }
+}
+
+void sd_firings_keep(const sd_firings_t *self, const sd_kalman_tables_t *tables, sd_pattern_sums_t *learned) {
+    sd_pattern_keep(&self->pattern, tables, learned);
 }
 
 sd_result_t sd_firings_resume(sd_firings_t *self, const sd_kalman_tables_t *tables, const sd_pattern_sums_t *learned) {
     if ((self->enabled == 0u) || (sd_pattern_resume(&self->pattern, tables, learned) != SD_OK)) { return SD_ERR_CONFIG; }
     take_zeros(self, tables);
-    take_twist(self);
+    self->kalman.tuning = sd_twist_tuning(&self->pattern.sums.twist);
     return SD_OK;
 }

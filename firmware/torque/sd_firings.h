@@ -60,14 +60,13 @@ typedef struct sd_firings_out {
 
 /// State. What is public to read: `pattern` and whether `on_rough`.
 typedef struct sd_firings {
-    sd_kalman_t  smooth;   ///< Filter for smooth roads.
-    sd_kalman_t  rough;    ///< The same with the gains for rough roads; it rests where the tables have one set.
+    sd_kalman_t  kalman;   ///< Filter 0 for smooth roads, filter 1 for rough ones where the tables have two sets of gains.
     sd_road_t    road;     ///< Which of them to believe.
     sd_pattern_t pattern;  ///< Of the wheel, learned in fuel cut, with the crank's twist and the cylinders' zeros.
     float        unlearned_rad; ///< Standard deviation of a tooth's place while its pattern is not learned.
     uint16_t     doubt;    ///< Positions until no firing under way holds a tooth that was not trusted.
     uint16_t     motored;  ///< Positions since the fuel was cut, saturating.
-    uint8_t      on_rough; ///< 1: what is said of firings comes from `rough`.
+    uint8_t      on_rough; ///< 1: what is said of firings comes from filter 1.
     uint8_t      enabled;  ///< The block runs; 0 without tables.
 } sd_firings_t;
 
@@ -89,6 +88,9 @@ void sd_firings_spurious(sd_firings_t *self, const sd_kalman_tables_t *tables);
 
 /// Takes a placed tooth and fills *out.
 void sd_firings_step(sd_firings_t *self, const sd_kalman_tables_t *tables, const sd_firings_tooth_t *tooth, sd_firings_out_t *out);
+
+/// What to keep when the engine is off. Passes over the whole wheel: not for a tooth. Without tables all is 0.
+void sd_firings_keep(const sd_firings_t *self, const sd_kalman_tables_t *tables, sd_pattern_sums_t *learned);
 
 /// Goes on with what was learned before. SD_OK, or SD_ERR_CONFIG with nothing changed: it is of another wheel or crank, or the
 /// block rests.

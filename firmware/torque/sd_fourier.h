@@ -13,8 +13,8 @@
 /// d is the tooth pitch. It is stable for L_ref < 2 / (n_h (n_h + 1)) ((2/d)(2/d - L_ke) - L_a0) (the document's
 /// equation (5) is a misprint; derivation in docs/torque.md). Where teeth are missing it only predicts.
 ///
-/// Two variants from one body: _f32 and _q31. Real-time contract: no heap, no globals, no libm; one step costs
-/// n_h passes of a loop per tooth position passed; one writer per state. Call order: init; step for every placed
+/// Two variants from one body: _f32 and _q31. Real-time contract: no heap, no globals, no libm; one step costs n_h passes of a
+/// loop per tooth position passed, instructions in docs/torque.md; one writer per state. Call order: init; step for every placed
 /// tooth; restart after lost sync or a stall; read whenever wanted.
 #ifndef SD_FOURIER_H
 #define SD_FOURIER_H
@@ -45,8 +45,10 @@ typedef struct sd_fourier_config {
 /// Read only, and used where they stand: on a target that is flash. Both variants take the same.
 typedef struct sd_fourier_tables {
     float   inertia_base_kgm2;                      ///< Largest J, (0, 10].
-    int32_t inertia_q31[SD_FOURIER_POSITIONS_MAX];  ///< [positions]: J half a pitch before each position over the largest, (0, 1], times 2^31, saturated.
-    int32_t sine_q31[2 * SD_FOURIER_POSITIONS_MAX]; ///< [2 positions]: sin(pi k / positions) 2^31, saturated; periodic over the cycle.
+    /// [positions]: J half a pitch before each position over the largest, (0, 1], times 2^31, saturated.
+    int32_t inertia_q31[SD_FOURIER_POSITIONS_MAX];
+    /// [2 positions]: sin(pi k / positions) 2^31, saturated, within 4e-6; periodic over the cycle.
+    int32_t sine_q31[2 * SD_FOURIER_POSITIONS_MAX];
 } sd_fourier_tables_t;
 
 /// What the observer knows.
@@ -65,16 +67,17 @@ typedef struct sd_fourier_estimate {
         T coefficient[2 * SD_FOURIER_HARMONICS_MAX + 1];  /* per unit of torque_base_nm */                             \
         T torque;                                         /* at the last tooth */                                      \
         T innovation;                                     /* -e of the last corrected tooth */                         \
-        float    test_ratio;                                                                                           \
+        T limit;                                          /* of |e| for the last tooth that could correct */           \
         uint16_t steps;                                   /* since restart, saturating */                              \
         uint16_t rejected, rejected_in_row;                                                                            \
         uint8_t  running;                                                                                              \
         uint8_t  harmonics;                                                                                            \
         uint16_t positions, settle_steps;                                                                              \
         uint32_t period_base_ticks;                       /* tooth period at the speed base */                         \
-        float    energy_base_j, torque_base_nm, reject_energy;                                                         \
+        float    energy_base_j, torque_base_nm;                                                                        \
+        T reject;                                         /* of the energy */                                          \
         sd_gain_##N##_t to_energy;                        /* d / base ratio: torque to energy */                       \
-        sd_gain_##N##_t gain_energy, gain_coefficient[SD_FOURIER_HARMONICS_MAX + 1];                                   \
+        sd_gain_##N##_t gain_energy, gain_mean, gain_reference; /* d l */                                              \
     } sd_fourier_##N##_t;                                                                                              \
     /* SD_OK, or SD_ERR_CONFIG with the state untouched. Starts not running. The same tables go to every step. */      \
     sd_result_t sd_fourier_init_##N(sd_fourier_##N##_t *self, const sd_fourier_config_t *config,                       \

@@ -3,165 +3,255 @@
 
 #include <string.h>
 
-#include "sd_teeth.h"
-
 #define W_REF_RADPS 200.0f
 #define SLOPE_MAX   1e-3f  /* rad per rad: the guess is good enough for the trend to be linear in it */
 #define MODES_SETTLED 8u   /* cycles after which it is forgotten how the modes swung at the start */
 #define SPREAD_MIN  0.05f  /* of u, relative: below it one speed only was seen */
 #define MOTORED_SD  0.03f  /* of the motored torque, relative, while the speeds do not tell */
+#define LATE_MAX    10.0f  /* rad: beyond it, it is no crank that turns */
+#define PIECE       2u     /* positions of the last cycle that go into the sums at a tooth */
 
-_Static_assert(sizeof(sd_pattern_t) == 4168, "without pointers, the same size on every target");
+#if SD_CYLINDERS_MAX == 8
+_Static_assert(sizeof(sd_pattern_t) == 3392, "without pointers, the same size on every target");
+#endif
 
-static void remove_mean(const sd_kalman_tables_t *t, float *values) {
-    float sum = 0.0f, count = 0.0f;
-    for (uint32_t k = 0; k < t->positions; ++k) {
-        if (sd_kalman_has_tooth(t, k)) { sum += values[k]; count += 1.0f; }
-    }
-    for (uint32_t k = 0; k < t->positions; ++k) { values[k] = sd_kalman_has_tooth(t, k) ? values[k] - sum / count : 0.0f; }
+/* ---- the last cycle goes into the sums ------------------------------------------------------------------------- */
+
+/* How the sums tell pattern from motored torque. */
+typedef struct sd_fit {
+    float cycles, u, uu;
+    float spread; /* of u, relative */
+    bool  pooled;
+} sd_fit_t;
+
+static sd_fit_t fit_of(float cycles, float u, float uu) {
+    const float spread = 1.0f - u * u / (cycles * uu);
+    return (sd_fit_t){ cycles, u, uu, spread, spread > SPREAD_MIN };
 }
 
+/* Lateness of tooth k in the last cycle: mean of both revolutions, trend and mean of all teeth taken out. */
+static float late_of(const sd_pattern_t *self, const sd_kalman_tables_t *t, uint32_t k) {
+    const float at = (float)k, next = (float)(k + t->positions);
+    const float trend = self->work.a1 * (at + next) + self->work.a2 * (at * at + next * next);
+    return 0.5f * (self->cycle_rad[k] + self->cycle_rad[k + t->positions] - trend) - self->work.mean_rad;
+}
+
+/* The tooth's constant, and where the speeds tell, its slope over u. Returns what they explain of its sums. */
+static float place_tooth(sd_pattern_t *self, const sd_fit_t *fit, uint32_t k) {
+    const float late = self->sums.late[k], late_u = self->sums.late_u[k];
+    float constant = late / fit->cycles, slope = 0.0f;
+    if (fit->pooled) {
+        constant = (constant - fit->u / (fit->cycles * fit->uu) * late_u) / fit->spread;
+        slope = (late_u - fit->u * constant) / fit->uu;
+    }
+    self->late_rad[k] = constant;
+    return constant * late + slope * late_u;
+}
+
+/* Standard deviation from what the fit leaves. */
+static void state_deviation(sd_pattern_t *self, const sd_kalman_tables_t *t, const sd_fit_t *fit, float explained, float scale_nm) {
+    self->pooled = fit->pooled ? 1u : 0u;
+    float left = self->sums.square - explained / (float)t->teeth;
+    left = ((left > 0.0f) ? left / (fit->cycles - 2.0f) : 0.0f) + 1e-12f; /* 6e-5 deg: no wheel is known better */
+    const float twist = fit->pooled ? 0.0f : MOTORED_SD * self->ripple_nm / (4.0f * scale_nm);
+    const float effective = fit->pooled ? fit->cycles * fit->spread : fit->cycles;
+    self->sd_rad = sd_root(left / effective + twist * twist);
+}
+
+/* The cycle is in the sums of all teeth. */
+static void count_cycle(const sd_pattern_work_t *work, const sd_kalman_tables_t *t, sd_pattern_sums_t *sums) {
+    sums->cycles += 1.0f;
+    sums->u += work->u;
+    sums->uu += work->u * work->u;
+    sums->square += work->square / (float)t->teeth;
+}
+
+static bool finish_cycle(sd_pattern_t *self, const sd_kalman_tables_t *t, const sd_fit_t *fit) {
+    count_cycle(&self->work, t, &self->sums);
+    if (fit->cycles < (float)SD_PATTERN_CYCLES_MIN) { return false; }
+    state_deviation(self, t, fit, self->work.explained, self->work.scale_nm);
+    return true;
+}
+
+/* Positions of the last cycle up to `most`, the last one not included. Returns true when the pattern changed: all are in. */
+static bool work(sd_pattern_t *self, const sd_kalman_tables_t *t, uint32_t most) {
+    sd_pattern_work_t *w = &self->work;
+    if (w->next >= t->positions) { return false; }
+    const sd_pattern_sums_t *s = &self->sums;
+    const sd_fit_t fit = fit_of(s->cycles + 1.0f, s->u + w->u, s->uu + w->u * w->u);
+    const bool places = fit.cycles >= (float)SD_PATTERN_CYCLES_MIN;
+    for (; (w->next < most) && (w->next < t->positions); ++w->next) {
+        const uint32_t k = w->next;
+        if (!sd_kalman_has_tooth(t, k)) { continue; }
+        const float late = late_of(self, t, k);
+        self->sums.late[k] += late;
+        self->sums.late_u[k] += w->u * late;
+        w->square += late * late;
+        if (places) { w->explained += place_tooth(self, &fit, k); }
+    }
+    return (w->next >= t->positions) && finish_cycle(self, t, &fit);
+}
+
+void sd_pattern_keep(const sd_pattern_t *self, const sd_kalman_tables_t *t, sd_pattern_sums_t *sums) {
+    *sums = self->sums;
+    if (self->work.next >= t->positions) { return; }
+    sd_pattern_work_t rest = self->work;
+    for (uint32_t k = rest.next; k < t->positions; ++k) {
+        if (!sd_kalman_has_tooth(t, k)) { continue; }
+        const float late = late_of(self, t, k);
+        sums->late[k] += late;
+        sums->late_u[k] += rest.u * late;
+        rest.square += late * late;
+    }
+    count_cycle(&rest, t, sums);
+}
+
+/* ---- a cycle --------------------------------------------------------------------------------------------------- */
+
 /* The trend a_1 k + a_2 k^2 from the differences between the two revolutions. */
-static void find_trend(const sd_kalman_tables_t *t, const float *difference_rad, float *a1, float *a2) {
+static void find_trend(const sd_kalman_tables_t *t, const sd_teeth_sums_t *pairs, float *a1, float *a2) {
     const float n = (float)t->positions;
     float level, slope;
-    sd_teeth_line(t, difference_rad, &level, &slope);
+    sd_teeth_line(pairs, pairs->d, pairs->kd, &level, &slope);
     *a2 = slope / (2.0f * n);
     *a1 = level / n - 2.0f * n * *a2;
 }
 
-/* Each tooth's constant, and where the speeds tell, its slope over u; standard deviation from what the fit leaves. */
-static void solve(sd_pattern_t *self, const sd_kalman_tables_t *t, float scale_nm) {
-    const sd_pattern_sums_t *s = &self->sums;
-    const float spread = 1.0f - s->u * s->u / (s->cycles * s->uu);
-    self->pooled = (spread > SPREAD_MIN) ? 1u : 0u;
-    float slope[SD_KALMAN_POSITIONS_MAX] = { 0 };
-    for (uint32_t k = 0; k < t->positions; ++k) {
-        self->late_rad[k] = s->late[k] / s->cycles;
-        if (self->pooled == 0u) { continue; }
-        self->late_rad[k] = (self->late_rad[k] - s->u / (s->cycles * s->uu) * s->late_u[k]) / spread;
-        slope[k] = (s->late_u[k] - s->u * self->late_rad[k]) / s->uu;
-    }
-    float left = s->square - sd_teeth_mean_product(t, self->late_rad, s->late) - sd_teeth_mean_product(t, slope, s->late_u);
-    left = ((left > 0.0f) ? left / (s->cycles - 2.0f) : 0.0f) + 1e-12f; /* 6e-5 deg: no wheel is known better */
-    const float twist = (self->pooled != 0u) ? 0.0f : MOTORED_SD * self->ripple_nm / (4.0f * scale_nm);
-    const float effective = (self->pooled != 0u) ? s->cycles * spread : s->cycles;
-    const float variance = left / effective + twist * twist;
-    self->sd_rad = variance * sd_rsqrt_f32(variance);
-}
-
-static void add_cycle(sd_pattern_t *self, const sd_kalman_tables_t *t, float a1, float a2, float square_speed) {
-    float late[SD_KALMAN_POSITIONS_MAX];
-    const float n = (float)t->positions, u = W_REF_RADPS * W_REF_RADPS / square_speed;
-    for (uint32_t k = 0; k < t->positions; ++k) {
-        const float at = (float)k, next = at + n;
-        late[k] = 0.5f * (self->cycle_rad[k] + self->cycle_rad[k + t->positions] - a1 * (at + next) -
-                          a2 * (at * at + next * next));
-    }
-    remove_mean(t, late);
-    for (uint32_t k = 0; k < t->positions; ++k) {
-        self->sums.late[k] += late[k];
-        self->sums.late_u[k] += u * late[k];
-    }
-    self->sums.cycles += 1.0f;
-    self->sums.u += u;
-    self->sums.uu += u * u;
-    self->sums.square += sd_teeth_mean_product(t, late, late);
+/* The last cycle is good: it is put on its way into the sums. */
+static void hand_on(sd_pattern_t *self, const sd_kalman_tables_t *t, float a1, float a2, float square_speed) {
+    const sd_teeth_sums_t *p = &self->pairs;
+    const float n = (float)t->positions;
+    const float trend = a1 * (2.0f * p->k + 2.0f * n * p->count) + a2 * (2.0f * p->kk + 4.0f * n * p->k + 2.5f * n * n * p->count);
+    self->work = (sd_pattern_work_t){ .next = 0, .a1 = a1, .a2 = a2, .mean_rad = 0.5f * (p->a - trend) / p->count,
+                                      .u = W_REF_RADPS * W_REF_RADPS / square_speed, .scale_nm = t->inertia_mean_kgm2 * square_speed };
 }
 
 /* All teeth of a cycle are in: learn from it when the guess was good, and better the guess. */
-static bool end_cycle(sd_pattern_t *self, const sd_kalman_tables_t *t) {
-    const float pitch = 6.2831853f / (float)t->positions;
+static void end_cycle(sd_pattern_t *self, const sd_kalman_tables_t *t) {
+    const float pitch = t->pitch_rad;
     float a1 = 0.0f, a2 = 0.0f;
-    float difference[SD_KALMAN_POSITIONS_MAX];
-    for (uint32_t k = 0; k < t->positions; ++k) { difference[k] = self->cycle_rad[k + t->positions] - self->cycle_rad[k]; }
     const bool settled = self->guessed >= ((t->modes > 0u) ? MODES_SETTLED : 2u);
-    if (settled) { sd_twist_learn(&self->twist, t, &self->sums.twist, difference, &self->free); }
-    find_trend(t, difference, &a1, &a2);
+    if (settled) {
+        sd_twist_learn(&self->twist, t, &self->sums.twist, &self->pairs, &self->free);
+        self->tuning = sd_twist_tuning(&self->sums.twist);
+    }
+    find_trend(t, &self->pairs, &a1, &a2);
     const float slope = a1 / pitch, bend = a2 / (pitch * pitch); /* a rad */
     const float square_speed = 2.0f * self->energy_j / t->inertia_mean_kgm2;
+    self->ripple_nm = sd_root(1e-6f + self->ripple_square / (float)(2u * t->positions));
     const bool good = settled && (slope < SLOPE_MAX) && (slope > -SLOPE_MAX) && sd_twist_known(&self->twist, t);
-    if (good) { add_cycle(self, t, a1, a2, square_speed); }
+    if (good) { hand_on(self, t, a1, a2, square_speed); }
     /* L' = -de / (2 e), and de grows by the constant torque's error. */
     const float constant = -4.0f * bend * self->energy_j;
     const float cycle_rad = 12.566371f;
     self->energy_j = self->free.energy_j - 2.0f * slope * self->energy_j + constant * cycle_rad;
     self->constant_nm += constant;
     if (self->guessed < 255u) { self->guessed++; }
-    if (!good || (self->sums.cycles < (float)SD_PATTERN_CYCLES_MIN)) { return false; }
-    solve(self, t, t->inertia_mean_kgm2 * square_speed);
-    return true;
 }
 
-/* Rms of the motored torque; *free has no other. */
-static float ripple(const sd_kalman_t *free, const sd_kalman_tables_t *t) {
-    float square = 1e-6f;
-    for (uint32_t k = 0; k < 2u * t->positions; ++k) {
-        const float torque = sd_kalman_torque(free, t, k);
-        square += torque * torque / (float)(2u * t->positions);
-    }
-    return square * sd_rsqrt_f32(square);
-}
-
-/* The prediction begins anew; the modes swing on. */
-static void restart_free(sd_pattern_t *self) {
-    const sd_kalman_t before = self->free;
-    sd_kalman_restart(&self->free);
-    memcpy(self->free.twist_rad, before.twist_rad, sizeof before.twist_rad);
-    memcpy(self->free.swing_rad, before.swing_rad, sizeof before.swing_rad);
-}
-
-/* From tooth 0: the free prediction starts with no lateness. */
+/* From tooth 0: the free prediction starts with no lateness; the modes swing on. */
 static void begin_cycle(sd_pattern_t *self, const sd_kalman_tables_t *t, const sd_kalman_tooth_t *tooth) {
+    const float two_over_j = sd_motion_word(t, 0)[SD_ROW_TOOTH].value;
     if (self->guessed == 0u) {
-        const float speed = 6.2831853f / (float)t->positions * t->tick_hz * (float)tooth->advance / (float)tooth->period_ticks;
-        self->energy_j = 0.5f * t->inertia_tooth_kgm2[0] * speed * speed;
+        const float speed = t->pitch_rad * t->tick_hz * (float)tooth->advance / (float)tooth->period_ticks;
+        self->energy_j = speed * speed / two_over_j;
         self->constant_nm = 0.0f;
         self->guessed = 1;
     }
-    restart_free(self);
-    sd_kalman_set_intake(&self->free, tooth->intake_bar);
-    self->ripple_nm = ripple(&self->free, t);
-    self->free.running = 1;
+    sd_motion_fill(&self->charge, tooth->intake_bar);
+    self->free.lateness_s = 0.0f;
     self->free.energy_j = self->energy_j;
     self->free.coefficient_nm[0] = self->constant_nm;
-    self->free.lateness_s = sd_kalman_late(&self->free, t, 0) * sd_rsqrt_f32(2.0f * self->energy_j / t->inertia_tooth_kgm2[0]);
-    sd_twist_begin(&self->twist, t, &self->free);
+    const float square = self->energy_j * two_over_j, slowness = sd_rsqrt_f32(square);
+    self->free.lateness_s = sd_motion_late(&self->free, t, square * slowness, slowness, &self->tuning) * slowness;
+    sd_twist_begin(&self->twist, t, &self->free, &self->tuning);
+    memset(&self->pairs, 0, sizeof self->pairs);
+    self->ripple_square = 0.0f;
     self->cycle_rad[0] = 0.0f;
+    self->twist.sensitivity_rad[0] = 0.0f;
     self->teeth = 1;
     self->following = 1;
 }
 
+/* Both predictions over the intervals since the last tooth. False when the crank would stand still. */
+static bool run_free(sd_pattern_t *self, const sd_kalman_tables_t *t, const sd_kalman_tooth_t *tooth) {
+    const uint32_t cycle = 2u * t->positions;
+    bool moving = (tooth->advance >= 1u) && (tooth->advance <= cycle);
+    sd_motion_take_intake(&self->charge, tooth->intake_bar);
+    for (uint32_t left = tooth->advance; (left-- > 0u) && moving;) {
+        const uint32_t ahead = tooth->cycle_position + cycle - left, k = (ahead >= cycle) ? ahead - cycle : ahead;
+        sd_motion_row_t row;
+        sd_motion_known(t, k, &self->charge, &row);
+        self->ripple_square += row.mean_nm * row.mean_nm;
+        moving = sd_motion_predict(&self->free, t, &row, 0.0f, &self->tuning) && sd_twist_predict(&self->twist, t, &row);
+        sd_motion_close_valves(&self->charge, row.word);
+    }
+    return moving && (self->free.energy_j < 1e9f);
+}
+
+/* A tooth of the second revolution makes a pair with the same one in the first. Returns the difference. */
+static float pair_up(sd_pattern_t *self, const sd_kalman_tables_t *t, uint32_t tooth, float late_rad) {
+    const float first = self->cycle_rad[tooth], d = late_rad - first, at = (float)tooth - 0.5f * (float)t->positions;
+    sd_teeth_sums_t *p = &self->pairs;
+    p->count += 1.0f;
+    p->k += at;
+    p->kk += at * at;
+    p->a += late_rad + first;
+    p->d += d;
+    p->kd += at * d;
+    p->dd += d * d;
+    return d;
+}
+
+/* The prediction went astray: so did the modes. */
+static void give_up(sd_pattern_t *self) {
+    sd_pattern_pause(self);
+    memset(&self->free, 0, sizeof self->free);
+    memset(&self->twist.trial, 0, sizeof self->twist.trial);
+}
+
 static void follow(sd_pattern_t *self, const sd_kalman_tables_t *t, const sd_kalman_tooth_t *tooth) {
-    sd_kalman_tooth_t predicted = *tooth;
-    sd_firing_t unused;
-    predicted.trusted = 0;
-    sd_kalman_step(&self->free, t, &predicted, &unused);
-    if (self->free.running == 0u) { sd_pattern_pause(self); return; }
+    if (!run_free(self, t, tooth)) { give_up(self); return; }
     const uint32_t k = tooth->cycle_position;
-    self->cycle_rad[k] = sd_kalman_late(&self->free, t, k);
-    sd_twist_follow(&self->twist, t, &predicted, self->cycle_rad[k]);
+    const float period_s = (float)tooth->period_ticks / t->tick_hz;
+    const float square = self->free.energy_j * sd_motion_word(t, k)[SD_ROW_TOOTH].value, slowness = sd_rsqrt_f32(square);
+    self->free.lateness_s -= period_s;
     self->teeth++;
+    if (k == 0u) { return; } /* tooth 0 again: its lateness closes the cycle, but belongs to the next one */
+    const float late = sd_motion_late(&self->free, t, square * slowness, slowness, &self->tuning);
+    if (!sd_within(late, -LATE_MAX, LATE_MAX)) { give_up(self); return; }
+    const float d = (k >= t->positions) ? pair_up(self, t, k - t->positions, late) : 0.0f;
+    self->cycle_rad[k] = late;
+    sd_twist_follow(&self->twist, t, k, period_s, late, d, &self->pairs);
 }
 
 bool sd_pattern_step(sd_pattern_t *self, const sd_kalman_tables_t *t, const sd_kalman_tooth_t *tooth) {
-    if ((tooth->trusted == 0u) || (tooth->cycle_position >= 2u * t->positions) || (tooth->period_ticks == 0u) ||
-        !((tooth->intake_bar >= 0.0f) && (tooth->intake_bar <= 10.0f))) {
-        sd_pattern_pause(self);
-        return false;
+    const uint32_t k = tooth->cycle_position;
+    if ((tooth->trusted == 0u) || (k >= 2u * t->positions) || (tooth->period_ticks == 0u) || !sd_within(tooth->intake_bar, 0.0f, 10.0f)) {
+        return sd_pattern_rest(self, t);
     }
-    bool changed = false;
+    /* Up to this tooth, whose place the cycle under way takes. */
+    const uint32_t least = self->work.next + PIECE;
+    const bool changed = work(self, t, ((k < t->positions) && (k >= least)) ? k + 1u : least);
     if (self->following != 0u) {
         follow(self, t, tooth);
-        /* Tooth 0 again: its lateness closes the cycle, but belongs to the next one. */
-        if ((self->following != 0u) && (tooth->cycle_position == 0u) && ((float)self->teeth == 2.0f * sd_teeth_count(t) + 1.0f)) {
-            self->cycle_rad[0] = 0.0f;
-            changed = end_cycle(self, t);
-        }
+        if ((self->following != 0u) && (k == 0u) && ((uint32_t)self->teeth == 2u * t->teeth + 1u)) { end_cycle(self, t); }
     }
-    if (tooth->cycle_position == 0u) { begin_cycle(self, t, tooth); }
+    if (k == 0u) { begin_cycle(self, t, tooth); }
     return changed;
 }
+
+bool sd_pattern_rest(sd_pattern_t *self, const sd_kalman_tables_t *t) {
+    sd_pattern_pause(self);
+    return work(self, t, self->work.next + PIECE);
+}
+
+void sd_pattern_pause(sd_pattern_t *self) {
+    self->following = 0;
+    self->guessed = 0;
+}
+
+/* ---- zeros ----------------------------------------------------------------------------------------------------- */
 
 bool sd_pattern_take_zero(sd_pattern_t *self, const sd_kalman_tables_t *t, const sd_firing_t *firing, float charge_bar,
                           float speed_radps) {
@@ -182,32 +272,47 @@ void sd_pattern_zeros(const sd_pattern_t *self, const sd_kalman_tables_t *t, flo
     for (uint32_t i = 0; i < t->firings; ++i) { zero_nm_per_bar[i] = self->sums.zero[i] / self->sums.zero_u2[i] - mean; }
 }
 
-void sd_pattern_pause(sd_pattern_t *self) {
-    self->following = 0;
-    self->guessed = 0;
-}
+/* ---- start ----------------------------------------------------------------------------------------------------- */
 
-void sd_pattern_init(sd_pattern_t *self, const sd_kalman_tables_t *tables, const sd_kalman_choice_t *choice) {
+void sd_pattern_init(sd_pattern_t *self, const sd_kalman_tables_t *tables) {
     memset(self, 0, sizeof *self);
-    (void)sd_kalman_init(&self->free, tables, choice);
-    sd_twist_init(&self->twist, tables, choice, &self->sums.twist);
+    self->work.next = tables->positions;
+    sd_motion_fill(&self->charge, 1.0f);
+    sd_twist_init(&self->twist, tables, &self->sums.twist);
+    self->tuning = sd_twist_tuning(&self->sums.twist);
 }
 
-sd_result_t sd_pattern_resume(sd_pattern_t *self, const sd_kalman_tables_t *tables, const sd_pattern_sums_t *sums) {
+static bool sums_ok(const sd_pattern_sums_t *sums, const sd_kalman_tables_t *t) {
     const float *value = (const float *)sums;
-    for (uint32_t i = 0; i < sizeof *sums / sizeof *value; ++i) {
-        if (!((value[i] > -1e9f) && (value[i] < 1e9f))) { return SD_ERR_CONFIG; }
+    bool ok = (sums->cycles >= 0.0f) && (sums->uu >= 0.0f) && (sums->square >= 0.0f) && sd_twist_sums_ok(&sums->twist, t);
+    for (uint32_t i = 0; i < sizeof *sums / sizeof *value; ++i) { ok = ok && (value[i] > -1e9f) && (value[i] < 1e9f); }
+    for (uint32_t k = 0; k < t->positions; ++k) { ok = ok && (sd_kalman_has_tooth(t, k) || (sums->late[k] == 0.0f)); }
+    return ok;
+}
+
+/* Rms of the motored torque at one bar. */
+static float ripple_at_start(const sd_pattern_t *self, const sd_kalman_tables_t *t) {
+    float square = 1e-6f;
+    for (uint32_t k = 0; k < 2u * t->positions; ++k) {
+        sd_motion_row_t row;
+        sd_motion_known(t, k, &self->charge, &row);
+        square += row.mean_nm * row.mean_nm / (float)(2u * t->positions);
     }
-    if (!(sums->cycles >= 0.0f) || !(sums->uu >= 0.0f) || !(sums->square >= 0.0f)) { return SD_ERR_CONFIG; }
-    for (uint32_t k = 0; k < tables->positions; ++k) {
-        if (!sd_kalman_has_tooth(tables, k) && (sums->late[k] != 0.0f)) { return SD_ERR_CONFIG; }
-    }
-    if (!sd_twist_sums_ok(&sums->twist, tables)) { return SD_ERR_CONFIG; }
+    return sd_root(square);
+}
+
+sd_result_t sd_pattern_resume(sd_pattern_t *self, const sd_kalman_tables_t *t, const sd_pattern_sums_t *sums) {
+    if (!sums_ok(sums, t)) { return SD_ERR_CONFIG; }
+    sd_pattern_pause(self);
     self->sums = *sums;
-    sd_twist_tune(&self->sums.twist, &self->free);
-    sd_kalman_restart(&self->free);
-    self->ripple_nm = ripple(&self->free, tables);
+    self->work.next = t->positions;
+    self->tuning = sd_twist_tuning(&self->sums.twist);
+    sd_motion_fill(&self->charge, 1.0f);
+    self->ripple_nm = ripple_at_start(self, t);
     if (sums->cycles < (float)SD_PATTERN_CYCLES_MIN) { return SD_OK; }
-    solve(self, tables, tables->inertia_mean_kgm2 * W_REF_RADPS * W_REF_RADPS * sums->cycles / sums->u);
+    const sd_fit_t fit = fit_of(sums->cycles, sums->u, sums->uu);
+    float explained = 0.0f;
+    for (uint32_t k = 0; k < t->positions; ++k) { explained += place_tooth(self, &fit, k); }
+    state_deviation(self, t, &fit, explained, t->inertia_mean_kgm2 * W_REF_RADPS * W_REF_RADPS * sums->cycles / sums->u);
     return SD_OK;
 }

@@ -14,10 +14,12 @@
 /// or a trapped mass that the calibration has wrong shows there, and would be taken for torque when the engine fires. Only
 /// differences from the mean of all cylinders are kept; a timing error makes a torque of w^2, hence the weight u^2.
 ///
-/// Real-time contract: as sd_kalman.h; a cycle's end costs six passes over the teeth. Call sd_pattern_step for each
-/// placed tooth while fuel is cut, sd_pattern_pause once for any other.
+/// Real-time contract: as sd_motion.h. No tooth has a pass over the wheel to do: what a cycle's end takes is summed tooth by
+/// tooth, and its lateness goes into the sums a few positions a tooth during the next revolution, before it is written over.
+/// Call sd_pattern_step for each placed tooth while fuel is cut, sd_pattern_rest for any other.
 #ifndef SD_PATTERN_H
 #define SD_PATTERN_H
+#include "sd_kalman.h"
 #include "sd_twist.h"
 
 #ifdef __cplusplus
@@ -37,34 +39,56 @@ typedef struct sd_pattern_sums {
     sd_twist_sums_t twist;
 } sd_pattern_sums_t;
 
+/// The last cycle's lateness on its way into the sums.
+typedef struct sd_pattern_work {
+    uint16_t next;   ///< Position that comes next; N: nothing is on its way.
+    float a1, a2;    ///< Trend a position, and a position squared.
+    float mean_rad;  ///< Mean of both revolutions over all teeth, trend taken out.
+    float u;         ///< (w_ref / w)^2 of the cycle.
+    float scale_nm;  ///< J w^2 of the cycle.
+    float square;    ///< Sums over the positions done: of lateness squared,
+    float explained; ///< and of what pattern and slope explain of the sums.
+} sd_pattern_work_t;
+
 typedef struct sd_pattern {
     sd_pattern_sums_t sums;
     float late_rad[SD_KALMAN_POSITIONS_MAX]; ///< The pattern, mean 0; 0 where there is no tooth.
     float sd_rad;         ///< Its standard deviation, a tooth; 0: nothing learned.
     uint8_t pooled;       ///< 1: the speeds seen tell pattern from motored torque.
-    sd_kalman_t free;     ///< Prediction of the cycle under way.
+    sd_pattern_work_t work;
+    sd_motion_t free;     ///< Prediction of the cycle under way,
+    sd_motion_charge_t charge; ///< the cylinders' charges in it,
+    sd_motion_tuning_t tuning; ///< and frequencies of the crank's modes.
     sd_twist_t twist;     ///< Frequencies of a crank that twists.
     float energy_j, constant_nm; ///< Guess for the cycle under way: at its start, and throughout.
     float cycle_rad[2 * SD_KALMAN_POSITIONS_MAX]; ///< L of the cycle under way.
+    sd_teeth_sums_t pairs;///< Of the cycle under way.
+    float ripple_square;  ///< Sum over its positions of the motored torque squared.
     float ripple_nm;      ///< Rms of the motored torque of the last cycle.
     uint16_t teeth;       ///< Taken in the cycle under way.
     uint8_t following;    ///< The cycle under way was seen from its start.
     uint8_t guessed;      ///< Cycles since the guess began anew, saturating.
 } sd_pattern_t;
 
-/// Forgets everything. *tables and *choice have passed sd_kalman_init.
-void sd_pattern_init(sd_pattern_t *self, const sd_kalman_tables_t *tables, const sd_kalman_choice_t *choice);
-/// Goes on from kept sums. SD_ERR_CONFIG, and nothing changed, when they are not finite or not of such a wheel.
+/// Forgets everything. *tables has passed sd_kalman_init.
+void sd_pattern_init(sd_pattern_t *self, const sd_kalman_tables_t *tables);
+/// Goes on from kept sums. SD_ERR_CONFIG, and nothing changed, when they are not finite or not of such a wheel. Passes over
+/// the whole wheel: for a start, not for a tooth.
 sd_result_t sd_pattern_resume(sd_pattern_t *self, const sd_kalman_tables_t *tables, const sd_pattern_sums_t *sums);
+/// What to keep: the sums, with a cycle that is on its way in them. Passes over the whole wheel: for the end, not for a tooth.
+void sd_pattern_keep(const sd_pattern_t *self, const sd_kalman_tables_t *tables, sd_pattern_sums_t *sums);
 /// A tooth without fuel in any cylinder; late_rad and pattern_rad are not used. Returns true when the pattern changed.
 bool sd_pattern_step(sd_pattern_t *self, const sd_kalman_tables_t *tables, const sd_kalman_tooth_t *tooth);
+/// Any other tooth: the cycle under way is dropped; one that is on its way into the sums is not. Returns true when the pattern
+/// changed.
+bool sd_pattern_rest(sd_pattern_t *self, const sd_kalman_tables_t *tables);
+/// The angle is lost: the cycle under way is dropped.
+void sd_pattern_pause(sd_pattern_t *self);
 /// A firing that the filter read while fuel is cut, its charge and the speed. Returns true when all cylinders have a zero.
 bool sd_pattern_take_zero(sd_pattern_t *self, const sd_kalman_tables_t *tables, const sd_firing_t *firing, float charge_bar,
                           float speed_radps);
 /// The zeros, Nm/bar by firing: all 0 before every cylinder was read.
 void sd_pattern_zeros(const sd_pattern_t *self, const sd_kalman_tables_t *tables, float *zero_nm_per_bar);
-/// Fuel is back, or the angle is lost: the cycle under way is dropped.
-void sd_pattern_pause(sd_pattern_t *self);
 
 #ifdef __cplusplus
 }

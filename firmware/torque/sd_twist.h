@@ -12,10 +12,12 @@
 ///
 /// One number for all modes: they stand on the same springs. A mode that no order comes near does not mind.
 ///
-/// Real-time contract: as sd_kalman.h; a tooth costs one more prediction. Owned and called by sd_pattern.h.
+/// Real-time contract: as sd_motion.h; a tooth costs one more prediction, a cycle's end constant time: the sums that the fit
+/// takes are gathered tooth by tooth (sd_teeth.h). Owned and called by sd_pattern.h.
 #ifndef SD_TWIST_H
 #define SD_TWIST_H
-#include "sd_kalman.h"
+#include "sd_motion.h"
+#include "sd_teeth.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -29,26 +31,30 @@ typedef struct sd_twist_sums {
 } sd_twist_sums_t;
 
 typedef struct sd_twist {
-    sd_kalman_t trial; ///< The free prediction with modes a little faster.
-    float sensitivity_rad[SD_KALMAN_POSITIONS_MAX]; ///< S of the second revolution less that of the first.
+    sd_motion_t trial; ///< The free prediction with modes a little faster.
+    sd_motion_tuning_t tuning; ///< Of the trial.
+    float sensitivity_rad[SD_KALMAN_POSITIONS_MAX]; ///< S of each tooth in the first revolution of the cycle under way.
     float unknown_rad; ///< Rms that the deviation's variance gives the differences of the last cycle; 0: none yet.
 } sd_twist_t;
 
-/// Forgets everything. *tables and *choice have passed sd_kalman_init.
-void sd_twist_init(sd_twist_t *self, const sd_kalman_tables_t *tables, const sd_kalman_choice_t *choice, sd_twist_sums_t *sums);
+/// Forgets everything.
+void sd_twist_init(sd_twist_t *self, const sd_kalman_tables_t *tables, sd_twist_sums_t *sums);
 /// Whether they are in range, and of such a crank; false for NaN.
 bool sd_twist_sums_ok(const sd_twist_sums_t *sums, const sd_kalman_tables_t *tables);
 /// Standard deviation of the deviation, both together; 0 without modes.
 float sd_twist_sd(const sd_twist_sums_t *sums);
-/// Gives a filter the frequencies as learned.
-void sd_twist_tune(const sd_twist_sums_t *sums, sd_kalman_t *filter);
+/// The frequencies as learned.
+sd_motion_tuning_t sd_twist_tuning(const sd_twist_sums_t *sums);
 /// A cycle begins where the free prediction stands.
-void sd_twist_begin(sd_twist_t *self, const sd_kalman_tables_t *tables, const sd_kalman_t *free);
-/// A tooth of it, as predicted, and the free prediction's lateness.
-void sd_twist_follow(sd_twist_t *self, const sd_kalman_tables_t *tables, const sd_kalman_tooth_t *predicted, float late_rad);
-/// The cycle's end, its differences L_(k+N) - L_k given: learns from them, takes out what it learned, and tunes *free.
-void sd_twist_learn(sd_twist_t *self, const sd_kalman_tables_t *tables, sd_twist_sums_t *sums, float *difference_rad,
-                    sd_kalman_t *free);
+void sd_twist_begin(sd_twist_t *self, const sd_kalman_tables_t *tables, const sd_motion_t *free, const sd_motion_tuning_t *tuning);
+/// Moves the trial over an interval. False when its crank would stand still.
+bool sd_twist_predict(sd_twist_t *self, const sd_kalman_tables_t *tables, const sd_motion_row_t *row);
+/// Tooth k of the cycle, period_s after the last one: the free prediction's lateness is late_rad there. In the second
+/// revolution the tooth's sensitivity goes into the sums, with the difference d of its lateness.
+void sd_twist_follow(sd_twist_t *self, const sd_kalman_tables_t *tables, uint32_t k, float period_s, float late_rad, float d,
+                     sd_teeth_sums_t *pairs);
+/// The cycle's end: learns from the pairs, takes what it learned out of them, and moves *free as if it had known.
+void sd_twist_learn(sd_twist_t *self, const sd_kalman_tables_t *tables, sd_twist_sums_t *sums, sd_teeth_sums_t *pairs, sd_motion_t *free);
 /// Whether the frequencies are known so well that what is left of a cycle is pattern. True without modes.
 bool sd_twist_known(const sd_twist_t *self, const sd_kalman_tables_t *tables);
 

@@ -121,25 +121,54 @@ const sd_owner_info_t sd_owner_infos[SD_OWNER_COUNT] = {
 };
 
 static const uint16_t channels_edge[] = {
-    0, 1, 2, 3, 4, 5, 6, 7, 25,
+    0, 1, 2, 3, 4, 5, 6, 7,
+    25,
+};
+static const uint8_t owners_edge[] = {
+    SD_OWNER_CRANK, SD_OWNER_CRANK, SD_OWNER_CRANK, SD_OWNER_CRANK, SD_OWNER_CRANK, SD_OWNER_CRANK, SD_OWNER_TORQUE, SD_OWNER_TORQUE,
+    SD_OWNER_FIRING,
 };
 static const uint16_t channels_cycle[] = {
-    8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19, 20, 21, 22, 23, 24, 26, 27, 34,
-    35, 36, 37, 38, 39, 40, 41, 42, 43, 44, 45, 46, 47, 48, 49, 50, 51, 52, 53, 54,
-    55, 56, 57, 58, 59, 60, 61, 62, 69, 70, 71, 72, 73, 74, 75, 76, 77, 78, 79, 80,
-    81, 82, 83, 84, 85, 86, 87, 88, 89,
+    8, 9, 10, 11, 12, 13, 14, 15,
+    16, 17, 18, 19, 20, 21, 22, 23,
+    24, 26, 27, 34, 35, 36, 37, 38,
+    39, 40, 41, 42, 43, 44, 45, 46,
+    47, 48, 49, 50, 51, 52, 53, 54,
+    55, 56, 57, 58, 59, 60, 61, 62,
+    69, 70, 71, 72, 73, 74, 75, 76,
+    77, 78, 79, 80, 81, 82, 83, 84,
+    85, 86, 87, 88, 89,
+};
+static const uint8_t owners_cycle[] = {
+    SD_OWNER_CRANK, SD_OWNER_CYLINDER, SD_OWNER_CYLINDER, SD_OWNER_CYLINDER, SD_OWNER_CYLINDER, SD_OWNER_CYLINDER, SD_OWNER_CYLINDER, SD_OWNER_CYLINDER,
+    SD_OWNER_CYLINDER, SD_OWNER_CYLINDER, SD_OWNER_CYLINDER, SD_OWNER_CYLINDER, SD_OWNER_CYLINDER, SD_OWNER_CYLINDER, SD_OWNER_CYLINDER, SD_OWNER_CYLINDER,
+    SD_OWNER_CYLINDER, SD_OWNER_CRANK, SD_OWNER_CRANK, SD_OWNER_AFR, SD_OWNER_AFR, SD_OWNER_AFR, SD_OWNER_AFR, SD_OWNER_AFR,
+    SD_OWNER_AFR, SD_OWNER_AFR, SD_OWNER_AFR, SD_OWNER_AFR, SD_OWNER_AFR, SD_OWNER_AFR, SD_OWNER_AFR, SD_OWNER_AFR,
+    SD_OWNER_AFR, SD_OWNER_AFR, SD_OWNER_AFR, SD_OWNER_AFR, SD_OWNER_AFR, SD_OWNER_AFR, SD_OWNER_AFR, SD_OWNER_AFR,
+    SD_OWNER_BALANCE, SD_OWNER_BALANCE, SD_OWNER_BALANCE, SD_OWNER_BALANCE, SD_OWNER_BALANCE, SD_OWNER_BALANCE, SD_OWNER_BALANCE, SD_OWNER_BALANCE,
+    SD_OWNER_MISFIRE, SD_OWNER_MISFIRE, SD_OWNER_MISFIRE, SD_OWNER_MISFIRE, SD_OWNER_MISFIRE, SD_OWNER_MISFIRE, SD_OWNER_MISFIRE, SD_OWNER_MISFIRE,
+    SD_OWNER_MISFIRE, SD_OWNER_MISFIRE, SD_OWNER_MISFIRE, SD_OWNER_MISFIRE, SD_OWNER_MISFIRE, SD_OWNER_MISFIRE, SD_OWNER_MISFIRE, SD_OWNER_MISFIRE,
+    SD_OWNER_MISFIRE, SD_OWNER_MISFIRE, SD_OWNER_MISFIRE, SD_OWNER_MISFIRE, SD_OWNER_MISFIRE,
 };
 static const uint16_t channels_firing[] = {
-    28, 29, 30, 31, 32, 33, 63, 64, 65, 66, 67, 68,
+    28, 29, 30, 31, 32, 33, 63, 64,
+    65, 66, 67, 68,
+};
+static const uint8_t owners_firing[] = {
+    SD_OWNER_FIRING, SD_OWNER_FIRING, SD_OWNER_FIRING, SD_OWNER_FIRING, SD_OWNER_FIRING, SD_OWNER_FIRING, SD_OWNER_MISFIRE, SD_OWNER_MISFIRE,
+    SD_OWNER_MISFIRE, SD_OWNER_MISFIRE, SD_OWNER_MISFIRE, SD_OWNER_MISFIRE,
 };
 static const uint16_t channels_task[] = {
     90, 91, 92, 93,
 };
+static const uint8_t owners_task[] = {
+    SD_OWNER_INPUTS, SD_OWNER_INPUTS, SD_OWNER_INPUTS, SD_OWNER_INPUTS,
+};
 const sd_rate_info_t sd_rate_infos[SD_RATE_COUNT] = {
-    { "edge", 0.0f, channels_edge, 9u },
-    { "cycle", 0.0f, channels_cycle, 69u },
-    { "firing", 0.0f, channels_firing, 12u },
-    { "task", 0.01f, channels_task, 4u },
+    { "edge", 0.0f, channels_edge, owners_edge, 9u },
+    { "cycle", 0.0f, channels_cycle, owners_cycle, 69u },
+    { "firing", 0.0f, channels_firing, owners_firing, 12u },
+    { "task", 0.01f, channels_task, owners_task, 4u },
 };
 
 const sd_signal_info_t sd_parameter_infos[SD_PARAMETER_COUNT] = {

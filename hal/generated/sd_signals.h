@@ -234,6 +234,7 @@ typedef struct sd_rate_info {
     const char *name;
     float period_s;           ///< 0: when the crank says so.
     const uint16_t *channels; ///< Of its signals, ascending,
+    const uint8_t *owners;    ///< the sd_owner_t of each,
     uint32_t count;           ///< and how many; at least 1.
 } sd_rate_info_t;
 

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: MIT
 // sixdeg bench: time, and nothing but time. Ratios travel between machines, nanoseconds do not; instruction counts on targets are
 // in docs.
-#include <CLI/App.hpp>
-#include <CLI/Config.hpp>
-#include <CLI/Formatter.hpp>
 #include <algorithm>
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
@@ -68,7 +65,8 @@ class Collector : public benchmark::BenchmarkReporter {
 void print_ratios(const Collector &collector, Json &json) {
     for (const std::string harmonics : {"5", "12"}) {
         for (const std::string number : {"f32", "q31"}) {
-            const double ratio = collector.of("torque dense Eigen, per tooth/" + harmonics) / collector.of("torque " + number + ", per tooth/" + harmonics);
+            const double dense = collector.of("torque dense Eigen, per tooth/" + harmonics);
+            const double ratio = dense / collector.of("torque " + number + ", per tooth/" + harmonics);
             fmt::print("dense Eigen / {} with {} harmonics: {:.2f}\n", number, harmonics, ratio);
             json["dense_over_" + number + "_" + harmonics] = ratio;
         }
@@ -105,14 +103,14 @@ void run(const Options &options) {
 
 } // namespace
 
-void add_bench(CLI::App &app) {
+void add_bench(Command &app) {
     auto options = std::make_shared<Options>();
-    CLI::App *command = app.add_subcommand("bench", "time per block on this host, or the pace of the simulated engine");
-    command->add_option("WHAT", options->what, "blocks (default) or plant")->check(CLI::IsMember({"blocks", "plant"}));
-    command->add_option("--seconds", options->seconds, "of each repetition, at least; default 0.05")->check(CLI::Range(1e-4, 100.0));
-    command->add_option("--repetitions", options->repetitions, "whose median is printed; default 5")->check(CLI::Range(1, 1000));
-    command->add_option("--json", options->json, "figures as JSON");
-    command->callback([options] { run(*options); });
+    Command command = app.add("bench", "time per block on this host, or the pace of the simulated engine");
+    command.option("WHAT", options->what, "blocks (default) or plant").one_of({"blocks", "plant"});
+    command.option("--seconds", options->seconds, "of each repetition, at least; default 0.05").within(1e-4, 100.0);
+    command.option("--repetitions", options->repetitions, "whose median is printed; default 5").within(1, 1000);
+    command.option("--json", options->json, "figures as JSON");
+    command.runs([options] { run(*options); });
 }
 
 } // namespace sixdeg

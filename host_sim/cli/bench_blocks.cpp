@@ -44,7 +44,7 @@ std::vector<std::uint32_t> periods() {
 
 template <class State, class Init, class Step> void observer(benchmark::State &state, Init init, Step step) {
     const sd_calibration_t &calibration = bench_calibration(int(state.range(0)));
-    const sd_fourier_config_t config = sd_calibration_torque(&calibration);
+    const sd_fourier_config_t config = sd_calibration_torque(&calibration, &calibration.parameters);
     auto self = std::make_unique<State>();
     if (init(self.get(), &config, &calibration.fourier) != SD_OK) state.SkipWithError("refused");
     const auto ticks = periods();
@@ -116,7 +116,7 @@ class Edges {
 
 void decoder(benchmark::State &state) {
     const sd_calibration_t &calibration = bench_calibration(5);
-    const sd_crank_config_t config = sd_calibration_crank(&calibration);
+    const sd_crank_config_t config = sd_calibration_crank(&calibration, &calibration.parameters);
     sd_crank_t crank;
     sd_crank_init(&crank, &config);
     Edges edges;
@@ -138,7 +138,7 @@ void whole_ecu(benchmark::State &state) {
     for (auto _ : state) {
         const sd_event_t event{edges.next(), SD_EVENT_CRANK_EDGE, 0, 0, 0};
         host_side.send(host_side.context, &event, 1);
-        sd_ecu_run(ecu.get(), &ecu_side);
+        sd_ecu_run(ecu.get(), &calibration, &ecu_side);
         host_side.receive(host_side.context, answers, 64);
         benchmark::DoNotOptimize(answers);
     }
@@ -151,8 +151,10 @@ void add_block_benches() {
     RegisterBenchmark("crank decoder, per edge", decoder);
     for (const int harmonics : {5, 12}) {
         const auto with = [&](benchmark::internal::Benchmark *b) { b->Arg(harmonics); };
-        with(RegisterBenchmark("torque f32, per tooth", [](benchmark::State &s) { observer<sd_fourier_f32_t>(s, sd_fourier_init_f32, sd_fourier_step_f32); }));
-        with(RegisterBenchmark("torque q31, per tooth", [](benchmark::State &s) { observer<sd_fourier_q31_t>(s, sd_fourier_init_q31, sd_fourier_step_q31); }));
+        const auto f32 = [](benchmark::State &s) { observer<sd_fourier_f32_t>(s, sd_fourier_init_f32, sd_fourier_step_f32); };
+        const auto q31 = [](benchmark::State &s) { observer<sd_fourier_q31_t>(s, sd_fourier_init_q31, sd_fourier_step_q31); };
+        with(RegisterBenchmark("torque f32, per tooth", f32));
+        with(RegisterBenchmark("torque q31, per tooth", q31));
         with(RegisterBenchmark("torque dense Eigen, per tooth", dense));
         with(RegisterBenchmark("whole ecu, per edge", whole_ecu));
     }

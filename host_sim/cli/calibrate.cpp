@@ -1,15 +1,11 @@
 // SPDX-License-Identifier: MIT
 // sixdeg calibrate: engine file and tune to the firmware's calibration page, binary and C source.
-#include <CLI/App.hpp>
-#include <CLI/Config.hpp>
-#include <CLI/Formatter.hpp>
 #include <filesystem>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "design/calibration.hpp"
 #include "cli/commands.hpp"
-#include "cli/output_folder.hpp"
 #include "common/files.hpp"
 #include "cli/tune_options.hpp"
 
@@ -47,15 +43,15 @@ void run(const Options &options) {
 
 } // namespace
 
-void add_calibrate(CLI::App &app) {
+void add_calibrate(Command &app) {
     auto options = std::make_shared<Options>();
-    CLI::App *command = app.add_subcommand("calibrate", "engine file to the firmware's calibration page");
-    command->add_option("ENGINE", options->engine, "engine file (docs/files.md)")->required();
-    command->add_option("TUNE", options->tune, "tune file; defaults where it is missing");
-    command->add_option("--set", options->set, "key=value, over the tune file")->allow_extra_args(false);
-    add_output_folder(command, options->out, "folder for NAME.bin and NAME.c, default here");
-    command->add_option("--json", options->json, "figures as JSON");
-    command->callback([options] { run(*options); });
+    Command command = app.add("calibrate", "engine file to the firmware's calibration page");
+    command.option("ENGINE", options->engine, "engine file (docs/files.md)").required();
+    command.option("TUNE", options->tune, "tune file; defaults where it is missing");
+    command.settings(options->set, "key=value, over the tune file");
+    command.output_folder(options->out, "folder for NAME.bin and NAME.c, default here");
+    command.option("--json", options->json, "figures as JSON");
+    command.runs([options] { run(*options); });
 }
 
 } // namespace sixdeg

@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: MIT
 // sixdeg ecu: the firmware as a process of its own on a bus.
-#include <CLI/App.hpp>
-#include <CLI/Config.hpp>
-#include <CLI/Formatter.hpp>
 #include <optional>
 
 #include "loop/ecu_process.hpp"
@@ -26,12 +23,10 @@ struct Options {
 sd_calibration_t read_calibration(const Options &options, nlohmann::ordered_json &about) {
     const std::string content = read_file(options.file);
     about["files"][options.file] = sha256(content);
-    if (content.rfind("SDC1", 0) == 0) {
-        sd_calibration_t page;
-        const auto *bytes = reinterpret_cast<const std::uint8_t *>(content.data());
+    if (content.rfind("SDC2", 0) == 0) {
+        const auto page = read_page(content);
         const auto ecu = std::make_unique<sd_ecu_t>();
-        if (sd_calibration_decode(&page, bytes, std::uint32_t(content.size())) == SD_OK && sd_ecu_init(ecu.get(), &page) == SD_OK)
-            return page;
+        if (page && sd_ecu_init(ecu.get(), page.get()) == SD_OK) return *page;
         throw InputError(options.file, "", "the calibration page is damaged, or of another table of signals");
     }
     TomlFile engine_toml{std::filesystem::path(options.file)};
@@ -59,16 +54,16 @@ void run(const Options &options) {
 
 } // namespace
 
-void add_ecu(CLI::App &app) {
+void add_ecu(Command &app) {
     auto options = std::make_shared<Options>();
-    CLI::App *command = app.add_subcommand("ecu", "the firmware as a process of its own on a bus");
-    command->add_option("ENGINE", options->file, "engine file, or a calibration page")->required();
-    command->add_option("--transport", options->transport, "can:IFACE, lcm or lcm:URL (docs/bus.md)")->required();
-    command->add_option("--tune", options->tune, "tune file");
-    command->add_option("--set", options->set, "key=value, over the tune file")->allow_extra_args(false);
-    command->add_option("--number", options->number, "f32 or q31")->check(CLI::IsMember({"f32", "q31"}));
-    command->add_option("--record", options->record, "event log of all that goes in and out (docs/log.md)");
-    command->callback([options] { run(*options); });
+    Command command = app.add("ecu", "the firmware as a process of its own on a bus");
+    command.option("ENGINE", options->file, "engine file, or a calibration page").required();
+    command.option("--transport", options->transport, "can:IFACE, lcm or lcm:URL (docs/bus.md)").required();
+    command.option("--tune", options->tune, "tune file");
+    command.settings(options->set, "key=value, over the tune file");
+    command.number(options->number);
+    command.option("--record", options->record, "event log of all that goes in and out (docs/log.md)");
+    command.runs([options] { run(*options); });
 }
 
 } // namespace sixdeg

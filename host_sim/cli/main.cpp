@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: MIT
 // sixdeg: exit status 0 done, 1 a fault of ours, 2 bad input or usage (one line says which file, field and range).
-#include <CLI/App.hpp>
-#include <CLI/Config.hpp>
-#include <CLI/Formatter.hpp>
 #include <algorithm>
 #include <cstdio>
 #include <string>
@@ -23,26 +20,22 @@ bool writes_to_standard_output(int argc, char **argv) {
 } // namespace
 
 int main(int argc, char **argv) {
-    CLI::App app{"sixdeg: see inside every cylinder from the sensors a production engine already has"};
-    app.require_subcommand(1);
-    sixdeg::add_replay(app);
-    sixdeg::add_calibrate(app);
-    sixdeg::add_bench(app);
-    sixdeg::add_run(app);
-    sixdeg::add_sweep(app);
-    sixdeg::add_study(app);
-    sixdeg::add_plant(app);
-    sixdeg::add_ecu(app);
-    sixdeg::add_watch(app);
-    sixdeg::add_parameter(app);
-    sixdeg::add_sensors(app);
+    const auto commands = [](sixdeg::Command &app) {
+        sixdeg::add_replay(app);
+        sixdeg::add_calibrate(app);
+        sixdeg::add_bench(app);
+        sixdeg::add_run(app);
+        sixdeg::add_sweep(app);
+        sixdeg::add_study(app);
+        sixdeg::add_plant(app);
+        sixdeg::add_ecu(app);
+        sixdeg::add_watch(app);
+        sixdeg::add_parameter(app);
+        sixdeg::add_sensors(app);
+    };
     try {
         if (writes_to_standard_output(argc, argv)) sixdeg::keep_standard_output_for_files();
-        app.parse(argc, argv);
-        return 0;
-    } catch (const CLI::ParseError &error) {
-        // CLI11 also throws for --help, which is no error.
-        return app.exit(error) == 0 ? 0 : 2;
+        return sixdeg::run_command_line("sixdeg: see inside every cylinder from the sensors a production engine already has", commands, argc, argv);
     } catch (const sixdeg::InputError &error) {
         std::fprintf(stderr, "sixdeg: %s\n", error.what());
         return 2;

@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: MIT
 // sixdeg parameter: reads and sets parameters of an ecu while it runs.
-#include <CLI/App.hpp>
-#include <CLI/Config.hpp>
-#include <CLI/Formatter.hpp>
 #include <chrono>
 #include <cstring>
 #include <fmt/format.h>
@@ -138,15 +135,13 @@ void run(const Options &options) {
 
 } // namespace
 
-void add_parameter(CLI::App &app) {
+void add_parameter(Command &app) {
     auto options = std::make_shared<Options>();
-    CLI::App *command = app.add_subcommand("parameter", "reads and sets parameters of an ecu while it runs");
-    command->add_option("ACTION", options->action, "get, set, dump (as a tune file), diff (against the reference page) or restore")
-        ->required()
-        ->check(CLI::IsMember({"get", "set", "dump", "diff", "restore"}));
-    command->add_option("NAME", options->names, "names, or NAME=VALUE to set; all when none is given");
-    command->add_option("--transport", options->transport, "can:IFACE, lcm or lcm:URL (docs/bus.md)")->required();
-    command->callback([options] { run(*options); });
+    Command command = app.add("parameter", "reads and sets parameters of an ecu while it runs");
+    command.option("ACTION", options->action, "get, set, dump (as a tune file), diff (against the reference page) or restore").required().one_of({"get", "set", "dump", "diff", "restore"});
+    command.option("NAME", options->names, "names, or NAME=VALUE to set; all when none is given");
+    command.option("--transport", options->transport, "can:IFACE, lcm or lcm:URL (docs/bus.md)").required();
+    command.runs([options] { run(*options); });
 }
 
 } // namespace sixdeg

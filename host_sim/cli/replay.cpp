@@ -2,16 +2,12 @@
 // sixdeg replay: a recording of crank edges, or an event log, through the firmware; summary.json, teeth.csv, cycles.csv.
 #include "cli/replay_command.hpp"
 
-#include <CLI/App.hpp>
-#include <CLI/Config.hpp>
-#include <CLI/Formatter.hpp>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include "design/calibration.hpp"
 #include "cli/commands.hpp"
-#include "cli/output_folder.hpp"
 #include "cli/tune_options.hpp"
 #include "common/error.hpp"
 #include "common/files.hpp"
@@ -157,21 +153,21 @@ void run(const ReplayOptions &options) {
 
 } // namespace
 
-void add_replay(CLI::App &app) {
+void add_replay(Command &app) {
     auto options = std::make_shared<ReplayOptions>();
-    CLI::App *command = app.add_subcommand("replay", "a recording of crank edges, or an event log, through the firmware");
-    command->add_option("FILE", options->file, "edge list, sampled voltages or edge times (docs/recordings.md), or an event log (docs/log.md)")->required();
-    command->add_option("--wheel", options->wheel, "like 60-2; guessed otherwise");
-    command->add_option("--edge", options->edge, "falling or rising; guessed otherwise");
-    command->add_option("--column", options->column, "of the crank signal, column 0 is time; guessed otherwise")->check(CLI::PositiveNumber);
-    command->add_option("--engine", options->engine, "engine file (docs/files.md)");
-    command->add_option("--tune", options->tune, "tune file");
-    command->add_option("--set", options->set, "key=value, over the tune file")->allow_extra_args(false);
-    command->add_option("--number", options->number, "f32 or q31")->check(CLI::IsMember({"f32", "q31"}));
-    command->add_option("--truth", options->truth, "folder of the run that an event log is of: its truth beside the replay");
-    add_output_folder(command, options->out, "folder for summary.json, teeth.csv and cycles.csv");
-    command->add_option("--json", options->json, "the summary alone");
-    command->callback([options] { is_log(options->file) ? replay_event_log(*options) : run(*options); });
+    Command command = app.add("replay", "a recording of crank edges, or an event log, through the firmware");
+    command.option("FILE", options->file, "edge list, sampled voltages or edge times (docs/recordings.md), or an event log (docs/log.md)").required();
+    command.option("--wheel", options->wheel, "like 60-2; guessed otherwise");
+    command.option("--edge", options->edge, "falling or rising; guessed otherwise");
+    command.option("--column", options->column, "of the crank signal, column 0 is time; guessed otherwise").within(1, 1000000);
+    command.option("--engine", options->engine, "engine file (docs/files.md)");
+    command.option("--tune", options->tune, "tune file");
+    command.settings(options->set, "key=value, over the tune file");
+    command.number(options->number);
+    command.option("--truth", options->truth, "folder of the run that an event log is of: its truth beside the replay");
+    command.output_folder(options->out, "folder for summary.json, teeth.csv and cycles.csv");
+    command.option("--json", options->json, "the summary alone");
+    command.runs([options] { is_log(options->file) ? replay_event_log(*options) : run(*options); });
 }
 
 } // namespace sixdeg

@@ -5,23 +5,23 @@
 #include "cli/firing_report.hpp"
 #include "cli/misfire_report.hpp"
 
-#include <CLI/App.hpp>
-#include <CLI/Config.hpp>
-#include <CLI/Formatter.hpp>
 #include <algorithm>
 #include <chrono>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "design/calibration.hpp"
+#include "design/kept_pages.hpp"
 #include "cli/commands.hpp"
-#include "cli/output_folder.hpp"
 #include "cli/run_figures.hpp"
 #include "cli/tune_options.hpp"
 #include "common/error.hpp"
 #include "common/files.hpp"
 #include "common/stop.hpp"
 #include "io/log/event_log.hpp"
+extern "C" {
+#include "sd_learned.h"
+}
 
 namespace sixdeg {
 namespace {
@@ -36,6 +36,8 @@ struct Options {
     bool start_ecu = true;
     Pace pace;
     bool nominal = false;
+    std::string cache;
+    bool no_cache = false;
 };
 
 struct Inputs {
@@ -74,11 +76,11 @@ std::optional<Scenario> read_lesson(const Options &options, const Scenario &run)
 
 sd_pattern_sums_t read_learned(const std::string &path, Json &files) {
     const std::string bytes = read_file(path);
-    sd_pattern_sums_t learned;
-    if (sd_learned_decode(&learned, reinterpret_cast<const std::uint8_t *>(bytes.data()), std::uint32_t(bytes.size())) != SD_OK)
+    const sd_pattern_sums_t *learned = sd_learned_view(bytes.data(), std::uint32_t(bytes.size()));
+    if (!learned)
         throw InputError(path, "learned page", "it is damaged, or of another version of the signal table");
     files[path] = sha256(bytes);
-    return learned;
+    return *learned;
 }
 
 Inputs read_inputs(const Options &options) {
@@ -95,13 +97,15 @@ Inputs read_inputs(const Options &options) {
     inputs.scenario = read_scenario(file, path.parent_path());
     if (options.seed) inputs.scenario.seed = *options.seed;
     inputs.files[options.scenario] = sha256(file.content());
-    inputs.files[inputs.scenario.engine_path.string()] = sha256(read_file(inputs.scenario.engine_path));
+    const std::string engine_text = read_file(inputs.scenario.engine_path);
+    inputs.files[inputs.scenario.engine_path.string()] = sha256(engine_text);
 
     TomlFile tune = open_tune(options.tune, of_tune, options.number);
     inputs.tune = read_tune(tune);
     inputs.tune_name = tune.name();
     if (!options.tune.empty()) inputs.files[options.tune] = sha256(tune.content());
-    inputs.calibration = calibrate(inputs.scenario.engine.shared, inputs.tune, tune.name());
+    const KeptPages pages(options.no_cache ? "" : options.cache.empty() ? KeptPages::usual_folder() : std::filesystem::path(options.cache));
+    inputs.calibration = pages.calibrate(inputs.scenario.engine.shared, engine_text, inputs.tune, tune.name());
     inputs.lesson = read_lesson(options, inputs.scenario);
     if (inputs.lesson) inputs.files[options.learned] = sha256(read_file(options.learned));
     else if (!options.learned.empty()) inputs.learned = read_learned(options.learned, inputs.files);
@@ -109,9 +113,9 @@ Inputs read_inputs(const Options &options) {
 }
 
 std::string learned_page(const sd_pattern_sums_t &learned) {
-    std::string bytes(SD_LEARNED_BYTES_MAX, '\0');
-    bytes.resize(sd_learned_encode(&learned, reinterpret_cast<std::uint8_t *>(bytes.data())));
-    return bytes;
+    sd_learned_t page{};
+    sd_learned_make(&page, &learned);
+    return {reinterpret_cast<const char *>(&page), sizeof page};
 }
 
 /// What the event log says of itself. With the engine file other parameters can be tried on it.
@@ -238,44 +242,43 @@ void run(const Options &options) {
     end_by_signal();
 }
 
-void add_options(CLI::App *command, const std::shared_ptr<Options> &options) {
-    command->add_option("SCENARIO", options->scenario, "scenario file (docs/scenario.md)")->required();
-    command->add_option("--tune", options->tune, "tune file");
-    command
-        ->add_option("--set", options->set, "key=value, a tune parameter or a scenario field, over the files")
-        ->allow_extra_args(false);
-    command->add_option("--number", options->number, "f32 or q31")->check(CLI::IsMember({"f32", "q31"}));
-    command->add_option("--seed", options->seed, "instead of the scenario's")
-        ->check(CLI::Range(std::uint64_t(0), std::uint64_t(1) << 52));
-    add_output_folder(command, options->out, "folder for summary.json, teeth.csv and cycles.csv");
-    command->add_option("--json", options->json, "the summary alone");
-    command->add_option("--learned", options->learned, "what was learned before, or a scenario whose fuel cut is learned from first (by each calibration for itself); not over a bus");
-    command->add_option("--learn", options->learn, "where the tooth pattern goes at the end of the run; not over a bus");
-    command->add_flag("--nominal", options->nominal, "skip the second run, whose calibration is wrong on purpose; over a bus there is none");
-    command->add_option("--record", options->record, "event log of all that goes in and out (docs/log.md)");
-    CLI::Option *real_time = command->add_flag("--real-time", options->pace.real_time,
-                                               "at the pace of the clock; without it plant and ecu wait for each other");
-    command->add_option("--pace", options->pace.at_most, "waiting for each other, at most so many times real time: for slow listeners")
-        ->check(CLI::Range(0.01, 1000.0))
-        ->excludes(real_time);
-    command->callback([options] { run(*options); });
+void add_options(Command &command, const std::shared_ptr<Options> &options) {
+    command.option("SCENARIO", options->scenario, "scenario file (docs/scenario.md)").required();
+    command.option("--tune", options->tune, "tune file");
+    command.settings(options->set, "key=value, a tune parameter or a scenario field, over the files");
+    command.number(options->number);
+    command.option("--seed", options->seed, "instead of the scenario's").within_whole(0, std::int64_t(1) << 52);
+    command.output_folder(options->out, "folder for summary.json, teeth.csv and cycles.csv");
+    command.option("--json", options->json, "the summary alone");
+    command.option("--learned", options->learned, "what was learned before, or a scenario whose fuel cut is learned from first (by each calibration for itself); not over a bus");
+    command.option("--learn", options->learn, "where the tooth pattern goes at the end of the run; not over a bus");
+    command.flag("--nominal", options->nominal, "skip the second run, whose calibration is wrong on purpose; over a bus there is none");
+    const Option cache = command.option("--cache", options->cache, "folder of pages seen before, in place of ~/.cache/sixdeg (docs/files.md)");
+    command.flag("--no-cache", options->no_cache, "design the page anew, and keep it nowhere").excludes(cache);
+    command.option("--record", options->record, "event log of all that goes in and out (docs/log.md)");
+    const Option real_time = command.flag("--real-time", options->pace.real_time,
+                                          "at the pace of the clock; without it plant and ecu wait for each other");
+    command.option("--pace", options->pace.at_most, "waiting for each other, at most so many times real time: for slow listeners")
+        .within(0.01, 1000.0)
+        .excludes(real_time);
+    command.runs([options] { run(*options); });
 }
 
 } // namespace
 
-void add_run(CLI::App &app) {
+void add_run(Command &app) {
     auto options = std::make_shared<Options>();
-    CLI::App *command = app.add_subcommand("run", "a scenario's engine and the firmware, in one process or as two over a bus");
+    Command command = app.add("run", "a scenario's engine and the firmware, in one process or as two over a bus");
     add_options(command, options);
-    command->add_option("--transport", options->transport, "inproc, can:IFACE, lcm or lcm:URL (docs/bus.md)");
+    command.option("--transport", options->transport, "inproc, can:IFACE, lcm or lcm:URL (docs/bus.md)");
 }
 
-void add_plant(CLI::App &app) {
+void add_plant(Command &app) {
     auto options = std::make_shared<Options>();
     options->start_ecu = false;
-    CLI::App *command = app.add_subcommand("plant", "a scenario's engine on a bus, for an ecu that is there");
+    Command command = app.add("plant", "a scenario's engine on a bus, for an ecu that is there");
     add_options(command, options);
-    command->add_option("--transport", options->transport, "can:IFACE, lcm or lcm:URL (docs/bus.md)")->required();
+    command.option("--transport", options->transport, "can:IFACE, lcm or lcm:URL (docs/bus.md)").required();
 }
 
 } // namespace sixdeg

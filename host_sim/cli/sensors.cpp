@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 // sixdeg sensors: which sets of sensors observe the wanted states, how soon, at what cost and how well.
-#include <CLI/CLI.hpp>
 #include <chrono>
 #include <cstdio>
 #include <fmt/format.h>
@@ -91,28 +90,22 @@ void run(const Options &options) {
 
 } // namespace
 
-void add_sensors(CLI::App &app) {
+void add_sensors(Command &app) {
     const auto options = std::make_shared<Options>();
-    auto *command =
-        app.add_subcommand("sensors", "rank sensor sets by how soon they reveal the wanted states");
-    command
-        ->add_option("MODEL", options->model, "model structure, for example host_sim/data/models/turbo_si_13.toml")
-        ->required();
-    command
-        ->add_option("--target", options->targets,
-                     "states wanted, separated by commas (default: the model's)")
-        ->delimiter(',');
-    command->add_option("--size", options->size, "sensors in a set (default 3)")->check(CLI::Range(1, 24));
-    command->add_flag("--all", options->all,
+    Command command = app.add("sensors", "rank sensor sets by how soon they reveal the wanted states");
+    command.option("MODEL", options->model, "model structure, for example host_sim/data/models/turbo_si_13.toml").required();
+    command.option("--target", options->targets,
+                     "states wanted, separated by commas (default: the model's)").separated_by(',');
+    command.option("--size", options->size, "sensors in a set (default 3)").within(1, 24);
+    command.flag("--all", options->all,
                       "every number of sensors from 1 up to --size, or up to all of them");
-    command->add_flag("--numeric", options->numeric,
+    command.flag("--numeric", options->numeric,
                       "also rank with the model's numbers: numeric index, Kalman filter");
-    command->add_option("--top", options->top, "sets to list (default 10)")->check(CLI::Range(0, 1000));
-    command->add_option("--draws", options->draws, "random draws for each prime (default 2)")
-        ->check(CLI::Range(1, 20));
-    command->add_option("--seed", options->seed, "seed of the draws (default 1)");
-    command->add_option("--json", options->json_file, "write everything found to this file");
-    command->callback([options] { run(*options); });
+    command.option("--top", options->top, "sets to list (default 10)").within(0, 1000);
+    command.option("--draws", options->draws, "random draws for each prime (default 2)").within(1, 20);
+    command.option("--seed", options->seed, "seed of the draws (default 1)");
+    command.option("--json", options->json_file, "write everything found to this file");
+    command.runs([options] { run(*options); });
 }
 
 } // namespace sixdeg

@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: MIT
 // sixdeg study observers: document 000's benchmark, its Table 2 beside what its observers and ours do here.
-#include <CLI/App.hpp>
-#include <CLI/Config.hpp>
-#include <CLI/Formatter.hpp>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -70,13 +67,13 @@ void run(const std::string &json_file, unsigned seed) {
 
 } // namespace
 
-void add_study_observers(CLI::App &study) {
+void add_study_observers(Command &study) {
     auto json_file = std::make_shared<std::string>();
     auto seed = std::make_shared<unsigned>(1);
-    CLI::App *command = study.add_subcommand("observers", "document 000's benchmark of misfire observers");
-    command->add_option("--json", *json_file, "figures as JSON");
-    command->add_option("--seed", *seed, "of the noise");
-    command->callback([json_file, seed] { run(*json_file, *seed); });
+    Command command = study.add("observers", "document 000's benchmark of misfire observers");
+    command.option("--json", *json_file, "figures as JSON");
+    command.option("--seed", *seed, "of the noise");
+    command.runs([json_file, seed] { run(*json_file, *seed); });
 }
 
 } // namespace sixdeg

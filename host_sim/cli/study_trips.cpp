@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: MIT
 // sixdeg study trips: false decisions of the misfire monitor in so many trips of a healthy engine.
-#include <CLI/App.hpp>
-#include <CLI/Config.hpp>
-#include <CLI/Formatter.hpp>
 #include <cmath>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -38,7 +35,7 @@ sd_misfire_config_t monitor_config(const Options &options) {
     calibration.parameters = read_tune(tune);
     calibration.cylinders = std::uint8_t(options.cylinders);
     for (int i = 0; i < options.cylinders; ++i) calibration.firing_order[i] = std::uint8_t(i + 1);
-    return sd_calibration_misfire(&calibration);
+    return sd_calibration_misfire(&calibration, &calibration.parameters);
 }
 
 void print_per_trips(const char *name, std::uint64_t hits, std::uint64_t trips) {
@@ -78,17 +75,17 @@ void run(const Options &options) {
 
 } // namespace
 
-void add_study_trips(CLI::App &study) {
+void add_study_trips(Command &study) {
     auto options = std::make_shared<Options>();
-    CLI::App *command = study.add_subcommand("trips", "false decisions of the misfire monitor in many trips of a healthy engine");
-    command->add_option("SUMMARY", options->summary, "summary.json of a run with misfires (docs/misfire.md)")->required();
-    command->add_option("--trips", options->trips, "how many")->check(CLI::Range(std::uint64_t(1), std::uint64_t(10000000)));
-    command->add_option("--revolutions", options->revolutions, "of a trip")->check(CLI::Range(std::uint64_t(10), std::uint64_t(10000000)));
-    command->add_option("--cylinders", options->cylinders, "of the engine")->check(CLI::Range(1, SD_MISFIRE_CYLINDERS_MAX));
-    command->add_option("--seed", options->seed, "of the firings");
-    command->add_option("--tune", options->tune, "tune file");
-    command->add_option("--set", options->set, "key=value, a tune parameter")->allow_extra_args(false);
-    command->callback([options] { run(*options); });
+    Command command = study.add("trips", "false decisions of the misfire monitor in many trips of a healthy engine");
+    command.option("SUMMARY", options->summary, "summary.json of a run with misfires (docs/misfire.md)").required();
+    command.option("--trips", options->trips, "how many").within_whole(1, 10000000);
+    command.option("--revolutions", options->revolutions, "of a trip").within_whole(10, 10000000);
+    command.option("--cylinders", options->cylinders, "of the engine").within(1, SD_MISFIRE_CYLINDERS_MAX);
+    command.option("--seed", options->seed, "of the firings");
+    command.option("--tune", options->tune, "tune file");
+    command.settings(options->set, "key=value, a tune parameter");
+    command.runs([options] { run(*options); });
 }
 
 } // namespace sixdeg

@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: MIT
 // sixdeg sweep: a grid over scenario fields, each cell a `sixdeg run` in a process of its own.
-#include <CLI/App.hpp>
-#include <CLI/Config.hpp>
-#include <CLI/Formatter.hpp>
 #include <chrono>
 #include <filesystem>
 #include <fmt/format.h>
@@ -11,7 +8,6 @@
 #include <unistd.h>
 
 #include "cli/commands.hpp"
-#include "cli/output_folder.hpp"
 #include "common/error.hpp"
 #include "common/files.hpp"
 #include "common/stop.hpp"
@@ -168,21 +164,20 @@ void sweep(const Options &options) {
 
 } // namespace
 
-void add_sweep(CLI::App &app) {
+void add_sweep(Command &app) {
     auto options = std::make_shared<Options>();
-    CLI::App *command = app.add_subcommand("sweep", "a grid over scenario fields, many runs side by side");
-    command->add_option("SCENARIO", options->scenario, "scenario file (docs/scenario.md)")->required();
-    command->add_option("--over", options->over, "field=value,value,... an axis of the grid; give it once for each axis")
-        ->required()->allow_extra_args(false);
-    add_output_folder(command, options->out, "folder for sweep.csv, map.svg and the cells")->required();
-    command->add_option("--figure", options->figure, "what map.svg shows over speed.rpm and load.bmep_bar")->capture_default_str();
-    command->add_option("--jobs", options->jobs, "runs at a time")->check(CLI::Range(1u, 256u))->capture_default_str();
-    command->add_option("--tune", options->tune, "tune file");
-    command->add_option("--set", options->set, "key=value, as in run, alike in every cell")->allow_extra_args(false);
-    command->add_option("--number", options->number, "f32 or q31")->check(CLI::IsMember({"f32", "q31"}));
-    command->add_option("--learned", options->learned, "as in run, alike in every cell");
-    command->add_flag("--nominal", options->nominal, "skip the runs whose calibration is wrong on purpose");
-    command->callback([options] { sweep(*options); });
+    Command command = app.add("sweep", "a grid over scenario fields, many runs side by side");
+    command.option("SCENARIO", options->scenario, "scenario file (docs/scenario.md)").required();
+    command.option("--over", options->over, "field=value,value,... an axis of the grid; give it once for each axis").required().one_at_a_time();
+    command.output_folder(options->out, "folder for sweep.csv, map.svg and the cells").required();
+    command.option("--figure", options->figure, "what map.svg shows over speed.rpm and load.bmep_bar").shows_default();
+    command.option("--jobs", options->jobs, "runs at a time").within(1, 256).shows_default();
+    command.option("--tune", options->tune, "tune file");
+    command.settings(options->set, "key=value, as in run, alike in every cell");
+    command.number(options->number);
+    command.option("--learned", options->learned, "as in run, alike in every cell");
+    command.flag("--nominal", options->nominal, "skip the runs whose calibration is wrong on purpose");
+    command.runs([options] { sweep(*options); });
 }
 
 } // namespace sixdeg

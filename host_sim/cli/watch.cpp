@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: MIT
 // sixdeg watch: what an ecu says, live in a terminal; with --out, truth and estimates side by side at the end.
-#include <CLI/App.hpp>
-#include <CLI/Config.hpp>
-#include <CLI/Formatter.hpp>
 #include <chrono>
 #include <fmt/format.h>
 #include <unistd.h>
@@ -11,7 +8,6 @@
 #include "io/bus/collector.hpp"
 #include "io/bus/live_view.hpp"
 #include "cli/commands.hpp"
-#include "cli/output_folder.hpp"
 #include "common/error.hpp"
 #include "common/files.hpp"
 #include "common/stop.hpp"
@@ -71,13 +67,13 @@ void run(const Options &options) {
 
 } // namespace
 
-void add_watch(CLI::App &app) {
+void add_watch(Command &app) {
     auto options = std::make_shared<Options>();
-    CLI::App *command = app.add_subcommand("watch", "what an ecu on a bus says, live");
-    command->add_option("--transport", options->transport, "can:IFACE, lcm or lcm:URL (docs/bus.md)")->required();
-    add_output_folder(command, options->out, "folder for teeth.csv and cycles.csv, written when the plant's run is over");
-    command->add_option("--engine", options->engine, "engine file, for --out");
-    command->callback([options] { run(*options); });
+    Command command = app.add("watch", "what an ecu on a bus says, live");
+    command.option("--transport", options->transport, "can:IFACE, lcm or lcm:URL (docs/bus.md)").required();
+    command.output_folder(options->out, "folder for teeth.csv and cycles.csv, written when the plant's run is over");
+    command.option("--engine", options->engine, "engine file, for --out");
+    command.runs([options] { run(*options); });
 }
 
 } // namespace sixdeg

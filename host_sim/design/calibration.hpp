@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "common/engine_file.hpp"
+#include "io/page/page_bytes.hpp"
 extern "C" {
 #include "sd_calibration.h"
 }
@@ -33,7 +34,6 @@ double observer_radius(const EngineFile &engine, const sd_parameters_t &tune);
 /// parameters cannot be initialised together.
 sd_calibration_t calibrate(const EngineFile &engine, const sd_parameters_t &tune, const std::string &tune_name);
 
-std::vector<std::uint8_t> page_bytes(const sd_calibration_t &calibration);
 /// The page as a C array `sd_calibration_page`, for a target without files.
 std::string page_source(const std::vector<std::uint8_t> &bytes, const std::string &engine_name);
 

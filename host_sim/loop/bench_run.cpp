@@ -215,7 +215,7 @@ RunResult run_on_bench(const Scenario &scenario, const sd_calibration_t &calibra
     if (learned && !bench->resume(*learned))
         throw InputError("learned page", "pattern", "it is of another wheel, or the engine file has no heat release");
     RunResult result = run_scenario(scenario, calibration, *bench, tables);
-    result.learned = bench->pattern().sums;
+    result.learned = bench->learned();
     result.pattern_sd_deg = double(bench->pattern().sd_rad) * kDegPerRad;
     return result;
 }

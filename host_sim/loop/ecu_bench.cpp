@@ -6,8 +6,9 @@
 namespace sixdeg {
 
 EcuBench::EcuBench(const sd_calibration_t &calibration)
-    : EcuFeed(double(calibration.tick_hz)), ecu_side_(sd_inproc_ecu_side(&port_)), host_side_(sd_inproc_host_side(&port_)) {
-    if (sd_ecu_init(&ecu_, &calibration) != SD_OK)
+    : EcuFeed(double(calibration.tick_hz)), page_(calibration), ecu_side_(sd_inproc_ecu_side(&port_)),
+      host_side_(sd_inproc_host_side(&port_)) {
+    if (sd_ecu_init(&ecu_, page_.view()) != SD_OK)
         throw std::logic_error("a checked calibration was refused");
 }
 
@@ -18,7 +19,7 @@ void EcuBench::listen(EventListener listener) {
 
 bool EcuBench::exchange(const sd_event_t &event) {
     host_side_.send(host_side_.context, &event, 1);
-    sd_ecu_run(&ecu_, &ecu_side_);
+    sd_ecu_run(&ecu_, page_.view(), &ecu_side_);
     bool cycle_ended = false;
     sd_event_t answer;
     while (host_side_.receive(host_side_.context, &answer, 1) == 1) {

@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "io/log/port_tap.hpp"
+#include "io/page/page_bytes.hpp"
 #include "io/events/ecu_feed.hpp"
 
 extern "C" {
@@ -34,9 +35,15 @@ class EcuBench : public EcuFeed {
     const sd_crank_t &crank() const { return ecu_.crank; }
     /// Tooth pattern as learned so far, and learning that goes on from one kept. False: it is of another wheel.
     const sd_pattern_t &pattern() const { return ecu_.firings.pattern; }
-    bool resume(const sd_pattern_sums_t &learned) { return sd_ecu_resume(&ecu_, &learned) == SD_OK; }
+    sd_pattern_sums_t learned() const {
+        sd_pattern_sums_t sums;
+        sd_firings_keep(&ecu_.firings, &page_.view()->kalman, &sums);
+        return sums;
+    }
+    bool resume(const sd_pattern_sums_t &learned) { return sd_ecu_resume(&ecu_, page_.view(), &learned) == SD_OK; }
 
   private:
+    StoredPage page_;
     sd_inproc_t port_{};
     sd_port_t ecu_side_, host_side_;
     std::unique_ptr<PortTap> tap_;

@@ -10,6 +10,7 @@
 #include "common/error.hpp"
 #include "common/stop.hpp"
 #include "io/log/port_tap.hpp"
+#include "io/page/page_bytes.hpp"
 
 namespace sixdeg {
 namespace {
@@ -68,7 +69,8 @@ class PlantWatch {
 
 void run_ecu(Bus &bus, const std::string &transport, const sd_calibration_t &calibration, const EventListener &listener) {
     const auto ecu = std::make_unique<sd_ecu_t>();
-    if (sd_ecu_init(ecu.get(), &calibration) != SD_OK) throw std::logic_error("a checked calibration was refused");
+    const StoredPage page(calibration);
+    if (sd_ecu_init(ecu.get(), page.view()) != SD_OK) throw std::logic_error("a checked calibration was refused");
     claim_the_bus(bus, transport);
     say("running on " + transport);
     PlantWatch plant(bus);
@@ -79,13 +81,13 @@ void run_ecu(Bus &bus, const std::string &transport, const sd_calibration_t &cal
     const sd_port_t port = tap.port();
     while (stop_signal() == 0) {
         bus.wait(100);
-        sd_ecu_run(ecu.get(), &port);
+        sd_ecu_run(ecu.get(), page.view(), &port);
         const auto claim = bus.heard_claim();
         if (claim && claim->id != SD_CLAIM_RUNNING) bus.claim({SD_CLAIM_RUNNING, SD_SIGNALS_SIGNATURE});
         plant.look();
     }
     say(fmt::format("stopped; {}; events ignored {}, signals without room {}", describe(bus.counts()), ecu->unknown_events,
-                    ecu->unsent_signals));
+                    ecu->say.unsent));
 }
 
 } // namespace sixdeg

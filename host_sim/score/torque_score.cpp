@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "score/torque_score.hpp"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 
+#include "linalg/linalg.hpp"
 #include "plant/engine/units.hpp"
 
 namespace sixdeg {
@@ -63,9 +63,14 @@ double shift_rad(int harmonics, const Eigen::VectorXd &early, const Eigen::Vecto
 } // namespace
 
 void TorqueScore::step(const StepTruth &truth) {
-    const std::int64_t index = std::llround(truth.angle_rad / (4 * kPi) * steps_);
-    const std::int64_t cycle = std::int64_t(std::floor(double(index) / steps_));
-    steps_nm_[cycle].push_back(truth.net_torque_nm);
+    const double place = truth.angle_rad / (4 * kPi) * steps_;
+    if (!steps_into_ || !(place < next_cycle_)) {
+        const std::int64_t cycle = std::int64_t(std::floor(double(std::llround(place)) / steps_));
+        next_cycle_ = double((cycle + 1) * steps_) - 0.5;
+        steps_into_ = &steps_nm_[cycle];
+        steps_into_->reserve(std::size_t(steps_));
+    }
+    steps_into_->push_back(truth.net_torque_nm);
 }
 
 void TorqueScore::edge(double crank_deg, double true_nm, double estimate_nm, bool settled) {
@@ -90,6 +95,7 @@ void TorqueScore::close() {
     }
     current_ = {};
     steps_nm_.erase(steps_nm_.begin(), steps_nm_.upper_bound(cycle_));
+    steps_into_ = nullptr;
 }
 
 std::optional<TorqueFigures> TorqueScore::result() const {
@@ -119,7 +125,7 @@ std::optional<TorqueFigures> TorqueScore::result() const {
     const auto [low, high] = std::minmax_element(wave.begin(), wave.end());
     const double pp = *high - *low;
     // Least squares, since the teeth leave gaps where the mark is.
-    const Eigen::VectorXd estimate = normal.ldlt().solve(right);
+    const Eigen::VectorXd estimate = linalg::solve_symmetric(normal, right);
     return TorqueFigures{int(kept_.size()),
                          pp,
                          100 * std::sqrt(from_true / teeth) / pp,

@@ -56,6 +56,8 @@ class TorqueScore {
     int harmonics_, steps_;
     std::size_t keep_;
     std::map<std::int64_t, std::vector<double>> steps_nm_; ///< Of cycles whose edges are still coming.
+    std::vector<double> *steps_into_ = nullptr; ///< Of those, the one that steps go to until they reach next_cycle_.
+    double next_cycle_ = 0;                     ///< In steps.
     std::int64_t cycle_ = INT64_MIN;
     bool settled_ = false;
     Cycle current_;

@@ -90,6 +90,15 @@ static void leave(void) {
     close_item(functions[function].group);
 }
 
+/* Some functions of the compiler's library return past their caller, to its caller. Nothing here is recursive, so an address that a
+ * call under way returns to is reached only by returning. */
+static void return_to(uint32_t pc) {
+    for (int i = depth - 1; i >= 0; i--) {
+        if (stack[i].back != pc) { continue; }
+        while (depth > i) { leave(); }
+    }
+}
+
 static void end_event(int event_class) {
     for (int i = 0; i < item_count; i++) {
         item_t *item = &items[i];
@@ -107,10 +116,10 @@ static void end_event(int event_class) {
 static void on_instruction(unsigned cpu, void *user) {
     (void)cpu;
     const instruction_t *now = user;
-    while (depth > 0 && stack[depth - 1].back == now->pc) { leave(); }
-    if (before != NULL) {
+    if (before != NULL && now->pc != before->after) {
+        return_to(now->pc);
         const bool begins = now->entry != NONE;
-        if (before->is_call && now->pc != before->after) { enter(now->entry, before->after); }
+        if (before->is_call) { enter(now->entry, before->after); }
         else if (begins && before->within != now->entry && depth > 0) { enter(now->entry, stack[depth - 1].back); }
         if (begins && functions[now->entry].event_class != NONE) { end_event(functions[now->entry].event_class); }
     }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// golden [--update] FILE.run...: runs the firmware on what golden runs hold and compares a hash of each output with the
+// golden [--update | --dump NAME] FILE.run...: runs the firmware on what golden runs hold and compares a hash of each output with the
 // one kept beside the run (docs/golden.md). Ends with 1 when one differs or is missing.
 #include <cstdio>
 #include <cstring>
@@ -65,11 +65,17 @@ void note(Outputs &outputs, const sd_event_t &event) {
     std::memcpy(&output.last, &event.value, sizeof output.last);
 }
 
-Outputs outputs_of(const GoldenRun &run) {
+/// What was said under `dumped` is printed, to see where two builds part.
+Outputs outputs_of(const GoldenRun &run, const std::string &dumped) {
     Outputs outputs;
     const auto bench = std::make_unique<EcuBench>(run.calibration);
     bench->listen([&](bool out, const sd_event_t &event) {
-        if (out) note(outputs, event);
+        if (!out) return;
+        note(outputs, event);
+        if (name_of(event).first != dumped) return;
+        float value;
+        std::memcpy(&value, &event.value, sizeof value);
+        fmt::print("{} {} {:.9g} {} {:#x}\n", event.tick, name_of(event).second, value, event.flags & 0xffu, event.flags >> 8);
     });
     for (const sd_event_t &event : run.events) bench->exchange(event);
     return outputs;
@@ -121,20 +127,25 @@ std::size_t compare(const std::string &run, const std::map<std::string, Expected
 
 int golden(int count, char **arguments) {
     bool update = false;
+    std::string dumped;
     std::size_t wrong = 0, runs = 0;
     for (int i = 1; i < count; ++i) {
         if (std::string(arguments[i]) == "--update") {
             update = true;
             continue;
         }
+        if (std::string(arguments[i]) == "--dump" && i + 1 < count) {
+            dumped = arguments[++i];
+            continue;
+        }
         const std::filesystem::path file = arguments[i], kept = std::filesystem::path(file).replace_extension(".expected");
         const GoldenRun run = read_golden_run(file, SD_ENGINES);
-        const Outputs outputs = outputs_of(run);
+        const Outputs outputs = outputs_of(run, dumped);
         ++runs;
         if (update) write_file(kept, table(outputs)), fmt::print("{}: {} outputs written\n", run.name, outputs.size());
         else wrong += compare(run.name, read_expected(kept), outputs);
     }
-    if (runs == 0) throw InputError("golden", "", "usage: golden [--update] FILE.run...");
+    if (runs == 0) throw InputError("golden", "", "usage: golden [--update | --dump NAME] FILE.run...");
     return wrong == 0 ? 0 : 1;
 }
 

@@ -90,8 +90,9 @@ struct Firing {
 
 /// Filter and edges together.
 struct Bench {
-    Bench(const sd_kalman_tables_t &with, Edges from) : tables(with), edges(std::move(from)) {
-        EXPECT_EQ(sd_kalman_init(&filter, &tables, &kChoice), SD_OK);
+    /// Firings are those of filter `which`.
+    Bench(const sd_kalman_tables_t &with, Edges from, unsigned which = 0) : tables(with), edges(std::move(from)), which_(which) {
+        EXPECT_EQ(sd_kalman_init(&kalman, &tables, &kChoice, std::uint8_t(which + 1)), SD_OK);
         tooth.trusted = 1, tooth.intake_bar = 1;
     }
     /// Teeth up to the end of a number of cycles from the start.
@@ -104,16 +105,17 @@ struct Bench {
             tooth.cycle_position = std::uint16_t(k % kCycle);
             tooth.advance = std::uint16_t(k - last_k);
             tooth.period_ticks = std::uint32_t(tick - last_tick);
-            sd_firing_t firing;
+            sd_firing_t firing[SD_KALMAN_SETS_MAX];
             if (take) take(tooth);
-            else if (sd_kalman_step(&filter, &tables, &tooth, &firing)) firings.push_back({k / kCycle, firing});
+            else if ((sd_kalman_step(&kalman, &tables, &tooth, firing) >> which_ & 1) != 0) firings.push_back({k / kCycle, firing[which_]});
             last_k = k, last_tick = tick;
             if (on_tooth) on_tooth();
         }
     }
     const sd_kalman_tables_t &tables;
     Edges edges;
-    sd_kalman_t filter;
+    const sd_motion_t &motion() const { return kalman.filter[0].motion; }
+    sd_kalman_t kalman;
     sd_kalman_tooth_t tooth{};
     std::function<double(int)> earlier_s; ///< By which the edge at a position comes early.
     std::function<void()> before_tooth, on_tooth;
@@ -121,6 +123,9 @@ struct Bench {
     std::vector<Firing> firings;
     int k = 1, last_k = 0;
     std::int64_t last_tick = 0;
+
+  private:
+    unsigned which_;
 };
 
 inline const KalmanTables &pulse_tables() {

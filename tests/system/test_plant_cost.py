@@ -20,7 +20,7 @@ def instructions(cylinders, cycles):
 
 class Cost(unittest.TestCase):
     def test_each_pair_of_cylinders_costs_the_same(self):
-        """Columns are computed in pairs, so cost goes up in steps of two; reading files and tables is subtracted."""
+        """Reading files and making tables is subtracted."""
         cost = {n: (instructions(n, 2 * CYCLES) - instructions(n, CYCLES)) / (CYCLES * 1440) for n in (2, 4, 6, 8)}
         print("instructions a step:", {n: round(c) for n, c in cost.items()})
         pair = (cost[8] - cost[2]) / 3

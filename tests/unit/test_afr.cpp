@@ -6,11 +6,21 @@
 
 #include "design/calibration.hpp"
 #include "common/random.hpp"
+#include "linalg/linalg.hpp"
 #include "support/afr_step.hpp"
 
 using namespace sixdeg;
 
 namespace {
+
+/// Of four cylinders.
+void joint_step(sd_afr_joint_t &f, sd_exhaust_now_f32_t now, float measured, const float *gains) {
+    now.count = 0;
+    for (int i = 0; i < 4; ++i)
+        if (now.share[i] > 0) now.flowing[now.count++] = std::uint8_t(i);
+    const sd_afr_inflow_t in = inflow(now);
+    sd_afr_joint_step(&f, &in, measured, gains);
+}
 
 TEST(AfrModel, CalibrationsOwnExhaustIsNearThePlants) {
     const Step &s = step();
@@ -24,50 +34,83 @@ TEST(AfrModel, CalibrationsOwnExhaustIsNearThePlants) {
     EXPECT_LT(sum, 0.97);
 }
 
-// The joint filter's covariance against a full Kalman filter in double that shares no code with it.
+/// A full Kalman filter in double that shares no code with the joint filter's; state x, a_i, s2, s1.
+struct FullFilter {
+    /// Covariance and state over the time that `step` describes.
+    void move(const Eigen::MatrixXd &step) { p = step * p * step.transpose(); }
+    void update(double error, double noise_var) {
+        const Eigen::VectorXd gain = p.col(6) / (p(6, 6) + noise_var);
+        x += gain * error;
+        p = (p - gain * p.row(6)).eval();
+    }
+    Eigen::VectorXd x = Eigen::VectorXd::Constant(7, 0.5);
+    Eigen::MatrixXd p = Eigen::MatrixXd::Identity(7, 7) * 0.01;
+};
+
+/// Row x of a position: what flows in is mixed in.
+Eigen::MatrixXd mixing(const sd_exhaust_now_f32_t &now) {
+    Eigen::MatrixXd m = Eigen::MatrixXd::Identity(7, 7);
+    double flow = 0;
+    for (int i = 0; i < 4; ++i) flow += m(0, 1 + i) = double(now.charge * now.share[i] / now.mass);
+    m(0, 0) = 1 - flow;
+    return m;
+}
+
+/// The lags follow x.
+Eigen::MatrixXd lagging(double m2, double m1) {
+    Eigen::MatrixXd second = Eigen::MatrixXd::Identity(7, 7), first = second;
+    second(5, 5) = 1 - m2, second(5, 0) = m2;
+    first(6, 6) = 1 - m1, first(6, 5) = m1;
+    return first * second;
+}
+
+// The joint filter against a full one that takes in the same groups of samples; and what one that takes in every sample by
+// itself, at its position, would state.
 TEST(AfrJoint, StructuredCovarianceIsTheFullOne) {
     sd_afr_joint_config_t c{4, 0.03f, 0.015f, 2e-4f, 0.01f, 0.1f, 1000};
     sd_afr_joint_t f;
     must(sd_afr_joint_init(&f, &c));
-    const double dt = 1e-3, r = 4e-8 / (2 * dt), m2 = 1 - std::exp(-dt / 0.015),
-                 m1 = 1 - std::exp(-dt / 0.03);
+    const double dt = 1e-3, r = 4e-8 / (2 * dt), m2 = 1 - std::exp(-dt / 0.015), m1 = 1 - std::exp(-dt / 0.03);
     sd_afr_joint_set(&f, float(dt), 0.01f, 0);
-    Eigen::VectorXd x = Eigen::VectorXd::Constant(7, 0.5);
-    Eigen::MatrixXd p = Eigen::MatrixXd::Identity(7, 7) * 0.01;
+    FullFilter grouped, single;
+    Eigen::MatrixXd group_mixing = Eigen::MatrixXd::Identity(7, 7);
+    double error = 0;
+    int samples = 0;
     sd_exhaust_now_f32_t now{};
     now.charge = 0.1f;
-    sd_afr_joint_step(&f, &now, 0.5f, nullptr); // starts
+    joint_step(f, now, 0.5f, nullptr); // starts
     for (int k = 0; k < 600; ++k) {
         now.mass = float(0.1 + 0.02 * std::sin(k * 0.21));
-        Eigen::MatrixXd phi = Eigen::MatrixXd::Identity(7, 7);
-        double flow = 0;
         for (int i = 0; i < 4; ++i) {
             const int since = (k + 120 - 30 * i) % 120;
             now.share[i] = since < 40 ? 0.025f : 0;
-            if (since == 0 || (k == 0 && since < 40)) p(1 + i, 1 + i) += 1e-4;
-            flow += 0.1 * double(now.share[i]);
+            if (since == 0 || (k == 0 && since < 40)) single.p(1 + i, 1 + i) += 1e-4, grouped.p(1 + i, 1 + i) += 1e-4;
         }
-        phi(0, 0) = (double(now.mass) - flow) / double(now.mass);
-        for (int i = 0; i < 4; ++i) phi(0, 1 + i) = 0.1 * double(now.share[i]) / double(now.mass);
-        phi.row(5) = m2 * phi.row(0);
-        phi(5, 5) = 1 - m2;
-        phi.row(6) = m1 * phi.row(5);
-        phi(6, 6) += 1 - m1;
+        const Eigen::MatrixXd step = lagging(m2, m1) * mixing(now);
         const double y = 0.5 + 0.05 * std::sin(k * 0.1);
-        x = phi * x;
-        p = phi * p * phi.transpose();
-        if (k % 7 != 3) { // some samples are missing
-            const Eigen::VectorXd gain = p.col(6) / (p(6, 6) + r);
-            x += gain * (y - x(6));
-            p = (p - gain * p.row(6)).eval();
+        const bool seen = k % 7 != 3; // some samples are missing
+        single.move(step);
+        if (seen) single.update(0, r);
+        grouped.x = step * grouped.x;
+        group_mixing = mixing(now) * group_mixing;
+        if (seen) error += y - grouped.x(6), ++samples;
+        if (k % SD_AFR_GROUP == SD_AFR_GROUP - 1) {
+            grouped.move(group_mixing * lagging(1 - std::pow(1 - m2, SD_AFR_GROUP), 1 - std::pow(1 - m1, SD_AFR_GROUP)));
+            grouped.update(error / samples, r / samples);
+            group_mixing.setIdentity(), error = 0, samples = 0;
         }
-        sd_afr_joint_step(&f, &now, k % 7 != 3 ? float(y) : 100.0f, nullptr);
+        joint_step(f, now, seen ? float(y) : 100.0f, nullptr);
     }
-    EXPECT_NEAR(double(f.x), x(0), 2e-3);
-    for (int i = 0; i < 4; ++i) EXPECT_NEAR(double(f.air_fraction[i]), x(1 + i), 2e-3);
-    for (int i = 0, at = 0; i < 7; ++i)
-        for (int j = 0; j <= i; ++j, ++at)
-            EXPECT_NEAR(double(f.covariance[at]), p(i, j), 0.01 * std::sqrt(p(i, i) * p(j, j))) << i << j;
+    const auto state = [&f](int i) { return double(i == 0 ? f.x : i < 5 ? f.air_fraction[i - 1] : i == 5 ? f.lag2 : f.lag1); };
+    for (int i = 0; i < 7; ++i) {
+        EXPECT_NEAR(state(i), grouped.x(i), 1e-3) << i;
+        for (int j = 0; j <= i; ++j) {
+            const double p = double(sd_afr_joint_covariance(&f, std::uint32_t(i), std::uint32_t(j)));
+            EXPECT_EQ(p, double(sd_afr_joint_covariance(&f, std::uint32_t(j), std::uint32_t(i))));
+            EXPECT_NEAR(p, grouped.p(i, j), 0.01 * std::sqrt(grouped.p(i, i) * grouped.p(j, j))) << i << j;
+        }
+    }
+    for (int i = 1; i < 5; ++i) EXPECT_NEAR(std::sqrt(grouped.p(i, i) / single.p(i, i)), 1, 0.05) << i << ": single samples say no more";
 }
 
 TEST(AfrJoint, SettlesInFourCyclesNearItsBoundAndStatesItsDeviation) {
@@ -131,7 +174,7 @@ int jumps_after(float jump, double moved_lambda) {
         for (int i = 0; i < 4; ++i) now.share[i] = (k + 120 - 30 * i) % 120 < 40 ? 0.025f : 0;
         if (k == 6000) before = f.jumps;
         const double gas = 0.5 + (k < 6000 ? 0 : moved_lambda);
-        sd_afr_joint_step(&f, &now, float(gas + 4.5e-3 * noise.normal()), nullptr);
+        joint_step(f, now, float(gas + 4.5e-3 * noise.normal()), nullptr);
     }
     EXPECT_EQ(before, 0) << "noise alone is no step";
     EXPECT_NEAR(1 - double(sd_afr_joint_lambda(&f, 0)), 0.5 + moved_lambda, 0.02);
@@ -163,9 +206,11 @@ TEST(AfrJoint, BlameIsTheOneCylinderThatExplainsMost) {
         const Eigen::Matrix4d p = root * root.transpose();
         for (int i = 0; i < 4; ++i) {
             f.air_fraction[i] = float(0.5 - off(i));
-            for (int j = 0; j <= i; ++j) f.covariance[(1 + i) * (2 + i) / 2 + 1 + j] = float(p(i, j));
+            for (int j = 0; j < 4; ++j) f.p.a[i][j] = float(p(i, j));
         }
-        const Eigen::Matrix4d whiten = Eigen::Matrix4d((p + 4e-4 * Eigen::Matrix4d::Identity()).inverse().llt().matrixU());
+        Eigen::MatrixXd both(8, 4); // W' W is the inverse of P + 4e-4 I
+        both << root.transpose(), 0.02 * Eigen::Matrix4d::Identity();
+        const Eigen::Matrix4d whiten = linalg::inverse_of_triangle(linalg::upper_triangle(both)).transpose();
         double by[2] = {};
         for (const sd_afr_usual_t *usual : {&free, &known}) {
             const double pin = usual == &known ? 100 : 0; // a fifth reading: that the common part is 0, within 0.01
@@ -173,14 +218,14 @@ TEST(AfrJoint, BlameIsTheOneCylinderThatExplainsMost) {
             Eigen::Matrix<double, 5, 1> seen;
             seen << whiten * off, 0;
             design.col(0) << whiten * Eigen::Vector4d::Ones(), pin;
-            const auto left = [&](const auto &of) { return (seen - of * of.colPivHouseholderQr().solve(seen)).squaredNorm(); };
+            const auto left = [&](const auto &of) { return (seen - of * linalg::least_squares(of, seen)).squaredNorm(); };
             const double together = left(design.leftCols(1).eval());
             int best = 0;
             double most = 0;
             for (int i = 0; i < 4; ++i) {
                 design.col(1) << whiten * Eigen::Vector4d::Unit(i), 0;
                 const double explained = together - left(design);
-                if (explained > most) most = explained, best = i, by[usual == &known] = design.colPivHouseholderQr().solve(seen)(1);
+                if (explained > most) most = explained, best = i, by[usual == &known] = linalg::least_squares(design, seen)(1);
             }
             const sd_afr_blame_t blame = sd_afr_joint_blame(&f, usual);
             EXPECT_EQ(int(blame.cylinder), best) << round;
@@ -204,13 +249,13 @@ TEST(AfrJoint, ForgetsWhatIsNotANumber) {
     EXPECT_EQ(sd_afr_joint_status(&f).health, SD_INVALID);
     sd_exhaust_now_f32_t now{};
     now.charge = 0.1f, now.mass = 0.1f, now.share[0] = 0.02f;
-    for (int k = 0; k < 200; ++k) sd_afr_joint_step(&f, &now, k % 3 == 0 ? NAN : 0.5f, nullptr);
+    for (int k = 0; k < 2 + 33 * SD_AFR_GROUP; ++k) joint_step(f, now, k % 3 == 0 ? NAN : 0.5f, nullptr); // begins at k = 1
     EXPECT_EQ(sd_afr_joint_status(&f).health, SD_VALID);
     EXPECT_NEAR(double(sd_afr_joint_lambda(&f, 0)), 0.5, 1e-3);
-    sd_afr_joint_step(&f, &now, -1.5f, nullptr); // far off: left out
+    for (int k = 0; k < SD_AFR_GROUP; ++k) joint_step(f, now, k != 1 ? 0.5f : -1.5f, nullptr); // far off: its group is left out
     EXPECT_EQ(sd_afr_joint_status(&f).rejected, 1);
     EXPECT_EQ(sd_afr_joint_status(&f).health, SD_DEGRADED);
-    sd_afr_joint_step(&f, &now, 0.5f, nullptr);
+    for (int k = 0; k < SD_AFR_GROUP; ++k) joint_step(f, now, 0.5f, nullptr);
     EXPECT_EQ(sd_afr_joint_status(&f).health, SD_VALID);
     sd_afr_joint_config_t bad = c;
     bad.tau1_s = NAN;
@@ -223,7 +268,7 @@ TEST(AfrUego, BothFormsInvertTheSensorAndFixedPointFollowsFloat) {
     for (int k = 0; k < 120; ++k)
         sine.push_back(std::int32_t(std::lround(2147483647.0 * std::sin(2 * M_PI * k / 120))));
     const double dt = 6.667e-4, tau1 = 0.03, tau2 = 0.015;
-    const sd_uego_config_t c{120, 4, float(tau1), float(tau2), 0.005f, 0.1f, sine.data()};
+    const sd_uego_config_t c{120, 4, float(tau1), float(tau2), 0.005f, 0.1f};
     const sd_uego_gains_t gains = uego_gains({tau1, tau2, dt, 120, 4, 0.002, 0.02});
     const auto gas = [](double k) {
         return 0.5 + 0.05 * std::cos(2 * M_PI * k / 120) + 0.03 * std::sin(4 * M_PI * k / 120);
@@ -233,17 +278,17 @@ TEST(AfrUego, BothFormsInvertTheSensorAndFixedPointFollowsFloat) {
         sd_uego_q31_t q31;
         must(sd_uego_init_f32(&f32, &c));
         must(sd_uego_init_q31(&q31, &c));
-        sd_uego_set_f32(&f32, float(dt), form);
-        sd_uego_set_q31(&q31, float(dt), form);
+        sd_uego_set_f32(&f32, sine.data(), float(dt), form);
+        sd_uego_set_q31(&q31, sine.data(), float(dt), form);
         double lag2 = 0.5, lag1 = 0.5, worst = 0, unmoved = 0, apart = 0;
         for (int k = 0; k < 120 * 60; ++k) {
             for (int i = 1; i <= 20; ++i) { // fine steps
                 lag2 += (1 - std::exp(-dt / 20 / tau2)) * (gas(k - 1 + i / 20.0) - lag2);
                 lag1 += (1 - std::exp(-dt / 20 / tau1)) * (lag2 - lag1);
             }
-            const double u = double(sd_uego_step_f32(&f32, std::uint32_t(k % 120), float(lag1)));
+            const double u = double(sd_uego_step_f32(&f32, sine.data(), std::uint32_t(k % 120), float(lag1)));
             const double fixed = double(sd_to_float_q31(
-                sd_uego_step_q31(&q31, std::uint32_t(k % 120), sd_from_float_q31(float(lag1)))));
+                sd_uego_step_q31(&q31, sine.data(), std::uint32_t(k % 120), sd_from_float_q31(float(lag1)))));
             apart = std::max(apart, std::abs(u - fixed));
             // Samples are taken at the ends of positions here: no mean, and half a position less than SD_UEGO_LEAD.
             if (k >= 120 * 58) worst = std::max(worst, std::abs(u - gas(k - 1))), unmoved = std::max(unmoved, std::abs(u - gas(k)));

@@ -47,7 +47,11 @@ class Bench {
             const double believed = kDelay + 1.5 + double(kernel.learned.late_s) / kStep_s;
             for (int i = 0; i < 4; ++i) now.share[i] = float(flow(p + 0.5 - 30 * i - believed));
             const bool mark = p % 60 > 56; // missing teeth
-            sd_afr_delay_step(&kernel, &now, std::uint32_t(p), mark ? 100.0f : float(broken != 0 ? broken : 1 - lambda));
+            for (int i = 0; i < 4; ++i)
+                if (now.share[i] > 0) now.flowing[now.count++] = std::uint8_t(i);
+            sd_afr_inflow_t in;
+            sd_afr_inflow_of(&now, &in);
+            sd_afr_delay_step(&kernel, &in, std::uint32_t(p), mark ? 100.0f : float(broken != 0 ? broken : 1 - lambda));
         }
         std::array<float, 4> told; // of the gas that arrives from now on
         for (std::size_t i = 0; i < 4; ++i) told[i] = float(trim[i]);

@@ -238,8 +238,8 @@ TEST(AfrLoop, TheFilterTakesWhatItIsToldOfATrim) {
     const sd_afr_joint_config_t config{4, 0.03f, 0.015f, 2e-4f, 0.01f, 0.1f, 8};
     ASSERT_EQ(sd_afr_joint_init(&filter, &config), SD_OK);
     sd_afr_joint_move(&filter, 1, 0.1f); // not running: nothing to move
-    const sd_exhaust_now_f32_t now{};
-    sd_afr_joint_step(&filter, &now, 0.5f, nullptr);
+    const sd_afr_inflow_t nothing{};
+    sd_afr_joint_step(&filter, &nothing, 0.5f, nullptr);
     for (float bad : {NAN, INFINITY, 1.5f, -1.5f}) sd_afr_joint_move(&filter, 1, bad);
     sd_afr_joint_move(&filter, 4, 0.1f);
     for (std::uint32_t i = 0; i < 4; ++i) EXPECT_FLOAT_EQ(sd_afr_joint_lambda(&filter, i), 0.5f);

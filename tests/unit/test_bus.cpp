@@ -306,6 +306,7 @@ template <class Link> struct OnePercent {
 template <class Link> struct Wheel {
     using Packets = std::vector<typename Link::Packet>;
     Link link;
+    std::optional<StoredPage> page;
     std::unique_ptr<sd_ecu_t> ecu = std::make_unique<sd_ecu_t>();
     std::vector<sd_event_t> said; ///< By the ecu, not yet sent.
     std::map<std::uint32_t, int> true_tooth;
@@ -317,8 +318,8 @@ template <class Link> struct Wheel {
 
     Wheel() {
         TomlFile file(std::filesystem::path(SD_ENGINES) / "diesel_22.toml"), tune("tune", "");
-        const sd_calibration_t page = calibrate(read_engine(file), read_tune(tune), "tune");
-        EXPECT_EQ(SD_OK, sd_ecu_init(ecu.get(), &page));
+        page.emplace(calibrate(read_engine(file), read_tune(tune), "tune"));
+        EXPECT_EQ(SD_OK, sd_ecu_init(ecu.get(), page->view()));
     }
 
     static std::uint32_t receive(void *self, sd_event_t *events, std::uint32_t room) {
@@ -369,7 +370,7 @@ template <class Link> struct Wheel {
             events.push_back({tick + 500, SD_EVENT_SAMPLE, SD_INPUT_AIR_INTAKE_PRESSURE, bits(1.0f), 0});
             events.push_back({tick + 500, SD_EVENT_TIME, 0, 0, 0});
             for (const auto &packet : to_ecu(link.to_ecu(events))) link.at_ecu(packet);
-            sd_ecu_run(ecu.get(), &port);
+            sd_ecu_run(ecu.get(), page->view(), &port);
             for (const auto &packet : to_plant(link.to_plant(said))) link.at_plant(packet);
             answers.add(events_of(link.plant->in));
             for (const sd_event_t &event : events) {

@@ -39,12 +39,13 @@ const sd_calibration_t &page(const std::string &tune_text = "") {
 }
 
 struct Ecu {
+    StoredPage page;
     std::unique_ptr<sd_ecu_t> ecu = std::make_unique<sd_ecu_t>();
     std::unique_ptr<sd_inproc_t> wire = std::make_unique<sd_inproc_t>();
     sd_port_t ecu_side = sd_inproc_ecu_side(wire.get()), host_side = sd_inproc_host_side(wire.get());
     std::vector<sd_event_t> answers;
 
-    explicit Ecu(const sd_calibration_t &calibration) { EXPECT_EQ(SD_OK, sd_ecu_init(ecu.get(), &calibration)); }
+    explicit Ecu(const sd_calibration_t &calibration) : page(calibration) { EXPECT_EQ(SD_OK, sd_ecu_init(ecu.get(), page.view())); }
 
     const std::vector<sd_event_t> &send(std::uint16_t kind, std::uint32_t tick, std::uint16_t channel = 0, float value = 0) {
         sd_event_t event{tick, kind, channel, 0, 0};
@@ -54,7 +55,7 @@ struct Ecu {
 
     const std::vector<sd_event_t> &send(const sd_event_t &event) {
         EXPECT_EQ(1u, host_side.send(host_side.context, &event, 1));
-        sd_ecu_run(ecu.get(), &ecu_side);
+        sd_ecu_run(ecu.get(), page.view(), &ecu_side);
         answers.clear();
         sd_event_t answer;
         while (host_side.receive(host_side.context, &answer, 1) == 1) answers.push_back(answer);
@@ -71,20 +72,38 @@ float value_of(const sd_event_t &event) {
 TEST(CalibrationPage, ComesBackAsItWasAndIsRefusedWhenTouched) {
     const sd_calibration_t original = page("[torque]\nharmonics = 7\ngain_energy = 4.0\n");
     auto bytes = page_bytes(original);
-    sd_calibration_t back{};
-    ASSERT_EQ(SD_OK, sd_calibration_decode(&back, bytes.data(), std::uint32_t(bytes.size())));
-    EXPECT_EQ(bytes, page_bytes(back));
-    EXPECT_EQ(7.0f, back.parameters.torque_harmonics);
-    back.positions = 77;
-    for (std::size_t i = 0; i < bytes.size(); i += 3) {
-        auto broken = bytes;
-        broken[i] ^= 0x10;
-        ASSERT_EQ(SD_ERR_PAGE, sd_calibration_decode(&back, broken.data(), std::uint32_t(broken.size()))) << i;
+    const auto back = read_page({reinterpret_cast<const char *>(bytes.data()), bytes.size()});
+    ASSERT_TRUE(back);
+    EXPECT_EQ(bytes, page_bytes(*back));
+    EXPECT_EQ(7.0f, back->parameters.torque_harmonics);
+    std::vector<std::uint32_t> words((bytes.size() + 3) / 4 + 1);
+    auto *lying = reinterpret_cast<std::uint8_t *>(words.data());
+    std::memcpy(lying, bytes.data(), bytes.size());
+    const auto size = std::uint32_t(bytes.size());
+    ASSERT_EQ(lying, reinterpret_cast<const std::uint8_t *>(sd_calibration_view(lying, size))) << "read where it lies";
+    for (std::size_t i = 0; i < bytes.size(); i += 97) {
+        lying[i] ^= 0x10;
+        ASSERT_EQ(nullptr, sd_calibration_view(lying, size)) << i;
+        lying[i] ^= 0x10;
     }
-    for (std::uint32_t size = 0; size < bytes.size(); size += 13) {
-        ASSERT_EQ(SD_ERR_PAGE, sd_calibration_decode(&back, bytes.data(), size));
-    }
-    EXPECT_EQ(77, back.positions) << "a refused page changes nothing";
+    for (std::uint32_t less = 0; less < size; less += 13) ASSERT_EQ(nullptr, sd_calibration_view(lying, less));
+    std::memmove(lying + 1, lying, bytes.size());
+    EXPECT_EQ(nullptr, sd_calibration_view(lying + 1, size)) << "not aligned";
+}
+
+TEST(CalibrationPage, OfTheOtherByteOrderIsRefused) {
+    const auto bytes = page_bytes(page());
+    std::vector<std::uint32_t> words(bytes.size() / 4);
+    std::memcpy(words.data(), bytes.data(), 4 * words.size());
+    for (std::uint32_t &word : words) word = __builtin_bswap32(word);
+    EXPECT_EQ(nullptr, sd_calibration_view(words.data(), std::uint32_t(bytes.size())));
+}
+
+TEST(CalibrationPage, IsReadInPlaceWithoutItsUnusedTail) {
+    // StoredPage holds no byte beyond the used pool, and the sanitizers watch: the ecu runs from it.
+    EXPECT_LT(sd_calibration_bytes(&page()), sizeof(sd_calibration_t));
+    Ecu ecu(page());
+    EXPECT_EQ(page_bytes(page()).size(), ecu.page.view()->head.bytes);
 }
 
 TEST(CalibrationPage, BytesHaveAFixedOrder) {
@@ -93,9 +112,9 @@ TEST(CalibrationPage, BytesHaveAFixedOrder) {
     EXPECT_EQ('S', bytes[0]);
     EXPECT_EQ(bytes.size(), std::size_t(bytes[4] | bytes[5] << 8));
     float tick_hz;
-    std::memcpy(&tick_hz, &bytes[12], 4);
+    std::memcpy(&tick_hz, &bytes[20], 4);
     EXPECT_EQ(1e7f, tick_hz);
-    EXPECT_EQ(60, bytes[16]);
+    EXPECT_EQ(60, bytes[31]) << "positions";
 }
 
 double inertia_kgm2(const sd_calibration_t &c, int k) {
@@ -160,7 +179,7 @@ TEST(Ecu, TurnsEdgesIntoTorqueThroughTheStream) {
                 }
                 if (event.channel == SD_SIGNAL_CYCLE_SPEED) {
                     ++cycles;
-                    cylinders_valid += ecu.ecu->status[SD_OWNER_CYLINDER].health == SD_VALID;
+                    cylinders_valid += ecu.ecu->say.status[SD_OWNER_CYLINDER].health == SD_VALID;
                     if (cycles > 5) { EXPECT_NEAR(120 / (times[std::size_t(k)] - times[std::size_t(k - 120)]), double(value_of(event)), 0.1); }
                 }
             }
@@ -171,7 +190,7 @@ TEST(Ecu, TurnsEdgesIntoTorqueThroughTheStream) {
         EXPECT_GT(cycles, 25);
         EXPECT_GT(cylinders_valid, 15) << "phase known and observer settled";
         // Cylinder 1 has 30 % of nominal more fuel than cylinder 4: it must show in this order.
-        const float *torque = ecu.ecu->signals.cycle_cylinder_torque_nm;
+        const float *torque = ecu.ecu->say.signals.cycle_cylinder_torque_nm;
         EXPECT_GT(torque[0], torque[1]);
         EXPECT_GT(torque[2], torque[3]);
         EXPECT_GT(torque[0], torque[3]);
@@ -209,8 +228,8 @@ TEST(Ecu, CylindersAreDegradedWithoutIntakePressureAndInvalidWithoutAMap) {
             if (position % 60 < 58) ecu.send(SD_EVENT_CRANK_EDGE, tick);
             if (position == 25) ecu.send(SD_EVENT_CAM_EDGE, tick + 10);
         }
-        EXPECT_EQ(health, ecu.ecu->status[SD_OWNER_CYLINDER].health);
-        EXPECT_EQ(why, ecu.ecu->status[SD_OWNER_CYLINDER].why);
+        EXPECT_EQ(health, ecu.ecu->say.status[SD_OWNER_CYLINDER].health);
+        EXPECT_EQ(why, ecu.ecu->say.status[SD_OWNER_CYLINDER].why);
     }
 }
 
@@ -224,7 +243,7 @@ TEST(Ecu, StallMakesEverythingInvalidAndARestartWorks) {
         }
     };
     turn(0);
-    EXPECT_EQ(SD_VALID, ecu.ecu->status[SD_OWNER_CRANK].health);
+    EXPECT_EQ(SD_VALID, ecu.ecu->say.status[SD_OWNER_CRANK].health);
     const auto last = std::uint32_t(std::llround(times.back() * 1e7));
     const auto answers = ecu.send(SD_EVENT_TIME, last + 20000000u);
     ASSERT_FALSE(answers.empty());
@@ -235,7 +254,7 @@ TEST(Ecu, StallMakesEverythingInvalidAndARestartWorks) {
         if (event.channel == SD_SIGNAL_CRANK_SPEED) { EXPECT_EQ(0.0f, value_of(event)); }
     }
     turn(last + 30000000u);
-    EXPECT_EQ(SD_VALID, ecu.ecu->status[SD_OWNER_CRANK].health);
+    EXPECT_EQ(SD_VALID, ecu.ecu->say.status[SD_OWNER_CRANK].health);
 }
 
 /// What the clock event at `tick` brings of inputs: 0 of those that are stale, 1 of those never read.
@@ -323,17 +342,17 @@ TEST(Ecu, ParametersAreSetWithinTheirRangeAndRestored) {
     const char *const name = "torque.harmonics";
     EXPECT_EQ(Answer(SD_PARAMETER_OK, 5), ask(parameter(name, SD_PARAMETER_READ)));
     EXPECT_EQ(Answer(SD_PARAMETER_OK, 8), ask(parameter(name, SD_PARAMETER_SET, 8)));
-    EXPECT_EQ(8, ecu.ecu->torque.f32.harmonics) << "the block has it";
+    EXPECT_EQ(8, ecu.ecu->torque.observer.f32.harmonics) << "the block has it";
     EXPECT_EQ(Answer(SD_PARAMETER_RANGE, 8), ask(parameter(name, SD_PARAMETER_SET, 13)));
     EXPECT_EQ(Answer(SD_PARAMETER_RANGE, 8), ask(parameter(name, SD_PARAMETER_SET, NAN)));
     EXPECT_EQ(Answer(SD_PARAMETER_OK, 5), ask(parameter(name, SD_PARAMETER_READ_REFERENCE)));
     EXPECT_EQ(Answer(SD_PARAMETER_REFUSED, 1), ask(parameter("torque.gain_energy", SD_PARAMETER_SET, 37)))
         << "in range, and beyond what converges";
-    EXPECT_EQ(8, ecu.ecu->torque.f32.harmonics) << "a refused value leaves the block as it was";
+    EXPECT_EQ(8, ecu.ecu->torque.observer.f32.harmonics) << "a refused value leaves the block as it was";
     EXPECT_EQ(Answer(SD_PARAMETER_OK, 5), ask(parameter(name, SD_PARAMETER_RESTORE)));
     EXPECT_EQ(Answer(SD_PARAMETER_UNKNOWN, 0), ask(parameter("none", SD_PARAMETER_SET, 1)));
     EXPECT_EQ(Answer(SD_PARAMETER_OK, 1), ask(parameter("torque.fixed_point", SD_PARAMETER_SET, 1)));
-    EXPECT_EQ(5, ecu.ecu->torque.q31.harmonics);
+    EXPECT_EQ(5, ecu.ecu->torque.observer.q31.harmonics);
 }
 
 /// Some other value of a parameter that its block can run with.
@@ -356,13 +375,13 @@ auto fields(const sd_afr_config_t &c) {
 
 void expect_same_choices(const sd_ecu_t &a, const sd_ecu_t &b) {
     EXPECT_EQ(a.crank.config.stall_ticks, b.crank.config.stall_ticks);
-    if (a.calibration.parameters.torque_fixed_point > 0.5f)
-        EXPECT_EQ(0, std::memcmp(&a.torque.q31, &b.torque.q31, sizeof a.torque.q31));
+    if (a.working.torque_fixed_point > 0.5f)
+        EXPECT_EQ(0, std::memcmp(&a.torque.observer.q31, &b.torque.observer.q31, sizeof a.torque.observer.q31));
     else
-        EXPECT_EQ(0, std::memcmp(&a.torque.f32, &b.torque.f32, sizeof a.torque.f32));
-    EXPECT_EQ(fields(a.misfire.config), fields(b.misfire.config));
-    EXPECT_EQ(fields(a.balance.config), fields(b.balance.config));
-    EXPECT_EQ(fields(a.afr.config), fields(b.afr.config));
+        EXPECT_EQ(0, std::memcmp(&a.torque.observer.f32, &b.torque.observer.f32, sizeof a.torque.observer.f32));
+    EXPECT_EQ(fields(a.misfire.monitor.config), fields(b.misfire.monitor.config));
+    EXPECT_EQ(fields(a.trims.balance.config), fields(b.trims.balance.config));
+    EXPECT_EQ(fields(a.mixture.afr.config), fields(b.mixture.afr.config));
 }
 
 TEST(Ecu, ParametersSetAtRunTimeGiveThePageOfThoseSetAtTheStart) {
@@ -393,7 +412,9 @@ TEST(Ecu, ParametersSetAtRunTimeGiveThePageOfThoseSetAtTheStart) {
             parameters.firing_enabled = 1;
             fresh.kalman = calibrate(diesel(), parameters, "tune").kalman;
         }
-        EXPECT_EQ(page_bytes(fresh), page_bytes(ecu.ecu->calibration));
+        sd_calibration_t ruling = start;
+        ruling.parameters = ecu.ecu->working;
+        EXPECT_EQ(page_bytes(fresh), page_bytes(ruling));
         EXPECT_EQ(0, std::memcmp(&ecu.ecu->reference, &start.parameters, sizeof start.parameters)) << "never touched";
         expect_same_choices(*Ecu(fresh).ecu, *ecu.ecu);
     }
@@ -413,16 +434,16 @@ TEST(Ecu, TheWholePageIsRestoredAtOnceInWhateverOrderItsValuesDepend) {
     EXPECT_EQ(SD_PARAMETER_REFUSED, ask(ecu, parameter("misfire.definition", SD_PARAMETER_RESTORE)).first) << "alone it cannot go back";
     const sd_event_t all{0, SD_EVENT_PARAMETER, SD_PARAMETER_ALL, 0, SD_PARAMETER_RESTORE};
     EXPECT_EQ(Answer(SD_PARAMETER_OK, 0), ask(ecu, all));
-    EXPECT_EQ(page_bytes(start), page_bytes(ecu.ecu->calibration));
-    EXPECT_EQ(0.5f, ecu.ecu->misfire.config.definition);
-    EXPECT_EQ(5, ecu.ecu->torque.f32.harmonics);
+    EXPECT_EQ(0, std::memcmp(&start.parameters, &ecu.ecu->working, sizeof start.parameters));
+    EXPECT_EQ(0.5f, ecu.ecu->misfire.monitor.config.definition);
+    EXPECT_EQ(5, ecu.ecu->torque.observer.f32.harmonics);
     const sd_event_t none{0, SD_EVENT_PARAMETER, SD_PARAMETER_ALL, 0, SD_PARAMETER_SET};
     EXPECT_EQ(Answer(SD_PARAMETER_UNKNOWN, 0), ask(ecu, none));
 }
 
 TEST(Ecu, NothingIsValidBeforeTheFirstTooth) {
     Ecu ecu(page());
-    for (const sd_status_t &status : ecu.ecu->status) EXPECT_EQ(SD_INVALID, status.health);
+    for (const sd_status_t &status : ecu.ecu->say.status) EXPECT_EQ(SD_INVALID, status.health);
 }
 
 TEST(Ecu, AfterAGapTheAngleIsSoughtAfresh) {
@@ -435,13 +456,13 @@ TEST(Ecu, AfterAGapTheAngleIsSoughtAfresh) {
         }
     };
     turn(0, 300);
-    EXPECT_EQ(SD_VALID, ecu.ecu->status[SD_OWNER_CRANK].health);
+    EXPECT_EQ(SD_VALID, ecu.ecu->say.status[SD_OWNER_CRANK].health);
     for (const sd_event_t &event : ecu.send(SD_EVENT_GAP, 0)) EXPECT_EQ(SD_INVALID, event.flags & 0xff) << event.channel;
     turn(310, 312);
-    EXPECT_EQ(SD_INVALID, ecu.ecu->status[SD_OWNER_CRANK].health);
+    EXPECT_EQ(SD_INVALID, ecu.ecu->say.status[SD_OWNER_CRANK].health);
     turn(312, 600);
-    EXPECT_EQ(SD_VALID, ecu.ecu->status[SD_OWNER_CRANK].health);
-    EXPECT_EQ(57.0f, ecu.ecu->signals.crank_tooth) << "the right tooth, not the one ten before";
+    EXPECT_EQ(SD_VALID, ecu.ecu->say.status[SD_OWNER_CRANK].health);
+    EXPECT_EQ(57.0f, ecu.ecu->say.signals.crank_tooth) << "the right tooth, not the one ten before";
     EXPECT_EQ(1u, ecu.ecu->crank.counts.sync_losses);
 }
 
@@ -453,16 +474,16 @@ TEST(Ecu, IgnoresAndCountsWhatItDoesNotKnow) {
 
 TEST(Ecu, KeepsTheLatestSampleThatIsInRange) {
     Ecu ecu(page());
-    const auto &pressure = ecu.ecu->sample[SD_INPUT_AIR_INTAKE_PRESSURE];
-    EXPECT_EQ(0, pressure.seen);
+    const auto &pressure = ecu.ecu->inputs.reading[SD_INPUT_AIR_INTAKE_PRESSURE];
+    EXPECT_EQ(0u, ecu.ecu->inputs.seen);
     EXPECT_TRUE(ecu.send(SD_EVENT_SAMPLE, 7, SD_INPUT_AIR_INTAKE_PRESSURE, 1.25f).empty());
     ecu.send(SD_EVENT_SAMPLE, 8, SD_INPUT_AIR_INTAKE_PRESSURE, NAN);
     ecu.send(SD_EVENT_SAMPLE, 9, SD_INPUT_AIR_INTAKE_PRESSURE, 60);
     ecu.send(SD_EVENT_SAMPLE, 10, SD_INPUT_COUNT, 1);
-    EXPECT_EQ(3u, ecu.ecu->bad_samples);
+    EXPECT_EQ(3u, ecu.ecu->inputs.rejected);
     EXPECT_EQ(1.25f, pressure.value);
     EXPECT_EQ(7u, pressure.tick);
-    EXPECT_EQ(1, pressure.seen);
+    EXPECT_EQ(1u << SD_INPUT_AIR_INTAKE_PRESSURE, ecu.ecu->inputs.seen);
 }
 
 TEST(InprocPort, DropsAndCountsWhatDoesNotFit) {

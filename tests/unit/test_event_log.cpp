@@ -119,11 +119,12 @@ TEST_F(EventLogFile, WhateverStandsBehindRightChecksumsIsRefusedOrReplayed) {
         std::string bytes = whole.substr(0, whole.size() - 32);
         for (unsigned flips = 1 + random() % 3; flips > 0; --flips) {
             // Half of them near a beginning: of the page, or of the file.
-            const std::size_t at = random() % 2 ? random() % bytes.size() : (random() % 4 ? first + 12 + random() % 400 : random() % 64);
+            const std::size_t at = random() % 2 ? random() % bytes.size() : (random() % 4 ? first + sizeof(sd_page_head_t) + random() % 400 : random() % 64);
             bytes[at] = char(random() % 4 ? random() : 0xff);
         }
-        const std::uint32_t crc = crc32(bytes.substr(first, size - 4));
-        for (unsigned b = 0; b < 4; ++b) bytes[first + size - 4 + b] = char(crc >> (8 * b));
+        constexpr std::size_t head = sizeof(sd_page_head_t); // its last field is the checksum of all behind it
+        const std::uint32_t crc = crc32(bytes.substr(first + head, size - head));
+        for (unsigned b = 0; b < 4; ++b) bytes[first + head - 4 + b] = char(crc >> (8 * b));
         const std::string hex = sha256(bytes);
         for (std::size_t b = 0; b < 32; ++b) bytes += char(std::stoi(hex.substr(2 * b, 2), nullptr, 16));
         write_file(file, bytes);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The Cramer-Rao bound against a least-squares problem written out, and against the filter it bounds.
-#include <Eigen/Cholesky>
 
+#include "linalg/linalg.hpp"
 #include "studies/limits/firing_bound.hpp"
 #include "support/kalman_bench.hpp"
 
@@ -66,7 +66,7 @@ void expect_least_squares(const EngineFile &engine, double walk = 1e-7) {
     const int cycles = 4;
     const double edge = 2e-4, pattern = 3e-4;
     const Eigen::MatrixXd all = rows(model, cycles, edge, pattern, walk * std::sqrt(15.0));
-    const Eigen::MatrixXd variance = (all.transpose() * all).ldlt().solve(Eigen::MatrixXd::Identity(all.cols(), all.cols()));
+    const Eigen::MatrixXd variance = linalg::solve_symmetric(all.transpose() * all, Eigen::MatrixXd::Identity(all.cols(), all.cols()));
     // The firings read in the last cycle: which unknowns they are follows from the order of injections.
     std::vector<int> now{3, 4, 5, 6}, read(4);
     int next = 7;

@@ -59,7 +59,7 @@ TEST(Kalman, FindsEveryFiringAndTheWaveform) {
         double worst = 0;
         bench.on_tooth = [&] {
             const double alpha = 2 * M_PI * bench.k / kPositions;
-            worst = std::max(worst, std::abs(double(bench.filter.torque_nm) - signal.torque(alpha)));
+            worst = std::max(worst, std::abs(double(sd_kalman_torque(&bench.kalman, &bench.tables, 0, std::uint32_t(bench.k % kCycle))) - signal.torque(alpha)));
         };
         bench.run(102);
         EXPECT_LT(worst, 5e-3 * signal.peak_to_peak()) << rpm;
@@ -79,7 +79,7 @@ TEST(Kalman, FourierBasisFollowsTheSameTorque) {
     bench.run(20);
     double square = 0;
     int count = 0;
-    bench.on_tooth = [&] { square += std::pow(double(bench.filter.torque_nm) - signal.torque(2 * M_PI * bench.k / kPositions), 2), ++count; };
+    bench.on_tooth = [&] { square += std::pow(double(sd_kalman_torque(&bench.kalman, &bench.tables, 0, std::uint32_t(bench.k % kCycle))) - signal.torque(2 * M_PI * bench.k / kPositions), 2), ++count; };
     bench.run(22);
     EXPECT_LT(std::sqrt(square / count), 0.03 * signal.peak_to_peak()) << "12 harmonics leave out 2.6 %";
     EXPECT_TRUE(bench.firings.empty());
@@ -155,9 +155,9 @@ TEST(Kalman, BadInputsNeverGiveNan) {
     Bench bench(pulse_tables().tables, Edges(signal, 0.01, 0, 3));
     std::mt19937 random(7);
     const auto sane = [&] {
-        ASSERT_TRUE(std::isfinite(bench.filter.torque_nm));
-        ASSERT_TRUE(std::isfinite(bench.filter.energy_j));
-        for (float x : bench.filter.coefficient_nm) ASSERT_TRUE(std::isfinite(x));
+        ASSERT_TRUE(std::isfinite(sd_kalman_torque(&bench.kalman, &bench.tables, 0, 7)));
+        ASSERT_TRUE(std::isfinite(bench.motion().energy_j));
+        for (float x : bench.motion().coefficient_nm) ASSERT_TRUE(std::isfinite(x));
     };
     bench.on_tooth = [&] {
         sane();
@@ -173,7 +173,7 @@ TEST(Kalman, BadInputsNeverGiveNan) {
         tooth.period_ticks = random() % 3 == 0 ? std::uint32_t(random()) : random() % 200000;
         tooth.trusted = random() % 2;
         tooth.intake_bar = float(random() % 12);
-        sd_kalman_step(&bench.filter, &bench.tables, &tooth, &firing);
+        sd_kalman_step(&bench.kalman, &bench.tables, &tooth, &firing);
         sane();
         ASSERT_TRUE(std::isfinite(firing.torque_nm) && std::isfinite(firing.sd_nm) && std::isfinite(firing.mean_sd_nm));
     }
@@ -182,7 +182,7 @@ TEST(Kalman, BadInputsNeverGiveNan) {
     bench.tooth.trusted = 1, bench.tooth.intake_bar = 1;
     bench.firings.clear();
     bench.run(50);
-    EXPECT_EQ(sd_kalman_status(&bench.filter).health, SD_VALID);
+    EXPECT_EQ(sd_kalman_status(&bench.kalman, 0).health, SD_VALID);
     const double truth = signal.fuel[bench.firings.back().said.index] * pulse_mean();
     EXPECT_NEAR(double(bench.firings.back().said.torque_nm), truth, 0.02 * truth);
 }
@@ -190,16 +190,16 @@ TEST(Kalman, BadInputsNeverGiveNan) {
 TEST(Kalman, SaysWhenItCannotBeTrusted) {
     TorqueSignal signal;
     Bench bench(pulse_tables().tables, Edges(signal, 0, 0, 1));
-    EXPECT_EQ(sd_kalman_status(&bench.filter).health, SD_INVALID);
+    EXPECT_EQ(sd_kalman_status(&bench.kalman, 0).health, SD_INVALID);
     bench.run(1);
-    EXPECT_EQ(sd_kalman_status(&bench.filter).why, SD_WHY_CONVERGING);
+    EXPECT_EQ(sd_kalman_status(&bench.kalman, 0).why, SD_WHY_CONVERGING);
     bench.run(10);
-    EXPECT_EQ(sd_kalman_status(&bench.filter).health, SD_VALID);
+    EXPECT_EQ(sd_kalman_status(&bench.kalman, 0).health, SD_VALID);
     bench.tooth.intake_bar = NAN;
     bench.run(11);
-    EXPECT_EQ(sd_kalman_status(&bench.filter).health, SD_DEGRADED);
-    sd_kalman_restart(&bench.filter);
-    EXPECT_EQ(sd_kalman_status(&bench.filter).health, SD_INVALID);
+    EXPECT_EQ(sd_kalman_status(&bench.kalman, 0).health, SD_DEGRADED);
+    sd_kalman_restart(&bench.kalman);
+    EXPECT_EQ(sd_kalman_status(&bench.kalman, 0).health, SD_INVALID);
 }
 
 /// Mean square error of a firing less the mean of its cycle, share of the mean torque, for each cycle read whole.
@@ -239,7 +239,7 @@ TEST(Kalman, RefusesTablesOutOfRange) {
     const auto refused = [&](auto change) {
         sd_kalman_tables_t tables = pulse_tables().tables;
         change(tables);
-        return sd_kalman_init(&filter, &tables, &kChoice) == SD_ERR_CONFIG && std::memcmp(&filter, &before, sizeof filter) == 0;
+        return sd_kalman_init(&filter, &tables, &kChoice, 1) == SD_ERR_CONFIG && std::memcmp(&filter, &before, sizeof filter) == 0;
     };
     EXPECT_TRUE(refused([](auto &t) { t.positions = 61; }));
     EXPECT_TRUE(refused([](auto &t) { t.coefficients = 0; }));
@@ -248,15 +248,23 @@ TEST(Kalman, RefusesTablesOutOfRange) {
     EXPECT_TRUE(refused([](auto &t) { t.sets = 3; }));
     EXPECT_TRUE(refused([](auto &t) { t.load_sd_nm[5] = -1; }));
     EXPECT_TRUE(refused([](auto &t) { t.firings = 5; }));
-    EXPECT_TRUE(refused([](auto &t) { t.read_position[2] = 120; }));
+    EXPECT_TRUE(refused([](auto &t) { t.pool[7 * t.row_words].at.read = 5; }));
     EXPECT_TRUE(refused([](auto &t) { t.speed_radps[1] = t.speed_radps[0]; }));
-    EXPECT_TRUE(refused([](auto &t) { t.pool[17] = NAN; }));
+    EXPECT_TRUE(refused([](auto &t) { t.pool[17].value = NAN; }));
     EXPECT_TRUE(refused([](auto &t) { t.shape_min_nm = -1; }));
     EXPECT_TRUE(refused([](auto &t) { t.shapes = 2; }));
+    EXPECT_TRUE(refused([](auto &t) { t.window = t.coefficients; }));
+    EXPECT_TRUE(refused([](auto &t) { t.row_words++; }));
+    EXPECT_TRUE(refused([](auto &t) { t.gains_at++; }));
+    EXPECT_TRUE(refused([](auto &t) { t.teeth--; }));
+    EXPECT_TRUE(refused([](auto &t) { t.pitch_rad = 0; }));
+    EXPECT_TRUE(refused([](auto &t) { t.gain_scale[1][2] = NAN; }));
+    EXPECT_TRUE(refused([](auto &t) { t.pool[3 * t.row_words].at.first = 4; }));
+    EXPECT_TRUE(refused([](auto &t) { t.pool[3 * t.row_words].at.close = 16; }));
     EXPECT_TRUE(refused([](auto &t) { t.mean_share[3] = NAN; }));
     EXPECT_TRUE(refused([](auto &t) { t.learned_nm_per_bar[0] = -1; }));
-    EXPECT_TRUE(refused([](auto &t) { t.known[1][5] = INFINITY; }));
-    EXPECT_TRUE(refused([](auto &t) { t.inertia_tooth_kgm2[59] = 0; }));
+    EXPECT_TRUE(refused([](auto &t) { t.pool[5 * t.row_words + SD_ROW_KNOWN + 1].value = INFINITY; }));
+    EXPECT_TRUE(refused([](auto &t) { t.pool[59 * t.row_words + SD_ROW_TOOTH].value = INFINITY; }));
     EXPECT_FALSE(refused([](auto &) {}));
 }
 

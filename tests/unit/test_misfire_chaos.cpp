@@ -27,8 +27,8 @@ class Chaos {
   public:
     /// harm: 1, or 0 for a chain without fault.
     Chaos(const Scenario &scenario, std::uint64_t seed, double harm = 1) : random_(seed, 99), harm_(harm) {
-        const sd_calibration_t page = calibrate(scenario.engine.shared, read_tune(*std::make_unique<TomlFile>("t", "")), "t");
-        EXPECT_EQ(SD_OK, sd_ecu_init(ecu_.get(), &page));
+        page_.emplace(calibrate(scenario.engine.shared, read_tune(*std::make_unique<TomlFile>("t", "")), "t"));
+        EXPECT_EQ(SD_OK, sd_ecu_init(ecu_.get(), page_->view()));
     }
 
     void edge(const EncoderEdge &edge, double intake_bar, double fuel_mg) {
@@ -92,7 +92,7 @@ class Chaos {
         sd_event_t event{std::uint32_t(std::uint64_t(std::floor(time_s * kTickHz)) + 0xfff00000u), kind, channel, 0, flags};
         std::memcpy(&event.value, &value, sizeof value);
         ASSERT_EQ(1u, host_side_.send(host_side_.context, &event, 1));
-        sd_ecu_run(ecu_.get(), &ecu_side_);
+        sd_ecu_run(ecu_.get(), page_->view(), &ecu_side_);
         sd_event_t answer;
         while (host_side_.receive(host_side_.context, &answer, 1) == 1) check(answer);
     }
@@ -114,6 +114,7 @@ class Chaos {
 
     RandomStream random_;
     double harm_;
+    std::optional<StoredPage> page_;
     std::unique_ptr<sd_ecu_t> ecu_ = std::make_unique<sd_ecu_t>();
     std::unique_ptr<sd_inproc_t> wire_ = std::make_unique<sd_inproc_t>();
     sd_port_t ecu_side_ = sd_inproc_ecu_side(wire_.get()), host_side_ = sd_inproc_host_side(wire_.get());

@@ -91,9 +91,9 @@ TEST(ModelError, TheFilterLearnsThePulsesShape) {
         };
         Bench with(learning.tables, Edges(signal, 0, 0, 1)), without(stiff.tables, Edges(signal, 0, 0, 1));
         EXPECT_LT(worst(with), 0.2 * worst(without)) << rpm;
-        EXPECT_NEAR(double(with.filter.shape), -0.5, 0.05) << rpm;
-        sd_kalman_restart(&with.filter);
-        EXPECT_NEAR(double(with.filter.shape), -0.5, 0.05) << "kept";
+        EXPECT_NEAR(double(with.kalman.shape), -0.5, 0.05) << rpm;
+        sd_kalman_restart(&with.kalman);
+        EXPECT_NEAR(double(with.kalman.shape), -0.5, 0.05) << "kept";
     }
 }
 
@@ -103,9 +103,9 @@ TEST(ModelError, TheShapeStandsStillWithoutCombustion) {
     signal.fuel = {0, 0, 0, 0};
     Bench bench(made.tables, Edges(signal, 0.05, 0, 1));
     const_cast<sd_kalman_tables_t &>(bench.tables).shape_min_nm = 20;
-    bench.filter.shape = 0.3f;
+    bench.kalman.shape = 0.3f;
     bench.run(50);
-    EXPECT_EQ(0.3f, bench.filter.shape);
+    EXPECT_EQ(0.3f, bench.kalman.shape);
 }
 
 TEST(ModelError, StatedDeviationsHoldWhatIsNotKnown) {
@@ -123,7 +123,7 @@ TEST(ModelError, StatedDeviationsHoldWhatIsNotKnown) {
     const double share = std::pow(0.02 * 0.95 * pulse_mean(), 2) + 0.01 * spread;
     EXPECT_NEAR(added(&sd_firing_t::sd_nm) / (share + 9), 1, 0.03);
     EXPECT_NEAR(added(&sd_firing_t::mean_sd_nm) / (share + 9), 1, 0.03);
-    std::fill_n(doubting.filter.zero_nm_per_bar, 4, 1e-3f);
+    std::fill_n(doubting.kalman.zero_nm_per_bar, 4, 1e-3f);
     doubting.run(61);
     EXPECT_NEAR(added(&sd_firing_t::sd_nm) / (share + 1), 1, 0.03) << "zeros learned";
 }

@@ -41,7 +41,7 @@ double rms_error_deg(const sd_pattern_t &pattern, const std::vector<double> &tru
 
 sd_pattern_t fresh() {
     sd_pattern_t pattern;
-    sd_pattern_init(&pattern, &pulse_tables().tables, &kChoice);
+    sd_pattern_init(&pattern, &pulse_tables().tables);
     return pattern;
 }
 
@@ -108,7 +108,7 @@ TEST(Pattern, ZerosAreReadingsOverChargeLessTheirMean) {
     // And the filter takes them out by the charge that the cylinder holds.
     TorqueSignal signal;
     Bench with(tables, Edges(signal, 0, 0, 1)), without(tables, Edges(signal, 0, 0, 1));
-    with.filter.zero_nm_per_bar[2] = 7;
+    with.kalman.zero_nm_per_bar[2] = 7;
     with.tooth.intake_bar = without.tooth.intake_bar = 1.5f;
     with.run(20), without.run(20);
     for (std::size_t i = 0; i < with.firings.size(); ++i) {

@@ -93,8 +93,7 @@ TEST(Road, TheSecondSetOfGainsIsNoisierAndSaysSo) {
     signal.rpm = 1000;
     double spread[2], stated[2], noise[2];
     for (std::uint8_t set : {0, 1}) {
-        Bench bench(pulse_tables().tables, Edges(signal, 0.02, 0, 5));
-        bench.filter.set = set;
+        Bench bench(pulse_tables().tables, Edges(signal, 0.02, 0, 5), set);
         bench.run(80);
         double sum = 0, squares = 0;
         int n = 0;

@@ -84,10 +84,11 @@ TEST(Twist, SwingsAsTheClosedForm) {
         const KalmanTables made = kalman_tables(engine, none, {});
         const sd_kalman_mode_t &mode = made.tables.mode[0];
         sd_kalman_t filter;
-        ASSERT_EQ(sd_kalman_init(&filter, &made.tables, &kChoice), SD_OK);
+        ASSERT_EQ(sd_kalman_init(&filter, &made.tables, &kChoice, 1), SD_OK);
         const double w = 20; // slow: a pitch is a long time
-        filter.running = 1, filter.energy_j = float(0.5 * double(made.tables.inertia_mean_kgm2) * w * w);
-        filter.twist_rad[0] = 0.1f;
+        sd_motion_t &motion = filter.filter[0].motion;
+        filter.filter[0].running = 1, motion.energy_j = float(0.5 * double(made.tables.inertia_mean_kgm2) * w * w);
+        motion.twist_rad[0] = 0.1f;
         sd_kalman_tooth_t tooth{};
         tooth.advance = 1, tooth.intake_bar = 1;
         sd_firing_t firing;
@@ -97,7 +98,7 @@ TEST(Twist, SwingsAsTheClosedForm) {
             sd_kalman_step(&filter, &made.tables, &tooth, &firing);
             const double z = double(mode.damping), f = double(mode.frequency_radps), t = k * 2 * M_PI / 60 / w, root = std::sqrt(1 - z * z);
             const double twist = 0.1 * std::exp(-z * f * t) * (std::cos(root * f * t) + z / root * std::sin(root * f * t));
-            EXPECT_NEAR(double(filter.twist_rad[0]), twist, 2e-5) << stiffness << " Nm/rad, tooth " << k;
+            EXPECT_NEAR(double(motion.twist_rad[0]), twist, 2e-5) << stiffness << " Nm/rad, tooth " << k;
         }
     }
 }
@@ -218,7 +219,7 @@ const sd_kalman_tables_t &twisting_tables() {
 TEST(Twist, FrequencyIsLearnedWhileMotored) {
     for (double ratio : {0.95, 0.985, 1.0, 1.05}) {
         sd_pattern_t pattern;
-        sd_pattern_init(&pattern, &twisting_tables(), &kChoice);
+        sd_pattern_init(&pattern, &twisting_tables());
         for (double rpm : {4060.0, 3160.0}) motor(pattern, twisting_tables(), ratio, rpm, 60, 0.02);
         const double error = double(pattern.sums.twist.deviation) - (ratio - 1), stated = double(sd_twist_sd(&pattern.sums.twist));
         EXPECT_LT(std::abs(error), 0.0025) << ratio;
@@ -238,9 +239,9 @@ TEST(Twist, AFasterModeIsTheSameModeAtALowerSpeed) {
     }
     // And so the firmware takes the gains, the frequencies and the twist that a torque holds.
     sd_kalman_t filter;
-    ASSERT_EQ(sd_kalman_init(&filter, &twisting_tables(), &kChoice), SD_OK);
+    ASSERT_EQ(sd_kalman_init(&filter, &twisting_tables(), &kChoice, 1), SD_OK);
     const sd_twist_sums_t sums{0.04f, 1e-6f, 0};
-    sd_twist_tune(&sums, &filter);
+    filter.tuning = sd_twist_tuning(&sums);
     EXPECT_FLOAT_EQ(filter.tuning.frequency, 1.04f);
     EXPECT_FLOAT_EQ(filter.tuning.gain_speed, 1 / 1.04f);
     EXPECT_FLOAT_EQ(filter.tuning.compliance, 1 / (1.04f * 1.04f));
@@ -250,11 +251,11 @@ TEST(Twist, AFasterModeIsTheSameModeAtALowerSpeed) {
 
 TEST(Twist, KeptFrequencyGoesOnAndAWrongOneIsRefused) {
     sd_pattern_t pattern;
-    sd_pattern_init(&pattern, &twisting_tables(), &kChoice);
+    sd_pattern_init(&pattern, &twisting_tables());
     sd_pattern_sums_t sums = pattern.sums;
     sums.twist = {0.03f, 1e-7f, 1e-4f};
     ASSERT_EQ(sd_pattern_resume(&pattern, &twisting_tables(), &sums), SD_OK);
-    EXPECT_FLOAT_EQ(pattern.free.tuning.frequency, 1.03f);
+    EXPECT_FLOAT_EQ(pattern.tuning.frequency, 1.03f);
     motor(pattern, twisting_tables(), 1.03, 4500, 20, 0);
     EXPECT_NEAR(double(pattern.sums.twist.deviation), 0.03, 0.001);
     const auto refused = [&](sd_twist_sums_t twist, const sd_kalman_tables_t &tables) {
@@ -273,11 +274,12 @@ TEST(Twist, BadTeethNeverGiveNan) {
     const KalmanTables made = kalman_tables(with_torsion(true), known_torque(), {});
     ASSERT_EQ(made.tables.modes, 2);
     sd_kalman_t filter;
-    ASSERT_EQ(sd_kalman_init(&filter, &made.tables, &kChoice), SD_OK);
+    ASSERT_EQ(sd_kalman_init(&filter, &made.tables, &kChoice, 1), SD_OK);
     std::mt19937 random(7);
     sd_firing_t firing{};
     sd_pattern_t pattern;
-    sd_pattern_init(&pattern, &made.tables, &kChoice);
+    sd_pattern_init(&pattern, &made.tables);
+    const sd_motion_t &motion = filter.filter[0].motion;
     for (int i = 0; i < 20000; ++i) {
         sd_kalman_tooth_t tooth{};
         tooth.cycle_position = std::uint16_t(i % 300 < 200 ? i % 120 : random() % 130);
@@ -288,9 +290,9 @@ TEST(Twist, BadTeethNeverGiveNan) {
         sd_kalman_step(&filter, &made.tables, &tooth, &firing);
         sd_pattern_step(&pattern, &made.tables, &tooth);
         ASSERT_TRUE(std::isfinite(pattern.sums.twist.deviation) && pattern.sums.twist.variance > 0) << i;
-        ASSERT_TRUE(std::isfinite(filter.energy_j) && std::isfinite(filter.torque_nm) && std::isfinite(firing.sd_nm)) << i;
-        for (std::size_t m = 0; m < 2; ++m) ASSERT_TRUE(std::isfinite(filter.twist_rad[m]) && std::isfinite(filter.swing_rad[m])) << i;
-        for (float x : filter.coefficient_nm) ASSERT_TRUE(std::isfinite(x)) << i;
+        ASSERT_TRUE(std::isfinite(motion.energy_j) && std::isfinite(sd_kalman_torque(&filter, &made.tables, 0, 7)) && std::isfinite(firing.sd_nm)) << i;
+        for (std::size_t m = 0; m < 2; ++m) ASSERT_TRUE(std::isfinite(motion.twist_rad[m]) && std::isfinite(motion.swing_rad[m])) << i;
+        for (float x : motion.coefficient_nm) ASSERT_TRUE(std::isfinite(x)) << i;
     }
 }
 
@@ -300,11 +302,11 @@ TEST(Twist, ModesOutOfRangeAreRefused) {
     const auto refused = [&](auto change) {
         sd_kalman_tables_t tables = made.tables;
         change(tables);
-        return sd_kalman_init(&filter, &tables, &kChoice) == SD_ERR_CONFIG;
+        return sd_kalman_init(&filter, &tables, &kChoice, 1) == SD_ERR_CONFIG;
     };
     EXPECT_TRUE(refused([](auto &t) { t.modes = 3; }));
     EXPECT_TRUE(refused([](auto &t) { t.firings = 0; }));
-    EXPECT_TRUE(refused([](auto &t) { t.close_position[1] = 120; }));
+    EXPECT_TRUE(refused([](auto &t) { t.pool[9 * t.row_words].at.close = 16; }));
     EXPECT_TRUE(refused([](auto &t) { t.mode[1].frequency_radps = NAN; }));
     EXPECT_TRUE(refused([](auto &t) { t.mode[0].damping = 1; }));
     EXPECT_TRUE(refused([](auto &t) { t.mode[0].cylinder_radpnm[3] = INFINITY; }));

@@ -133,6 +133,7 @@ typedef struct sd_rate_info {
     const char *name;
     float period_s;           ///< 0: when the crank says so.
     const uint16_t *channels; ///< Of its signals, ascending,
+    const uint8_t *owners;    ///< the sd_owner_t of each,
     uint32_t count;           ///< and how many; at least 1.
 } sd_rate_info_t;
 
@@ -187,13 +188,19 @@ def owner_infos(table):
     return out + ["};"]
 
 
+def c_list(type_, name, values):
+    rows = ["    " + ", ".join(values[i:i + 8]) + "," for i in range(0, len(values), 8)]
+    return [f"static const {type_} {name}[] = {{"] + rows + ["};"]
+
+
 def rate_infos(table):
     lists, infos = [], ["const sd_rate_info_t sd_rate_infos[SD_RATE_COUNT] = {"]
     for entry in table["rate"]:
-        of_rate = [str(channel) for channel, signal, _ in bus.channels(table) if signal["rate"] == entry["name"]]
-        lists.append(f"static const uint16_t channels_{entry['name']}[] = {{")
-        lists += ["    " + ", ".join(of_rate[i:i + 20]) + "," for i in range(0, len(of_rate), 20)] + ["};"]
-        infos.append(f'    {{ "{entry["name"]}", {number(entry.get("period", 0))}, channels_{entry["name"]}, {len(of_rate)}u }},')
+        name = entry["name"]
+        of_rate = [(str(channel), signal["owner"]) for channel, signal, _ in bus.channels(table) if signal["rate"] == name]
+        lists += c_list("uint16_t", f"channels_{name}", [channel for channel, _ in of_rate])
+        lists += c_list("uint8_t", f"owners_{name}", [f"SD_OWNER_{owner.upper()}" for _, owner in of_rate])
+        infos.append(f'    {{ "{name}", {number(entry.get("period", 0))}, channels_{name}, owners_{name}, {len(of_rate)}u }},')
     return lists + infos + ["};"]
 
 

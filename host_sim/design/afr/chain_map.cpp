@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "design/afr/chain_map.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <limits>
 #include <vector>
+
+#include "linalg/linalg.hpp"
 extern "C" {
-#include "sd_ecu_afr.h"
+#include "sd_stage_mixture.h"
 }
 
 namespace sixdeg {
@@ -38,16 +39,17 @@ double radius_here(const sd_afr_t &settled, const sd_afr_tables_t &tables) {
         if (afr.chain.observer.steps != afr.config.cycle_positions) return std::numeric_limits<double>::infinity();
         for (Eigen::Index j = 0; j < size; ++j) map(j, i) = double(*x[std::size_t(j)] / kSmall);
     }
-    return map.eigenvalues().cwiseAbs().maxCoeff();
+    return linalg::spectral_radius(map);
 }
 
 } // namespace
 
 double chain_radius(const sd_calibration_t &page) {
-    sd_afr_t afr;
+    sd_stage_mixture_t stage;
     if (page.afr.present == 0 || page.parameters.afr_method < 1.5f) return 0;
-    if (sd_ecu_afr_init(&afr, &page) != SD_OK) return std::numeric_limits<double>::infinity();
-    const sd_afr_tables_t tables = sd_ecu_afr_tables(&page);
+    if (sd_stage_mixture_init(&stage, &page, &page.parameters) != SD_OK) return std::numeric_limits<double>::infinity();
+    sd_afr_t &afr = stage.afr;
+    const sd_afr_tables_t tables{&page.afr, page.fourier.sine_q31};
     double worst = 0;
     for (int half = 0; half <= 2 * (SD_AFR_SPEEDS - 1); ++half) {
         const float speed = 0.5f * (page.afr.speed_radps[half / 2] + page.afr.speed_radps[(half + 1) / 2]);

@@ -3,10 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "design/torque/pulse.hpp"
 #include "design/crank/slider_crank.hpp"
 #include "design/afr/uego_gains.hpp"
+#include "linalg/linalg.hpp"
 
 namespace sixdeg {
 namespace {
@@ -18,17 +20,31 @@ constexpr double kCoolingWpk = 4, kWallK = 500; // of the manifold
 constexpr double kStepDeg = 0.25, kRadPerDeg = M_PI / 180;
 constexpr int kCycles = 6, kFirings = 3; // until the manifold repeats itself, and the cylinder's rest
 
+/// Of a pressure ratio down/up and its power 1/gamma.
+double psi(double ratio, double root) {
+    static const double choked = std::pow(2 / (kGamma + 1), kGamma / (kGamma - 1)), choked_root = std::pow(choked, 1 / kGamma);
+    if (ratio <= choked) ratio = choked, root = choked_root;
+    return std::sqrt(2 * kGamma / (kGamma - 1) * (root * root - root * ratio));
+}
+
 double psi(double z) { // over z = upstream/downstream pressure
-    const double choke = std::pow((kGamma + 1) / 2, kGamma / (kGamma - 1)), r = 1 / std::clamp(z, 1.0, choke);
-    return std::sqrt(2 * kGamma / (kGamma - 1) *
-                     (std::pow(r, 2 / kGamma) - std::pow(r, (kGamma + 1) / kGamma)));
+    const double ratio = std::min(1 / z, 1.0);
+    return psi(ratio, std::pow(ratio, 1 / kGamma));
+}
+
+/// (1 + x)^gamma: the binomial series while x is small, 1e-14 off.
+double isentropic(double x) {
+    if (std::abs(x) > 0.01) return std::pow(1 + x, kGamma);
+    constexpr double c1 = kGamma, c2 = c1 * (kGamma - 1) / 2, c3 = c2 * (kGamma - 2) / 3, c4 = c3 * (kGamma - 3) / 4,
+                     c5 = c4 * (kGamma - 4) / 5, c6 = c5 * (kGamma - 5) / 6;
+    return 1 + x * (c1 + x * (c2 + x * (c3 + x * (c4 + x * (c5 + x * c6)))));
 }
 
 struct Gas { // of an open cylinder; entropy stays, so pressure follows mass and volume
     double kg, pa, m3;
     double kelvin() const { return pa * m3 / (kg * kR); }
     void change(double new_kg, double new_m3) {
-        pa *= std::pow(new_kg / kg * m3 / new_m3, kGamma);
+        pa *= isentropic(new_kg / kg * m3 / new_m3 - 1);
         kg = new_kg, m3 = new_m3;
     }
 };
@@ -38,23 +54,52 @@ struct Trim {
     double charge = 1, area = 1, heat = 1;
 };
 
+} // namespace
+
+/// What depends on the crank's angle only, and is the same at every operating point.
+struct TrimmedExhaust::Turn {
+    struct Passage { ///< Of a cylinder over one step.
+        double theta, area, volume; ///< rad from firing TDC; m2 of its exhaust valve; m3.
+    };
+
+    explicit Turn(const EngineFile &engine) : piston(engine), opening_pa(exhaust_opening(engine)), passages(engine.firing_tdc_deg.size()) {
+        const double open_rad = kRadPerDeg * engine.exhaust_open_deg, close_rad = engine.exhaust->valve_close_rad;
+        for (std::size_t i = 0; i < passages.size(); ++i) {
+            for (int step = 0; step < steps; ++step) {
+                double theta = step * step_rad - engine.firing_tdc_deg[i] * kRadPerDeg;
+                if (theta < 0) theta += 4 * M_PI;
+                const double x = (theta - open_rad) / (close_rad - open_rad);
+                const double area = x <= 0 || x >= 1 ? 0 : engine.exhaust->valve_area_m2 * std::pow(std::sin(M_PI * x), 2);
+                passages[i].push_back({theta, area, piston.volume(theta)});
+            }
+        }
+    }
+
+    const double step_rad = kStepDeg * kRadPerDeg;
+    const int steps = int(std::lround(720 / kStepDeg));
+    const SliderCrank piston;
+    const std::function<double(const PulseConditions &)> opening_pa;
+    std::vector<std::vector<Passage>> passages; ///< [cylinder][step]
+};
+
+namespace {
+
 class Blowdown {
   public:
-    Blowdown(const EngineFile &engine, double speed, double intake_pa, double lambda, const Trim &trim)
-        : engine_(engine), exhaust_(*engine.exhaust), open_rad_(kRadPerDeg * engine.exhaust_open_deg),
-          piston_(engine), speed_(speed),
+    Blowdown(const EngineFile &engine, const TrimmedExhaust::Turn &turn, double speed, double intake_pa, double lambda, const Trim &trim)
+        : engine_(engine), exhaust_(*engine.exhaust), turn_(turn), speed_(speed),
           area_(trim.area * exhaust_.turbine_area_m2.at(speed)), heat_(trim.heat),
-          trapped_(trim.charge * exhaust_.flow_factor * intake_pa * piston_.volume(kRadPerDeg * engine.intake_close_deg) /
+          trapped_(trim.charge * exhaust_.flow_factor * intake_pa * turn.piston.volume(kRadPerDeg * engine.intake_close_deg) /
                    (kR * kChargeK)),
           lambda_(lambda), intake_pa_(intake_pa), rest_(0.05 * trapped_),
           share_(std::size_t(2 * engine.wheel.positions), 0.0),
-          gas_(engine.firing_tdc_deg.size(), Gas{trapped_, kAmbientPa, piston_.volume(M_PI)}) {}
+          gas_(engine.firing_tdc_deg.size(), Gas{trapped_, kAmbientPa, turn.piston.volume(M_PI)}) {}
 
     ExhaustPoint run() {
         constexpr double kStartK = 700;
         kg_ = 1.2 * kAmbientPa * exhaust_.manifold_m3 / (kR * kStartK);
         joule_ = kg_ * kCv * kStartK;
-        const int steps = int(std::lround(720 / kStepDeg));
+        const int steps = turn_.steps;
         for (int cycle = 0; cycle < kCycles; ++cycle) {
             if (cycle < kFirings) fire();
             for (int i = 0; i < steps; ++i) step(i, cycle == kCycles - 1);
@@ -76,7 +121,7 @@ class Blowdown {
     void fire() {
         fuel_ = (trapped_ - rest_) * lambda_ / (1 + kStoichiometric - lambda_);
         opening_pa_ =
-            heat_ * exhaust_opening_pa(engine_, {intake_pa_ / 1e5, speed_, kStoichiometric * fuel_ / trapped_});
+            heat_ * turn_.opening_pa({intake_pa_ / 1e5, speed_, kStoichiometric * fuel_ / trapped_});
     }
 
     /// Positions are counted from the first at or after TDC, and hold what passes in the pitch that ends
@@ -89,16 +134,11 @@ class Blowdown {
         return std::size_t(std::max(k, 0L));
     }
 
-    double valve_area(double theta) const {
-        const double x = (theta - open_rad_) / (exhaust_.valve_close_rad - open_rad_);
-        return x <= 0 || x >= 1 ? 0 : exhaust_.valve_area_m2 * std::pow(std::sin(M_PI * x), 2);
-    }
-
     void step(int index, bool measured) {
-        const double h = kStepDeg * kRadPerDeg, dt = h / speed_, kelvin = manifold_k();
+        const double dt = turn_.step_rad / speed_, kelvin = manifold_k();
         const double out = area_ * pressure() / std::sqrt(kR * kelvin) *
                            psi(pressure() / kAmbientPa) * dt;
-        pass_valves(index, h, dt, measured);
+        pass_valves(index, dt, measured);
         kg_ -= out;
         joule_ -= out * kCp * kelvin + kCoolingWpk * (kelvin - kWallK) * dt;
         if (measured) sum_kg_ += kg_, sum_k_ += manifold_k(), sum_pa_ += pressure();
@@ -107,11 +147,9 @@ class Blowdown {
     double manifold_k() const { return joule_ / (kg_ * kCv); }
     double pressure() const { return kR / kCv * joule_ / exhaust_.manifold_m3; }
 
-    void pass_valves(int index, double h, double dt, bool measured) {
+    void pass_valves(int index, double dt, bool measured) {
         for (std::size_t i = 0; i < gas_.size(); ++i) {
-            double theta = index * h - engine_.firing_tdc_deg[i] * kRadPerDeg;
-            if (theta < 0) theta += 4 * M_PI;
-            const double area = valve_area(theta), volume = piston_.volume(theta);
+            const auto [theta, area, volume] = turn_.passages[i][std::size_t(index)];
             if (area <= 0) {
                 gas_[i] = {trapped_ + fuel_, opening_pa_, volume};
                 continue;
@@ -131,29 +169,24 @@ class Blowdown {
         const bool forward = gas.pa >= pressure();
         const double up = std::max(gas.pa, pressure()), down = std::min(gas.pa, pressure());
         const double t = forward ? gas.kelvin() : manifold_k();
-        const double even = gas.kg * (1 - std::pow(down / up, 1 / kGamma)) / 2;
-        return std::min(area * up / std::sqrt(kR * t) * psi(up / down) * dt, even) * (forward ? 1 : -1);
+        const double ratio = down / up, root = std::pow(ratio, 1 / kGamma), even = gas.kg * (1 - root) / 2;
+        return std::min(area * up / std::sqrt(kR * t) * psi(ratio, root) * dt, even) * (forward ? 1 : -1);
     }
 
     const EngineFile &engine_;
     const ExhaustSystem &exhaust_;
-    double open_rad_;
-    SliderCrank piston_;
+    const TrimmedExhaust::Turn &turn_;
     double speed_, area_, heat_, trapped_, lambda_, intake_pa_, rest_, fuel_ = 0, opening_pa_ = 0;
     std::vector<double> share_;
     std::vector<Gas> gas_;
     double kg_ = 0, joule_ = 0, sum_kg_ = 0, sum_k_ = 0, sum_pa_ = 0; // of the manifold
 };
 
-} // namespace
-
-namespace {
-
 /// Trim at one reading: the model is run until it reads the same.
-Trim trim_at(const EngineFile &engine, const ExhaustReading &r) {
+Trim trim_at(const EngineFile &engine, const TrimmedExhaust::Turn &turn, const ExhaustReading &r) {
     Trim trim;
     for (int i = 0; i < 3; ++i) {
-        const ExhaustReading model = Blowdown(engine, r.speed_radps, r.intake_pa, r.lambda, trim).run().reading;
+        const ExhaustReading model = Blowdown(engine, turn, r.speed_radps, r.intake_pa, r.lambda, trim).run().reading;
         trim.charge *= r.air_kg * engine.exhaust->flow_factor / model.air_kg;
         trim.heat *= r.kelvin / model.kelvin;
         trim.area *= model.pressure_pa / r.pressure_pa;
@@ -164,22 +197,22 @@ Trim trim_at(const EngineFile &engine, const ExhaustReading &r) {
 } // namespace
 
 // Each factor is the exponential of a plane over speed, intake pressure and lambda, laid through the readings.
-TrimmedExhaust::TrimmedExhaust(const EngineFile &engine) : engine_(engine) {
+TrimmedExhaust::TrimmedExhaust(const EngineFile &engine) : engine_(engine), turn_(std::make_shared<Turn>(engine)) {
     const auto &readings = engine.exhaust->readings;
     if (readings.empty()) return;
     Eigen::MatrixXd at(readings.size(), 4), log_trim(readings.size(), 3);
     for (Eigen::Index i = 0; i < at.rows(); ++i) {
         const ExhaustReading &r = readings[std::size_t(i)];
-        const Trim trim = trim_at(engine, r);
+        const Trim trim = trim_at(engine, *turn_, r);
         at.row(i) << 1, r.speed_radps, r.intake_pa, r.lambda;
         log_trim.row(i) << std::log(trim.charge), std::log(trim.area), std::log(trim.heat);
     }
-    plane_ = at.colPivHouseholderQr().solve(log_trim);
+    plane_ = linalg::least_squares(at, log_trim);
 }
 
 ExhaustPoint TrimmedExhaust::point(double speed_radps, double intake_pa, double lambda) const {
     const Eigen::RowVector3d f = (Eigen::RowVector4d(1, speed_radps, intake_pa, lambda) * plane_).array().exp();
-    return Blowdown(engine_, speed_radps, intake_pa, lambda, {f(0), f(1), f(2)}).run();
+    return Blowdown(engine_, *turn_, speed_radps, intake_pa, lambda, {f(0), f(1), f(2)}).run();
 }
 
 ExhaustPoint exhaust_point(const EngineFile &engine, double speed_radps, double intake_pa, double lambda) {

@@ -3,9 +3,10 @@
 // empties. Knows the engine file and nothing of the plant.
 #pragma once
 #include <array>
+#include <memory>
 #include <vector>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 
 #include "common/engine_file.hpp"
 extern "C" {
@@ -33,8 +34,11 @@ class TrimmedExhaust {
     /// Periodic flow at a constant speed, with fuel for `lambda` of document 004 in the exhaust.
     ExhaustPoint point(double speed_radps, double intake_pa, double lambda) const;
 
+    struct Turn;
+
   private:
     const EngineFile &engine_;
+    std::shared_ptr<const Turn> turn_;
     Eigen::Matrix<double, 4, 3> plane_ = Eigen::Matrix<double, 4, 3>::Zero();
 };
 

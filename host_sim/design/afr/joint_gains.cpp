@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "design/afr/joint_gains.hpp"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <cmath>
 
 namespace sixdeg {

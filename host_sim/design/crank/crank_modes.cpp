@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "design/crank/crank_modes.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <cmath>
 
 #include "design/calibration.hpp"
+#include "linalg/linalg.hpp"
 
 namespace sixdeg {
 namespace {
@@ -59,11 +59,11 @@ std::vector<CrankMode> crank_modes(const EngineFile &engine, std::size_t most) {
         stiffness(i, i) += k, stiffness(i + 1, i + 1) += k, stiffness(i, i + 1) -= k, stiffness(i + 1, i) -= k;
     }
     const VectorXd inertia = Eigen::Map<const VectorXd>(chain.inertia.data(), n);
-    const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> solver(stiffness, MatrixXd(inertia.asDiagonal()));
+    const linalg::Vibrations free = linalg::vibrations(stiffness, inertia);
     std::vector<CrankMode> modes;
     for (Eigen::Index i = 1; i < n && modes.size() < most; ++i) { // the first one is the rigid crank
-        const VectorXd shape = solver.eigenvectors().col(i); // mass-normalised
-        const double wheel = shape(Eigen::Index(chain.wheel)), frequency = std::sqrt(solver.eigenvalues()(i));
+        const VectorXd shape = free.shapes.col(i); // mass-normalised
+        const double wheel = shape(Eigen::Index(chain.wheel)), frequency = std::sqrt(free.squared_radps2(i));
         if (std::abs(wheel) < kStill * shape.norm()) continue;
         const double hold = wheel / (frequency * frequency), flywheel = shape(Eigen::Index(chain.flywheel));
         CrankMode mode{frequency, engine.torsion ? engine.torsion->damping_ratio : 0, hold * flywheel, {}, 0, 0};

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "design/misfire/switched_design.hpp"
 
-#include <Eigen/Dense>
 #include <cmath>
-#include <unsupported/Eigen/MatrixFunctions>
+
+#include "linalg/linalg.hpp"
 
 namespace sixdeg {
 namespace {
@@ -13,7 +13,7 @@ sd_plant_step_t exact_step(const Eigen::Matrix2d &a, double output_weight, doubl
     Eigen::Matrix3d augmented = Eigen::Matrix3d::Zero();
     augmented.topLeftCorner<2, 2>() = a;
     augmented(1, 2) = 1;
-    const Eigen::Matrix3d step = (augmented * period_s).exp() - Eigen::Matrix3d::Identity();
+    const Eigen::Matrix3d step = linalg::exponential(augmented * period_s) - Eigen::Matrix3d::Identity();
     sd_plant_step_t out{};
     out.period_ticks = std::uint32_t(std::lround(period_s * tick_hz));
     for (int i = 0; i < 2; ++i) {

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "design/torque/cylinder_map.hpp"
 
-#include <Eigen/Cholesky>
 #include <cmath>
 
 #include "design/torque/observer_map.hpp"
 #include "design/torque/pulse.hpp"
+#include "linalg/linalg.hpp"
 
 namespace sixdeg {
 namespace {
@@ -26,9 +26,12 @@ void add(Wave &wave, const std::vector<double> &pulse, double from_tdc_deg, doub
 std::vector<Wave> waves(const EngineFile &engine) {
     const int n = engine.cylinders();
     std::vector<Wave> all(std::size_t(n) + 2, Wave::Zero(kPulsePoints));
+    std::vector<CylinderPulse> pulses;
     for (int i = 0; i < n; ++i) {
         const auto lane = std::size_t(i);
-        const CylinderPulse pulse = cylinder_pulse(engine, lane);
+        const std::size_t like = like_cylinder(engine, lane);
+        pulses.push_back(like < lane ? pulses[like] : cylinder_pulse(engine, lane));
+        const CylinderPulse &pulse = pulses.back();
         const double from_tdc_deg = engine.position_0_deg - engine.firing_tdc_deg[lane];
         add(all[lane], pulse.combustion, from_tdc_deg, 1);
         add(all[std::size_t(n)], pulse.motored_per_bar, from_tdc_deg, engine.trapped_factor(lane));
@@ -78,8 +81,8 @@ std::optional<CylinderMap> cylinder_map(const EngineFile &engine, const sd_param
     response.leftCols(n) = settled.leftCols(n);
     response(0, n) = 1;
     const MatrixXd covariance = observer.noise_covariance();
-    const MatrixXd weighted = covariance.ldlt().solve(response);
-    const MatrixXd inverse = (response.transpose() * weighted).ldlt().solve(weighted.transpose());
+    const MatrixXd weighted = linalg::solve_symmetric(covariance, response);
+    const MatrixXd inverse = linalg::solve_symmetric(response.transpose() * weighted, weighted.transpose());
     CylinderMap result;
     result.map = inverse.topRows(n);
     result.offset = -result.map * settled.col(n + 1);

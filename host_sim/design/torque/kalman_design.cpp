@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "design/torque/kalman_design.hpp"
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+
+#include "linalg/linalg.hpp"
 
 namespace sixdeg {
 namespace {
@@ -53,10 +53,8 @@ template <class AtTooth> void run_cycle(const ToothModel &model, const ToothNois
     }
 }
 
-/// Variance at the start of a cycle, once it repeats from cycle to cycle. A stretch of cycles takes any variance P to
-/// E + F P (I + D P)^-1 F': E what it ends with when nothing was unknown, F the error's map, D what its teeth tell of the start.
-/// Two such stretches make one of twice the length, so that ten doublings are a thousand cycles (the doubling algorithm, B. D. O.
-/// Anderson, Int. J. Control 28, 1978).
+/// Variance at the start of a cycle, once it repeats from cycle to cycle. A cycle is a stretch as linalg::double_stretch has it; ten
+/// doublings of it are a thousand cycles.
 StateMatrix settled_variance(const ToothModel &model, const ToothNoise &noise) {
     constexpr int kMostDoublings = 20;
     const StateRow h = seen(model);
@@ -73,67 +71,80 @@ StateMatrix settled_variance(const ToothModel &model, const ToothNoise &noise) {
         f -= column.lazyProduct(shown) / s;
     });
     predict_to(model.cycle() - 1);
-    for (int i = 0; i < kMostDoublings && f.squaredNorm() > 1e-24; ++i) {
-        const Eigen::PartialPivLU<StateMatrix> both(StateMatrix::Identity(n, n) + e * d);
-        const StateMatrix through = both.solve(f), left = both.solve(e);
-        e += (f * left * f.transpose()).eval();
-        d += (f.transpose() * d * through).eval();
-        f = (f * through).eval();
-        e = (0.5 * (e + e.transpose())).eval();
-        d = (0.5 * (d + d.transpose())).eval();
-    }
-    return e;
+    MatrixXd ends = e, tells = d, map = f;
+    for (int i = 0; i < kMostDoublings && map.squaredNorm() > 1e-24; ++i) linalg::double_stretch(ends, tells, map);
+    return ends;
 }
 
-/// How the error of every firing answers one timing error of 1 rad at cycle position `from`: [cycle][firing].
-MatrixXd response(const ToothModel &model, const MatrixXd &gain, int from, int cycles) {
-    const int firings = int(model.read_at.size());
-    MatrixXd read = MatrixXd::Zero(cycles, firings);
-    StateMatrix error = -gain.row(from).transpose();
-    const StateRow h = seen(model);
-    for (int step = 1; step <= (cycles - 1) * model.cycle(); ++step) {
-        const int k = (from + step) % model.cycle(), cycle = (from + step) / model.cycle();
-        predict_error(model, k, error);
-        for (int i = 0; i < firings; ++i) {
-            if (model.read_at[std::size_t(i)] == k) read(cycle, i) = error(3 + i);
-        }
-        if (present(model, k)) correct(gain.row(k), h, error);
-        if (k == 0 && error.squaredNorm() < 1e-20 * gain.squaredNorm()) break; // it has died out
+constexpr int kCycles = 40; // Errors have died out by then, or the radius would be near 1.
+
+/// How far each firing is off where it is read, by what happened up to kCycles before.
+struct Memory {
+    std::vector<MatrixXd> edge; ///< [cycles before][cycle position][firing] by a timing error of 1 rad there.
+    double load = 0;            ///< By a step of 1 of the constant torque at every tooth: sum of squares, over all firings.
+};
+
+/// Rows of `back` say how something depends on the error behind tooth k's prediction; afterwards, on the error before it.
+void predict_back(const ToothModel &model, int k, StateMatrix &back) {
+    const double d = model.pitch(), turn = d / model.inertia_ratio[std::size_t(k % model.positions)];
+    const StateRow mean = model.mean.row(k), moment = model.moment.row(k);
+    auto x = back.middleCols(2, model.torques());
+    x += (d * back.col(1)).lazyProduct(mean) - (d * turn * back.col(0)).lazyProduct(moment);
+    back.col(1) -= turn * back.col(0);
+    for (std::size_t i = 0; i < model.modes.size(); ++i) {
+        const ToothMode &mode = model.modes[i];
+        const StateColumn q = back.col(model.mode_at(i)), v = back.col(model.mode_at(i) + 1);
+        const StateRow torque = mean.cwiseProduct(mode.compliance);
+        x += (q * (1 - mode.a) + v * mode.b).lazyProduct(torque);
+        back.col(model.mode_at(i)) = mode.a * q - mode.b * v;
+        back.col(model.mode_at(i) + 1) = mode.b * q + (mode.a - 2 * mode.damping * mode.b) * v;
     }
-    return read.colwise() - read.rowwise().mean();
 }
 
-/// Variance of the firings where they are read, with the walk and without timing errors, under given gains.
-double load_variance(const ToothModel &model, const ToothNoise &noise, const MatrixXd &gain) {
-    constexpr int kCycles = 40;
+/// Goes back from where the firings are read: so few rows instead of one error forward from each tooth.
+Memory memory(const ToothModel &model, const MatrixXd &gain) {
+    const int firings = int(model.read_at.size()), cycle = model.cycle();
+    Memory out{std::vector<MatrixXd>(kCycles, MatrixXd::Zero(cycle, firings)), 0};
+    StateMatrix back = StateMatrix::Zero(firings, model.states());
     const StateRow h = seen(model);
-    StateMatrix p = StateMatrix::Zero(model.states(), model.states());
-    double sum = 0;
-    for (int step = 0; step < kCycles * model.cycle(); ++step) {
-        const int k = step % model.cycle();
-        predict_variance(model, {0, noise.constant_walk, 0, 0}, k, p);
-        for (std::size_t i = 0; i < model.read_at.size(); ++i) {
-            if (model.read_at[i] == k && step >= (kCycles - 1) * model.cycle()) sum += p(3 + int(i), 3 + int(i));
+    for (int before = 0; before < kCycles; ++before) {
+        for (int k = cycle - 1; k >= 0; --k) {
+            if (present(model, k)) {
+                const StateColumn shown = -(back * gain.row(k).transpose());
+                for (int i = 0; i < firings; ++i) { // of whole cycles
+                    if (before < kCycles - 1 || k >= model.read_at[std::size_t(i)]) out.edge[std::size_t(before)](k, i) = shown(i);
+                }
+                back += shown.lazyProduct(h);
+            }
+            for (int i = 0; before == 0 && i < firings; ++i) {
+                if (model.read_at[std::size_t(i)] == k) back(i, 3 + i) = 1;
+            }
+            out.load += back.col(2).squaredNorm();
+            predict_back(model, k, back);
         }
-        if (!present(model, k)) continue;
-        correct(gain.row(k), h, p);
-        p.transposeInPlace();
-        correct(gain.row(k), h, p);
+        if (back.squaredNorm() < 1e-24) break; // it has died out
     }
-    return sum / double(model.read_at.size());
+    return out;
 }
 
 double mean_square(const MatrixXd &values) { return values.squaredNorm() / double(values.cols()); }
 
-void find_deviations(const ToothModel &model, int mean_cycles, PeriodicGains &gains) {
-    constexpr int kCycles = 40; // Errors have died out by then, or the radius would be near 1.
-    const int cycle = model.cycle();
+/// Firings less their mean, by an error of 1 rad at one tooth: [cycle][firing].
+MatrixXd response(const Memory &memory, int from) {
+    MatrixXd read(kCycles, memory.edge[0].cols());
+    for (int cycle = 0; cycle < kCycles; ++cycle) read.row(cycle) = memory.edge[std::size_t(cycle)].row(from);
+    return read.colwise() - read.rowwise().mean();
+}
+
+void find_deviations(const ToothModel &model, const ToothNoise &noise, int mean_cycles, PeriodicGains &gains) {
+    const Memory known = memory(model, gains.gain);
+    const int firings = int(model.read_at.size());
     double single = 0, mean = 0, pattern = 0;
     for (int tooth = 0; tooth < model.positions; ++tooth) {
         if (!present(model, tooth)) continue;
-        MatrixXd both = MatrixXd::Zero(1, int(model.read_at.size()));
-        for (int from = tooth; from < cycle; from += model.positions) {
-            const MatrixXd read = response(model, gains.gain, from, kCycles);
+        MatrixXd both = MatrixXd::Zero(1, firings);
+        for (int from = tooth; from < model.cycle(); from += model.positions) {
+            const MatrixXd read = response(known, from);
             single += mean_square(read);
             both += read.colwise().sum();
             MatrixXd window = MatrixXd::Zero(1, read.cols());
@@ -146,6 +157,7 @@ void find_deviations(const ToothModel &model, int mean_cycles, PeriodicGains &ga
         pattern += mean_square(both);
     }
     gains.single_sd = std::sqrt(single), gains.mean_sd = std::sqrt(mean), gains.pattern_sd = std::sqrt(pattern);
+    gains.load_sd = noise.constant_walk * std::sqrt(known.load / firings);
 }
 
 } // namespace
@@ -188,7 +200,7 @@ double cycle_radius(const ToothModel &model, const MatrixXd &gain) {
         predict_error(model, k, map);
         if (present(model, k)) correct(gain.row(k), h, map);
     }
-    return map.eigenvalues().cwiseAbs().maxCoeff();
+    return linalg::spectral_radius(map);
 }
 
 MatrixXd steady_reading(const ToothModel &model, const MatrixXd &gain, const MatrixXd &mean, const MatrixXd &moment) {
@@ -219,7 +231,7 @@ MatrixXd steady_reading(const ToothModel &model, const MatrixXd &gain, const Mat
     cycle(map, false);
     StateMatrix error = StateMatrix::Zero(model.states(), mean.cols());
     cycle(error, true);
-    error = (StateMatrix::Identity(model.states(), model.states()) - map).partialPivLu().solve(error).eval();
+    error = linalg::solve(MatrixXd(StateMatrix::Identity(model.states(), model.states()) - map), error);
     cycle(error, true);
     read.bottomRows(others) = -error.middleRows(3 + firings, others);
     return read;
@@ -238,8 +250,7 @@ PeriodicGains design_gains(const ToothModel &model, const ToothNoise &noise, int
     gains.innovation = std::sqrt(innovation / teeth);
     gains.radius = cycle_radius(model, gains.gain);
     if (model.read_at.empty()) return gains;
-    find_deviations(model, mean_cycles, gains);
-    gains.load_sd = std::sqrt(load_variance(model, noise, gains.gain));
+    find_deviations(model, noise, mean_cycles, gains);
     return gains;
 }
 

@@ -60,25 +60,6 @@ double interval_inertia(const EngineFile &engine, int k) {
     return std::pow((root(0) + 4 * root(0.5) + root(1)) / 6, 2);
 }
 
-void fill_angles(const EngineFile &engine, const KnownTorque &torque, sd_kalman_tables_t &t) {
-    for (int k = 0; k < t.positions; ++k) {
-        t.inertia_tooth_kgm2[k] = float(turning_inertia_kgm2(engine, tooth_angle(engine, k)));
-        t.inertia_interval_kgm2[k] = float(interval_inertia(engine, k));
-    }
-    for (int k = 0; k < 2 * t.positions; ++k) {
-        Interval sum;
-        for (const TorqueOverAngle &known : torque.motored) {
-            const Interval at = over_interval(engine, known, k);
-            sum.mean += at.mean, sum.moment += at.moment, sum.point += at.point;
-        }
-        t.known[0][k] = float(sum.mean), t.known[1][k] = float(sum.moment), t.known[2][k] = float(sum.point);
-    }
-    for (std::size_t i = 0; i < t.cylinders; ++i) {
-        t.read_position[i] = std::uint16_t(position_after(engine, i, kReadDeg));
-        t.close_position[i] = std::uint16_t(position_after(engine, i, engine.intake_close_deg));
-    }
-}
-
 TorqueOverAngle sum_of(const std::vector<TorqueOverAngle> &torques) {
     return [torques](double a) {
         double sum = 0;
@@ -111,29 +92,126 @@ std::pair<double, double> held_by_known(const EngineFile &engine, const KnownTor
     return {known, ripple};
 }
 
-void fill_pool(const EngineFile &engine, const KnownTorque &torque, const std::vector<PeriodicGains> &gains,
-               sd_kalman_tables_t &t) {
-    float *to = t.pool;
-    const auto modes = modes_of(engine, torque);
-    const auto put = [&](const std::vector<TorqueOverAngle> &torques, int k) {
-        std::vector<Interval> at;
-        for (const TorqueOverAngle &f : torques) at.push_back(over_interval(engine, f, k));
-        for (const Interval &f : at) *to++ = float(f.mean);
-        for (const Interval &f : at) *to++ = float(f.moment);
-        for (const Interval &f : at) *to++ = float(f.point);
+/// Pulses below this share of their mean torque count as over: 2e-4 of 300 N m is 0.06 N m over some teeth.
+constexpr double kPulseOver = 2e-4;
+
+bool pulse_is_over(const EngineFile &engine, const KnownTorque &torque, std::size_t j, int k) {
+    const auto over = [&](const TorqueOverAngle &f) {
+        const Interval at = over_interval(engine, f, k);
+        return std::max({std::abs(at.mean), std::abs(at.moment), std::abs(at.point)}) < kPulseOver;
     };
-    for (int k = 0; k < 2 * t.positions; ++k) {
-        put(torque.basis, k);
-        put(torque.motored_per_bar, k);
-        put(torque.shape, k);
-        for (const CrankMode &mode : modes) {
-            const auto [known, ripple] = held_by_known(engine, torque, mode, k);
-            *to++ = float(known), *to++ = float(ripple);
-        }
-        for (const PeriodicGains &speed : gains) {
-            for (int j = 0; j < speed.gain.cols(); ++j) *to++ = float(speed.gain(k, j));
+    return over(torque.basis[j]) && (torque.shape.empty() || over(torque.shape[j]));
+}
+
+/// The pulses that last at a position: the first of them round the firing order, and how many from there.
+struct Lasting {
+    int first = 0, count = 0;
+};
+
+Lasting lasting(const EngineFile &engine, const KnownTorque &torque, int k) {
+    const int n = int(torque.basis.size());
+    std::vector<bool> lasts;
+    for (int j = 0; j < n; ++j) lasts.push_back(!torque.firings || !pulse_is_over(engine, torque, std::size_t(j), k));
+    Lasting best{0, n};
+    for (int first = 0; first < n; ++first) {
+        int count = 0;
+        for (int i = 0; i < n; ++i)
+            if (lasts[std::size_t((first + i) % n)]) count = i + 1;
+        if (count < best.count) best = {first, count};
+    }
+    return best;
+}
+
+/// What the firmware weighs two speeds with, together.
+constexpr double kWeight = 16384;
+
+std::int16_t quantised(double gain, float scale) {
+    return scale > 0 ? std::int16_t(std::clamp(std::round(gain / (kWeight * double(scale))), -32767.0, 32767.0)) : std::int16_t(0);
+}
+
+/// Which of a set's scales a column of its gains has.
+std::size_t scale_of(const sd_kalman_tables_t &t, int column) {
+    const int modes_from = 2 + t.coefficients + t.shapes;
+    if (column >= modes_from) return std::size_t(5 + column - modes_from);
+    if (column >= 2 + t.coefficients) return 4;
+    return std::size_t(std::min(column, 3));
+}
+
+/// So that the largest gain of a set just fits into 16 bits.
+void set_scales(const std::vector<PeriodicGains> &gains, sd_kalman_tables_t &t) {
+    for (std::size_t i = 0; i < gains.size(); ++i) {
+        for (int j = 0; j < gains[i].gain.cols(); ++j) {
+            float &scale = t.gain_scale[i / t.speeds][scale_of(t, j)];
+            scale = std::max(scale, float(gains[i].gain.col(j).cwiseAbs().maxCoeff() / 32767 / kWeight));
         }
     }
+}
+
+void fill_gains(const std::vector<PeriodicGains> &gains, int k, const sd_kalman_tables_t &t, sd_kalman_word_t *word) {
+    const std::size_t columns = sd_motion_columns(&t);
+    for (std::size_t i = 0; i < gains.size(); ++i) {
+        for (int j = 0; j < gains[i].gain.cols(); ++j) {
+            const std::size_t set = i / t.speeds, at = (set * columns + std::size_t(j)) * t.speeds + i % t.speeds;
+            word[at / 2].gain[at % 2] = quantised(gains[i].gain(k, j), t.gain_scale[set][scale_of(t, j)]);
+        }
+    }
+}
+
+void fill_row(const EngineFile &engine, const KnownTorque &torque, const std::vector<CrankMode> &modes, int k, const sd_kalman_tables_t &t,
+              sd_kalman_word_t *word) {
+    word[SD_ROW_INTERVAL].value = float(2 / interval_inertia(engine, k));
+    word[SD_ROW_TOOTH].value = float(2 / turning_inertia_kgm2(engine, tooth_angle(engine, k)));
+    Interval known;
+    for (const TorqueOverAngle &motored : torque.motored) {
+        const Interval at = over_interval(engine, motored, k);
+        known.mean += at.mean, known.moment += at.moment, known.point += at.point;
+    }
+    sd_kalman_word_t *to = word + SD_ROW_KNOWN;
+    const auto put = [&](const Interval &at) {
+        for (double value : {at.mean, at.moment, at.point}) (to++)->value = float(value);
+    };
+    put(known);
+    for (const TorqueOverAngle &motored : torque.motored_per_bar) put(over_interval(engine, motored, k));
+    for (int i = 0; i < t.window; ++i) {
+        const std::size_t j = std::size_t(word[SD_ROW_AT].at.first + i) % torque.basis.size();
+        put(over_interval(engine, torque.basis[j], k));
+        put(torque.shape.empty() ? Interval{} : over_interval(engine, torque.shape[j], k));
+    }
+    for (const CrankMode &mode : modes) {
+        const auto [held, ripple] = held_by_known(engine, torque, mode, k);
+        (to++)->value = float(held), (to++)->value = float(ripple);
+    }
+}
+
+/// What happens at each position.
+void fill_positions(const EngineFile &engine, const KnownTorque &torque, sd_kalman_tables_t &t) {
+    for (int k = 0; k < 2 * t.positions; ++k) {
+        sd_kalman_word_t &word = t.pool[k * t.row_words + SD_ROW_AT];
+        word.at.first = std::uint8_t(lasting(engine, torque, k).first);
+        word.at.tooth = std::uint8_t(std::count(engine.wheel.missing.begin(), engine.wheel.missing.end(), k % t.positions) == 0);
+    }
+    for (std::size_t i = 0; i < t.cylinders; ++i) {
+        t.pool[position_after(engine, i, engine.intake_close_deg) * t.row_words + SD_ROW_AT].at.close |= std::uint8_t(1 << i);
+        if (i < t.firings) t.pool[position_after(engine, i, kReadDeg) * t.row_words + SD_ROW_AT].at.read = std::uint8_t(1 + i);
+    }
+}
+
+void fill_pool(const EngineFile &engine, const KnownTorque &torque, const std::vector<PeriodicGains> &gains, sd_kalman_tables_t &t) {
+    const auto modes = modes_of(engine, torque);
+    set_scales(gains, t);
+    fill_positions(engine, torque, t);
+    for (int k = 0; k < 2 * t.positions; ++k) {
+        sd_kalman_word_t *word = t.pool + k * t.row_words;
+        fill_row(engine, torque, modes, k, t, word);
+        fill_gains(gains, k, t, word + t.gains_at);
+    }
+}
+
+/// Takes over how many words a row has; false when the pool has no room for all rows.
+bool rows_fit(sd_kalman_tables_t &t) {
+    t.gains_at = std::uint16_t(sd_motion_gains_at(&t));
+    t.row_words = std::uint16_t(sd_motion_row_words(&t));
+    return sd_kalman_pool_used(&t) <= SD_KALMAN_POOL;
 }
 
 sd_kalman_tables_t sizes(const EngineFile &engine, const KnownTorque &torque, const KalmanTune &tune) {
@@ -146,60 +224,76 @@ sd_kalman_tables_t sizes(const EngineFile &engine, const KnownTorque &torque, co
     for (const CrankMode &mode : modes_of(engine, torque)) t.mode[t.modes++] = mode_table(mode);
     t.shapes = torque.shape.empty() ? 0 : 1;
     t.shape_min_nm = float(kShapeFromPa * engine.displaced_m3() / M_PI);
+    t.teeth = std::uint8_t(engine.wheel.teeth());
+    for (int k = 0; k < 2 * t.positions; ++k) t.window = std::max(t.window, std::uint8_t(lasting(engine, torque, k).count));
     t.tick_hz = float(engine.tick_hz);
+    t.pitch_rad = float(2 * M_PI / t.positions);
     t.inertia_mean_kgm2 = float(mean_inertia_kgm2(engine));
     // Cranks that twist have gains at so many speeds that a second set finds no room.
     t.sets = t.firings > 0 && tune.rough_walk_nm > 0 ? 2 : 1;
-    if (sd_kalman_pool_used(&t) > SD_KALMAN_POOL) t.sets = 1;
-    if (sd_kalman_pool_used(&t) > SD_KALMAN_POOL) {
+    if (!rows_fit(t)) t.sets = 1;
+    if (!rows_fit(t)) {
         throw InputError(engine.name, "wheel", fmt::format("{} positions with {} coefficients at {} speeds need {} table entries, allowed {}",
                                                            int(t.positions), int(t.coefficients), int(t.speeds), sd_kalman_pool_used(&t), SD_KALMAN_POOL));
     }
     return t;
 }
 
+/// tooth_model() at several speeds.
+class ModelAt {
+  public:
+    ModelAt(const EngineFile &engine, const KnownTorque &torque);
+    ToothModel operator()(double speed_radps) const;
+
+  private:
+    ToothModel still_; ///< Without modes, whose turn depends on speed.
+    std::vector<CrankMode> modes_;
+    int cylinders_;
+    double inertia_kgm2_;
+};
+
 /// Designs the gains of each speed, behind those that are there.
-void add_set(const EngineFile &engine, const KnownTorque &torque, const KalmanTune &tune, KalmanTables &out) {
+void add_set(const EngineFile &engine, const ModelAt &model_at, const KalmanTune &tune, KalmanTables &out) {
     sd_kalman_tables_t &t = out.tables;
     for (std::size_t i = 0; i < tune.speeds_rpm.size(); ++i) {
         const double speed = tune.speeds_rpm[i] * kRadpsPerRpm;
-        const ToothModel model = tooth_model(engine, torque, speed);
+        const ToothModel model = model_at(speed);
         const ToothNoise noise = tooth_noise(engine, tune, speed);
         const std::size_t at = out.gains.size();
         out.gains.push_back(design_gains(model, noise, SD_KALMAN_MEAN));
         const PeriodicGains &gains = out.gains[at];
         t.speed_radps[i] = float(speed);
         t.noise_rad[at] = float(noise.edge_rad);
-        t.innovation[at] = float(gains.innovation);
+        t.expected_rad[at] = float(noise.edge_rad * gains.innovation);
         t.single_sd[at] = float(gains.single_sd), t.mean_sd[at] = float(gains.mean_sd), t.pattern_sd[at] = float(gains.pattern_sd);
         t.load_sd_nm[at] = float(gains.load_sd * mean_inertia_kgm2(engine) * speed * speed);
         if (i == 0) continue;
         for (double share : {0.25, 0.5, 0.75}) {
             const double between = speed + share * (tune.speeds_rpm[i - 1] * kRadpsPerRpm - speed);
             const Eigen::MatrixXd mixed = gains.gain + share * (out.gains[at - 1].gain - gains.gain);
-            out.radius_between = std::max(out.radius_between, cycle_radius(tooth_model(engine, torque, between), mixed));
+            out.radius_between = std::max(out.radius_between, cycle_radius(model_at(between), mixed));
         }
     }
 }
 
 /// A set's gains at any speed, as the firmware mixes them.
-GainsAt gains_at(const EngineFile &engine, const KnownTorque &torque, const KalmanTables &from, std::size_t set, double speed_radps) {
+GainsAt gains_at(const ModelAt &model_at, const KalmanTables &from, std::size_t set, double speed_radps) {
     const float *speeds = from.tables.speed_radps;
     std::size_t at = 0;
     while (at + 1 < from.tables.speeds && speed_radps >= double(speeds[at + 1])) ++at;
     const std::size_t next = at + 1 < from.tables.speeds && speed_radps > double(speeds[at]) ? at + 1 : at;
     const double share = next > at ? (speed_radps - double(speeds[at])) / double(speeds[next] - speeds[at]) : 0;
     const Eigen::MatrixXd &low = from.gains[set * from.tables.speeds + at].gain, &high = from.gains[set * from.tables.speeds + next].gain;
-    return {tooth_model(engine, torque, speed_radps), low + share * (high - low)};
+    return {model_at(speed_radps), low + share * (high - low)};
 }
 
 /// What is not known of the engine goes into the deviations.
-void state_doubts(const EngineFile &engine, const KnownTorque &torque, KalmanTables &out) {
+void state_doubts(const EngineFile &engine, const KnownTorque &torque, const ModelAt &model_at, KalmanTables &out) {
     sd_kalman_tables_t &t = out.tables;
     const std::vector<ModelDoubt> doubts = model_doubts(engine);
-    const auto zeros = zeros_learned(doubts, gains_at(engine, torque, out, 0, kLearnedRpm * kRadpsPerRpm)); // by the first filter
+    const auto zeros = zeros_learned(doubts, gains_at(model_at, out, 0, kLearnedRpm * kRadpsPerRpm)); // by the first filter
     for (std::size_t i = 0; i < out.gains.size(); ++i) {
-        const GainsAt here = gains_at(engine, torque, out, i / t.speeds, double(t.speed_radps[i % t.speeds]));
+        const GainsAt here = gains_at(model_at, out, i / t.speeds, double(t.speed_radps[i % t.speeds]));
         const ModelError error = model_error(engine, torque, doubts, here, zeros);
         t.mean_share[i] = float(error.mean_share), t.spread_share[i] = float(error.spread_share);
         t.charge_nm_per_bar[i] = float(error.charge_nm_per_bar), t.learned_nm_per_bar[i] = float(error.learned_nm_per_bar);
@@ -234,34 +328,44 @@ std::pair<Eigen::MatrixXd, Eigen::MatrixXd> interval_tables(const EngineFile &en
     return {mean, moment};
 }
 
-ToothModel tooth_model(const EngineFile &engine, const KnownTorque &torque, double speed_radps) {
-    ToothModel model;
+namespace {
+
+ModelAt::ModelAt(const EngineFile &engine, const KnownTorque &torque)
+    : modes_(modes_of(engine, torque)), cylinders_(engine.cylinders()), inertia_kgm2_(mean_inertia_kgm2(engine)) {
     std::vector<TorqueOverAngle> basis = torque.basis;
     if (!torque.shape.empty()) basis.push_back(sum_of(torque.shape));
     const int n = engine.wheel.positions, m = 1 + int(basis.size());
-    model.positions = n;
-    model.present.assign(std::size_t(n), true);
-    for (int k : engine.wheel.missing) model.present[std::size_t(k)] = false;
-    const double mean = mean_inertia_kgm2(engine);
-    for (int k = 0; k < n; ++k) model.inertia_ratio.push_back(interval_inertia(engine, k) / mean);
-    model.mean = Eigen::MatrixXd::Constant(2 * n, m, 1);
-    model.moment = Eigen::MatrixXd::Constant(2 * n, m, 0.5);
+    still_.positions = n;
+    still_.present.assign(std::size_t(n), true);
+    for (int k : engine.wheel.missing) still_.present[std::size_t(k)] = false;
+    for (int k = 0; k < n; ++k) still_.inertia_ratio.push_back(interval_inertia(engine, k) / inertia_kgm2_);
+    still_.mean = Eigen::MatrixXd::Constant(2 * n, m, 1);
+    still_.moment = Eigen::MatrixXd::Constant(2 * n, m, 0.5);
     const auto [mean_of, moment_of] = interval_tables(engine, basis);
-    model.mean.rightCols(m - 1) = mean_of, model.moment.rightCols(m - 1) = moment_of;
+    still_.mean.rightCols(m - 1) = mean_of, still_.moment.rightCols(m - 1) = moment_of;
     for (std::size_t i = 0; torque.firings && i < std::size_t(engine.cylinders()); ++i) {
-        model.inject_at.push_back(position_after(engine, i, kInjectDeg));
-        model.read_at.push_back(position_after(engine, i, kReadDeg));
+        still_.inject_at.push_back(position_after(engine, i, kInjectDeg));
+        still_.read_at.push_back(position_after(engine, i, kReadDeg));
     }
-    const double scale = mean * speed_radps * speed_radps;
-    for (const CrankMode &mode : modes_of(engine, torque)) {
+}
+
+ToothModel ModelAt::operator()(double speed_radps) const {
+    ToothModel model = still_;
+    const int m = model.torques();
+    const double scale = inertia_kgm2_ * speed_radps * speed_radps;
+    for (const CrankMode &mode : modes_) {
         Eigen::RowVectorXd compliance(m);
         compliance(0) = scale * mode.constant_radpnm;
         // Behind a dual-mass flywheel all cylinders share one compliance, and so does the sum of their pulses.
-        for (int j = 1; j < m; ++j) compliance(j) = scale * mode.cylinder_radpnm[std::size_t(std::min(j, engine.cylinders()) - 1)];
+        for (int j = 1; j < m; ++j) compliance(j) = scale * mode.cylinder_radpnm[std::size_t(std::min(j, cylinders_) - 1)];
         model.modes.push_back(tooth_mode(mode.frequency_radps * model.pitch() / speed_radps, mode.damping, compliance));
     }
     return model;
 }
+
+} // namespace
+
+ToothModel tooth_model(const EngineFile &engine, const KnownTorque &torque, double speed_radps) { return ModelAt(engine, torque)(speed_radps); }
 
 ToothNoise tooth_noise(const EngineFile &engine, const KalmanTune &tune, double speed_radps) {
     const double scale = mean_inertia_kgm2(engine) * speed_radps * speed_radps;
@@ -272,15 +376,15 @@ ToothNoise tooth_noise(const EngineFile &engine, const KalmanTune &tune, double 
 KalmanTables kalman_tables(const EngineFile &engine, const KnownTorque &torque, const KalmanTune &tune) {
     KalmanTables out{sizes(engine, torque, tune), {}, 0};
     sd_kalman_tables_t &t = out.tables;
-    fill_angles(engine, torque, t);
-    add_set(engine, torque, tune, out);
+    const ModelAt model_at(engine, torque);
+    add_set(engine, model_at, tune, out);
     if (t.sets > 1) {
         KalmanTune rough = tune;
         rough.load_walk_nm = std::max(tune.rough_walk_nm, tune.load_walk_nm);
         rough.firing_change_nm *= kRoughChange;
-        add_set(engine, torque, rough, out);
+        add_set(engine, model_at, rough, out);
     }
-    if (t.firings > 0 && !engine.pulses.empty()) state_doubts(engine, torque, out);
+    if (t.firings > 0 && !engine.pulses.empty()) state_doubts(engine, torque, model_at, out);
     fill_pool(engine, torque, out.gains, t);
     return out;
 }

@@ -15,9 +15,12 @@ std::optional<KnownTorque> known_torque(const EngineFile &engine, const sd_param
     };
     const bool learns = parameters.firing_harmonics == 0 && parameters.firing_shape_walk_nm > 0 && !engine.torsion;
     const auto pulses = std::make_shared<std::vector<Tables>>();
+    std::vector<Tables> own; // with a charge as large as the others'
     for (std::size_t lane = 0; lane < std::size_t(engine.cylinders()); ++lane) {
-        Tables tables{cylinder_pulse(engine, lane), {}};
-        if (learns) tables.bend = pulse_bend(engine, lane, tables);
+        const std::size_t like = like_cylinder(engine, lane);
+        Tables tables = like < lane ? own[like] : Tables{cylinder_pulse(engine, lane), {}};
+        if (learns && like == lane) tables.bend = pulse_bend(engine, lane, tables);
+        own.push_back(tables);
         for (double &torque : tables.motored_per_bar) torque *= engine.trapped_factor(lane);
         pulses->push_back(std::move(tables));
     }

@@ -99,21 +99,28 @@ GainsAt without_shape(GainsAt at) {
 std::vector<ModelDoubt> model_doubts(const EngineFile &engine) {
     Doubts doubts(engine);
     const Tolerance &off = engine.tolerance;
+    std::vector<PulseConditions> conditions;
     const auto under = [&](double PulseConditions::*field, double value) {
         PulseConditions at;
         at.*field = value;
-        return cylinder_pulse(engine, 0, at);
+        conditions.push_back(at);
     };
     const auto with = [&](auto change) {
         EngineFile other = engine;
         change(other);
         return cylinder_pulse(other, 0);
     };
-    doubts.range("fuel", under(&PulseConditions::equivalence_ratio, kFuelLow), under(&PulseConditions::equivalence_ratio, kFuelHigh));
-    doubts.range("intake pressure", under(&PulseConditions::intake_bar, kIntakeLow), under(&PulseConditions::intake_bar, kIntakeHigh));
-    doubts.range("speed", under(&PulseConditions::speed_radps, kSpeedLow), under(&PulseConditions::speed_radps, kSpeedHigh));
-    doubts.apart("charge temperature", under(&PulseConditions::charge_k, PulseConditions{}.charge_k + kChargeSdK), 1, true);
-    doubts.apart("wall loss", under(&PulseConditions::wall_factor, 1 + kEven * off.wall_loss_percent / 100), 1, true);
+    under(&PulseConditions::equivalence_ratio, kFuelLow), under(&PulseConditions::equivalence_ratio, kFuelHigh);
+    under(&PulseConditions::intake_bar, kIntakeLow), under(&PulseConditions::intake_bar, kIntakeHigh);
+    under(&PulseConditions::speed_radps, kSpeedLow), under(&PulseConditions::speed_radps, kSpeedHigh);
+    under(&PulseConditions::charge_k, PulseConditions{}.charge_k + kChargeSdK);
+    under(&PulseConditions::wall_factor, 1 + kEven * off.wall_loss_percent / 100);
+    const auto pulses = cylinder_pulses(engine, conditions);
+    doubts.range("fuel", pulses[0], pulses[1]);
+    doubts.range("intake pressure", pulses[2], pulses[3]);
+    doubts.range("speed", pulses[4], pulses[5]);
+    doubts.apart("charge temperature", pulses[6], 1, true);
+    doubts.apart("wall loss", pulses[7], 1, true);
     doubts.add("wall loss over own fuel", doubts.bent(kOwnFuelSd), doubts.none(), false, 0);
     doubts.all.back().spread_only = true;
     doubts.apart("burn start", with([&](EngineFile &e) { for (HeatPulse &p : e.pulses) p.start_deg += kEven * off.burn_start_deg; }), 1, true);

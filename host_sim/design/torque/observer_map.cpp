@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "design/torque/observer_map.hpp"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+
+#include "linalg/linalg.hpp"
 
 namespace sixdeg {
 
@@ -58,7 +59,7 @@ MatrixXd ObserverMap::error_map() const {
 MatrixXd ObserverMap::settled(const MatrixXd &energy) const {
     const auto n = gain_.size() + 1;
     const MatrixXd driven = run(MatrixXd::Zero(n, energy.cols()), energy);
-    return (MatrixXd::Identity(n, n) - error_map()).partialPivLu().solve(driven).bottomRows(n - 1);
+    return linalg::solve(MatrixXd::Identity(n, n) - error_map(), driven).bottomRows(n - 1);
 }
 
 MatrixXd ObserverMap::noise_covariance() const {

@@ -7,6 +7,7 @@
 // once with heat and once without; torque is (p - p_crankcase) V'. gamma from the vibration of N2 and O2 (Einstein's
 // function), wall loss after Hohenberg (SAE 790825). docs/torque.md says how far that is from the simulated engine.
 #pragma once
+#include <functional>
 #include <vector>
 
 #include "common/engine_file.hpp"
@@ -38,8 +39,14 @@ CylinderPulse cylinder_pulse(const EngineFile &engine, std::size_t lane, const P
 /// What twice the wall loss adds to `combustion`, whose mean stays 1.
 std::vector<double> pulse_bend(const EngineFile &engine, std::size_t lane, const CylinderPulse &pulse);
 
-/// Pressure in the first cylinder when its exhaust valve opens.
-double exhaust_opening_pa(const EngineFile &engine, const PulseConditions &conditions);
+/// The first entry of firing_order under several conditions; cheaper than one by one.
+std::vector<CylinderPulse> cylinder_pulses(const EngineFile &engine, const std::vector<PulseConditions> &conditions);
+
+/// First entry of firing_order whose pulse is that of `lane` too: they differ by compression alone.
+std::size_t like_cylinder(const EngineFile &engine, std::size_t lane);
+
+/// Pressure in the first cylinder when its exhaust valve opens, Pa, for any conditions. The engine must outlive it.
+std::function<double(const PulseConditions &)> exhaust_opening(const EngineFile &engine);
 
 /// Value of one of the tables at any angle from the cylinder's firing TDC, rad; linear between points.
 double pulse_at(const std::vector<double> &table, double angle_rad);

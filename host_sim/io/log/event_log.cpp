@@ -9,6 +9,7 @@
 
 #include "common/error.hpp"
 #include "common/files.hpp"
+#include "io/page/page_bytes.hpp"
 extern "C" {
 #include "sd_ecu.h"
 }
@@ -46,8 +47,7 @@ class Sha256 {
 };
 
 std::string header(const std::string &about, const sd_calibration_t &calibration) {
-    std::string page(SD_CALIBRATION_BYTES_MAX, '\0');
-    page.resize(sd_calibration_encode(&calibration, reinterpret_cast<std::uint8_t *>(page.data())));
+    const std::vector<std::uint8_t> page = page_bytes(calibration);
     const double tick_hz = double(calibration.tick_hz);
     std::uint64_t tick_bits;
     std::memcpy(&tick_bits, &tick_hz, sizeof tick_bits);
@@ -56,7 +56,7 @@ std::string header(const std::string &about, const sd_calibration_t &calibration
     put(bytes, std::uint32_t(about.size()));
     put(bytes, std::uint32_t(page.size()));
     put(bytes, tick_bits);
-    return bytes + about + page;
+    return bytes + about + std::string(page.begin(), page.end());
 }
 
 } // namespace
@@ -146,11 +146,11 @@ EventLog read_log(const fs::path &path) {
     if (first > end || (end - first) % kEventBytes != 0)
         return fail("has a header that does not fit its size");
     EventLog log{bytes.substr(kHeaderBytes, about), {}, {}};
-    const auto *page_bytes = reinterpret_cast<const std::uint8_t *>(&bytes[kHeaderBytes + about]);
+    const auto calibration = read_page(std::string_view(bytes).substr(kHeaderBytes + about, page));
     const auto ecu = std::make_unique<sd_ecu_t>();
-    if (sd_calibration_decode(&log.calibration, page_bytes, std::uint32_t(page)) != SD_OK ||
-        sd_ecu_init(ecu.get(), &log.calibration) != SD_OK)
+    if (!calibration || sd_ecu_init(ecu.get(), calibration.get()) != SD_OK)
         return fail("holds a calibration page that cannot be used");
+    log.calibration = *calibration;
     for (std::size_t at = first; at < end; at += kEventBytes) {
         const char *event = &bytes[at];
         log.events.push_back({take<std::uint32_t>(event), take<std::uint16_t>(event + 4),

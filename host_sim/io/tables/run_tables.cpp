@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <iterator>
 
+#include "io/tables/fixed_text.hpp"
 #include "plant/engine/units.hpp"
 
 namespace sixdeg {
@@ -25,17 +26,29 @@ void RunTables::tooth(const EncoderEdge &truth, const EcuSaid &ecu) {
     const sd_signals_t &s = ecu.signals();
     const bool placed = is_placed(s);
     const std::uint8_t torque_health = ecu.health(SD_OWNER_TORQUE);
-    const auto out = std::back_inserter(teeth_);
-    fmt::format_to(out, "{:.9f},{:.4f},{:.3f},", truth.time_s, truth.angle_deg,
-                   truth.speed_radps / kRadpsPerRpm);
-    if (placed) fmt::format_to(out, "{:.3f}", s.crank_speed_rpm);
-    fmt::format_to(out, ",{:.3f},", truth.net_torque_nm);
-    if (placed && torque_health != SD_INVALID) fmt::format_to(out, "{:.3f}", s.torque_mass_nm);
-    fmt::format_to(out, ",{},", class_name(s.crank_edge_class));
-    if (placed) fmt::format_to(out, "{:.0f}", s.crank_tooth);
+    const auto number = [this](double value, int decimals) { append_fixed(teeth_, value, decimals); };
+    number(truth.time_s, 9);
     teeth_ += ',';
-    if (!truth.spurious) fmt::format_to(out, "{}", truth.tooth);
-    fmt::format_to(out, ",{},{}\n", health_name(ecu.health(SD_OWNER_CRANK)), health_name(torque_health));
+    number(truth.angle_deg, 4);
+    teeth_ += ',';
+    number(truth.speed_radps / kRadpsPerRpm, 3);
+    teeth_ += ',';
+    if (placed) number(double(s.crank_speed_rpm), 3);
+    teeth_ += ',';
+    number(truth.net_torque_nm, 3);
+    teeth_ += ',';
+    if (placed && torque_health != SD_INVALID) number(double(s.torque_mass_nm), 3);
+    teeth_ += ',';
+    teeth_ += class_name(s.crank_edge_class);
+    teeth_ += ',';
+    if (placed) number(double(s.crank_tooth), 0);
+    teeth_ += ',';
+    if (!truth.spurious) number(truth.tooth, 0);
+    teeth_ += ',';
+    teeth_ += health_name(ecu.health(SD_OWNER_CRANK));
+    teeth_ += ',';
+    teeth_ += health_name(torque_health);
+    teeth_ += '\n';
 }
 
 void RunTables::edge(const EncoderEdge &truth, double crank_deg, const EcuSaid &ecu, bool cycle_ended) {
@@ -49,35 +62,44 @@ void RunTables::edge(const EncoderEdge &truth, double crank_deg, const EcuSaid &
 std::string RunTables::cycles_csv() const {
     std::string text = "cycle,cylinder,torque_true_nm,torque_nm,sd_nm,imep_true_bar,misfire_true,misfire_index,misfire_verdict,"
                        "rough,rpm,health,burned_true,burned,burned_sd,trim,t_s\n";
-    const auto out = std::back_inserter(text);
+    const auto number = [&text](double value, int decimals) { append_fixed(text, value, decimals); };
     for (const CycleTruth &truth : truths_) {
         const auto &order = engine_.firing_order;
         const auto lane = std::size_t(std::find(order.begin(), order.end(), truth.cylinder) - order.begin());
         const auto said = firmware_.find(firmware_cycle(engine_, truth.cycle, lane));
         const bool heard = said != firmware_.end();
-        fmt::format_to(out, "{},{},{:.3f},", truth.cycle, truth.cylinder, truth.combustion_torque_nm);
+        fmt::format_to(std::back_inserter(text), "{},{},", truth.cycle, truth.cylinder);
+        number(truth.combustion_torque_nm, 3);
+        text += ',';
         const bool told = heard && said->second.health != SD_INVALID;
-        if (told) fmt::format_to(out, "{:.3f}", said->second.signals.cycle_cylinder_torque_nm[truth.cylinder - 1]);
+        if (told) number(double(said->second.signals.cycle_cylinder_torque_nm[truth.cylinder - 1]), 3);
         text += ',';
-        if (told) fmt::format_to(out, "{:.4f}", said->second.signals.cycle_cylinder_sd_nm[truth.cylinder - 1]);
-        fmt::format_to(out, ",{:.4f},{},", truth.imep_pa / kPaPerBar, int(truth.misfire));
-        if (const auto *verdict = verdicts_.verdict(truth.cycle, truth.cylinder))
-            fmt::format_to(out, "{:.4f},{},", verdict->second, verdict->first);
-        else
-            text += ",,";
-        if (heard) fmt::format_to(out, "{}", int(said->second.signals.firing_rough));
+        if (told) number(double(said->second.signals.cycle_cylinder_sd_nm[truth.cylinder - 1]), 4);
         text += ',';
-        if (heard) fmt::format_to(out, "{:.3f}", said->second.signals.cycle_speed_rpm);
-        fmt::format_to(out, ",{},", health_name(heard ? said->second.health : std::uint8_t(SD_INVALID)));
-        if (truth.exhaust_lambda != 0) fmt::format_to(out, "{:.5f}", truth.exhaust_lambda);
+        number(truth.imep_pa / kPaPerBar, 4);
+        text += truth.misfire ? ",1," : ",0,";
+        const auto *verdict = verdicts_.verdict(truth.cycle, truth.cylinder);
+        if (verdict) number(verdict->second, 4);
+        text += ',';
+        if (verdict) number(verdict->first, 0);
+        text += ',';
+        if (heard) number(int(said->second.signals.firing_rough), 0);
+        text += ',';
+        if (heard) number(double(said->second.signals.cycle_speed_rpm), 3);
+        text += ',';
+        text += health_name(heard ? said->second.health : std::uint8_t(SD_INVALID));
+        text += ',';
+        if (truth.exhaust_lambda != 0) number(truth.exhaust_lambda, 5);
         text += ',';
         const bool mixture = heard && said->second.afr_health != SD_INVALID;
-        if (mixture) fmt::format_to(out, "{:.5f}", said->second.signals.afr_cylinder_burned[truth.cylinder - 1]);
+        if (mixture) number(double(said->second.signals.afr_cylinder_burned[truth.cylinder - 1]), 5);
         text += ',';
-        if (mixture) fmt::format_to(out, "{:.5f}", said->second.signals.afr_cylinder_sd[truth.cylinder - 1]);
+        if (mixture) number(double(said->second.signals.afr_cylinder_sd[truth.cylinder - 1]), 5);
         text += ',';
-        if (heard) fmt::format_to(out, "{:.5f}", said->second.signals.balance_trim[truth.cylinder - 1]);
-        fmt::format_to(out, ",{:.6f}\n", truth.tdc_time_s);
+        if (heard) number(double(said->second.signals.balance_trim[truth.cylinder - 1]), 5);
+        text += ',';
+        number(truth.tdc_time_s, 6);
+        text += '\n';
     }
     return text;
 }

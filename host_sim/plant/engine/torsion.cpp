@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "plant/engine/torsion.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+
+#include "linalg/linalg.hpp"
 
 namespace sixdeg {
 
@@ -21,11 +22,10 @@ CrankElasticity::CrankElasticity(const PlantEngine &engine) : engine_(engine) {
             t.section_stiffness_nmprad * (Eigen::Matrix2d() << 1, -1, -1, 1).finished();
     }
     // Eigenvectors come mass-normalised and ascending; the first is the rigid crank.
-    const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> solver(
-        stiffness, inertia.asDiagonal().toDenseMatrix());
+    const linalg::Vibrations free = linalg::vibrations(stiffness, inertia);
     for (int m = 1; m <= std::min(engine.torsion_modes, nodes - 1); ++m) {
-        const Eigen::VectorXd shape = solver.eigenvectors().col(m);
-        Mode mode{std::sqrt(solver.eigenvalues()[m]),
+        const Eigen::VectorXd shape = free.shapes.col(m);
+        Mode mode{std::sqrt(free.squared_radps2[m]),
                   shape[t.wheel_at_front ? 0 : nodes - 1],
                   shape[nodes - 1],
                   {}};

@@ -67,6 +67,12 @@ template <class V> void give_shares(typename V::Exhaust &exhaust, const std::vec
     must(V::exhaust_shares(&exhaust, 0, SD_EXHAUST_OPEN, open.data()));
 }
 
+inline sd_afr_inflow_t inflow(const sd_exhaust_now_f32_t &now) {
+    sd_afr_inflow_t in;
+    sd_afr_inflow_of(&now, &in);
+    return in;
+}
+
 template <class V> class AfrBlocks {
   public:
     AfrBlocks(const EngineFile &engine, const ExhaustPoint &point, const AfrTrace &trace,
@@ -127,7 +133,10 @@ template <class V> class AfrBlocks {
             typename V::Now now;
             V::exhaust_step(&exhaust_, psi_.data(), position, &now);
             const double air = 1 - trace_.sensor[k] - (noise.empty() ? 0 : noise[k]);
-            if constexpr (std::is_same_v<V, F32>) sd_afr_delay_step(&delay, &now, position, float(air));
+            if constexpr (std::is_same_v<V, F32>) {
+                const sd_afr_inflow_t in = inflow(now);
+                sd_afr_delay_step(&delay, &in, position, float(air));
+            }
             if (int(k % std::size_t(trace_.cycle_positions)) != trace_.cycle_positions - 1) continue;
             std::array<float, 8> told{}; // of the cycle that ends: its gas arrives from now on
             for (std::size_t i = 0; i < std::size_t(n_); ++i)
@@ -158,7 +167,6 @@ template <class V> class AfrBlocks {
         c.tau1_s = float(tau1), c.tau2_s = float(tau2);
         c.gain_air = float(setup_.gain_air), c.gain_cylinder = float(setup_.gain_cylinder);
         c.inversion_gain = float(setup_.inversion_gain), c.inversion_floor = float(setup_.inversion_floor);
-        c.sine_q31 = sine_.data();
         must(V::chain_init(&chain_, &c));
         if (setup_.method == AfrMethod::oscillator)
             gains_ = uego_gains({tau1, tau2, trace_.step_s, trace_.cycle_positions, setup_.harmonics, setup_.noise,
@@ -167,7 +175,7 @@ template <class V> class AfrBlocks {
     }
 
     void cycle_chain() {
-        V::chain_set(&chain_, float(trace_.step_s), setup_.method == AfrMethod::oscillator ? &gains_ : nullptr,
+        V::chain_set(&chain_, sine_.data(), float(trace_.step_s), setup_.method == AfrMethod::oscillator ? &gains_ : nullptr,
                      float(1 / kBaseCharges));
     }
 
@@ -206,9 +214,11 @@ template <class V> class AfrBlocks {
         typename V::Now now;
         V::exhaust_step(&exhaust_, psi_.data(), position, &now);
         if (setup_.method == AfrMethod::true_gas) return V::observer_step(&chain_.observer, &now, V::of(air));
-        if (!is_joint()) return V::chain_step(&chain_, &now, position, V::of(air));
-        if constexpr (std::is_same_v<V, F32>)
-            sd_afr_joint_step(&joint_, &now, float(air), fixed_gains_.empty() ? nullptr : fixed_gains_[position].data());
+        if (!is_joint()) return V::chain_step(&chain_, sine_.data(), &now, position, V::of(air));
+        if constexpr (std::is_same_v<V, F32>) {
+            const sd_afr_inflow_t in = inflow(now);
+            sd_afr_joint_step(&joint_, &in, float(air), fixed_gains_.empty() ? nullptr : fixed_gains_[position].data());
+        }
     }
 
     void read(AfrEstimates &result) {

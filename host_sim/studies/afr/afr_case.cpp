@@ -23,7 +23,8 @@ std::vector<std::string> probe_changes(const Case &c, std::vector<std::array<dou
         for (int i = 0; i < kLanes; ++i) {
             trims[std::size_t(k)][std::size_t(i)] = i == 0 ? trim : -trim / (kLanes - 1);
             if ((k - kProbeFrom) % half == 0)
-                steps += fmt::format("{{at_s={}, cylinder={}, percent={}}},", k * 120 / c.rpm, i + 1, i == 0 ? 100 * trim : -100 * trim / (kLanes - 1));
+                steps += fmt::format("{{at_s={}, cylinder={}, percent={}}},", k * 120 / c.rpm, i + 1,
+                                     i == 0 ? 100 * trim : -100 * trim / (kLanes - 1));
         }
     }
     return {fmt::format("run.cycles={}", kProbeCycles), fmt::format("cylinders.fuel_step=[{}]", steps)};
@@ -43,6 +44,11 @@ std::vector<Case> step_cases() {
         if (c.bmep_bar > 5) all.push_back(c), all.back().intake_bar = 1.1;
     }
     return all;
+}
+
+std::vector<Case> first_of(std::vector<Case> cases, int most) {
+    if (int(cases.size()) > most) cases.resize(std::size_t(most));
+    return cases;
 }
 
 Run::Run(const Case &c, double percent, const std::vector<std::string> &changes,

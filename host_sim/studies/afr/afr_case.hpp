@@ -26,6 +26,8 @@ struct Case {
 
 /// The goals' operating points; those with load also as rich as the goals' engine was.
 std::vector<Case> step_cases();
+/// The first `most` of some cases.
+std::vector<Case> first_of(std::vector<Case> cases, int most);
 
 /// A run of the plant with a fuel step on cylinder 1 (0: none) and what the calibration makes of it.
 struct Run {

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "studies/afr/afr_judge.hpp"
 
-#include <Eigen/Dense>
 #include <cmath>
 #include <stdexcept>
 
 #include "common/random.hpp"
+#include "linalg/linalg.hpp"
 #include "studies/afr/afr_blocks.hpp"
 
 namespace sixdeg {
@@ -58,11 +58,10 @@ double afr_bound(const EngineFile &engine, const ExhaustPoint &point, const AfrT
         sensitivity.row(2) = e1 * sensitivity.row(2) + (1 - e1) * sensitivity.row(1);
         rows.row(k) = sensitivity.row(2) / noise_rms;
     }
-    const Eigen::MatrixXd r =
-        Eigen::HouseholderQR<Eigen::MatrixXd>(rows).matrixQR().topRows(states).triangularView<Eigen::Upper>();
+    const Eigen::MatrixXd inverse = linalg::inverse_of_triangle(linalg::upper_triangle(rows));
     Eigen::VectorXd contrast = Eigen::VectorXd::Zero(states);
     for (int i = 0; i < n; ++i) contrast(3 + i) = (i == 0 ? 1.0 : 0.0) - 1.0 / n;
-    return r.transpose().triangularView<Eigen::Lower>().solve(contrast).norm();
+    return (inverse.transpose() * contrast).norm();
 }
 
 } // namespace sixdeg

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-// The tables of print_afr_study, each printed to standard output.
+// The tables of print_afr_study, each printed to standard output; `cases`: the first so many operating points.
 #pragma once
 
 namespace sixdeg::afr_study {
 
-void accuracy(int seeds);      ///< The joint filter with its default parameters, nominal and perturbed, slow mode too.
-void blames(int seeds);        ///< Which cylinder is off.
-void doubts(int seeds);        ///< What is stated with the default doubt of lags and delay.
+void accuracy(int seeds, int cases); ///< The joint filter with its default parameters, nominal and perturbed, slow mode too.
+void blames(int seeds, int cases);   ///< Which cylinder is off.
+void doubts(int seeds, int cases);   ///< What is stated with the default doubt of lags and delay.
 void recirculation(int seeds); ///< With exhaust gas led back, known and unknown.
 void ghosts();                 ///< What a balanced engine seems to be off by.
 void chain(int seeds);         ///< The chain of Schulz and others (docs/afr.md), block by block.

@@ -13,7 +13,7 @@ namespace {
 /// What a whole study makes of its seeds, and how many a part alone takes by itself.
 struct Part {
     const char *name;
-    std::function<void(int)> print;
+    std::function<void(int, int)> print;
     std::function<int(int)> share;
     int alone;
 };
@@ -25,9 +25,9 @@ const std::vector<Part> &parts() {
     static const std::vector<Part> list{{"accuracy", accuracy, all, 100},
                                         {"blame", blames, [](int seeds) { return 4 * seeds; }, 400},
                                         {"stated", doubts, all, 100},
-                                        {"egr", recirculation, all, 100},
-                                        {"ghosts", [](int) { ghosts(); }, all, 1},
-                                        {"chain", chain, fifth, 20}};
+                                        {"egr", [](int seeds, int) { recirculation(seeds); }, all, 100},
+                                        {"ghosts", [](int, int) { ghosts(); }, all, 1},
+                                        {"chain", [](int seeds, int) { chain(seeds); }, fifth, 20}};
     return list;
 }
 
@@ -40,11 +40,11 @@ std::vector<std::string> afr_study_parts() {
     return names;
 }
 
-void print_afr_study(const std::string &part, int seeds) {
+void print_afr_study(const std::string &part, int seeds, int cases) {
     if (part == "readings") return afr_study::readings();
     for (const Part &p : parts()) {
-        if (part.empty()) p.print(p.share(seeds > 0 ? seeds : 100));
-        else if (part == p.name) p.print(seeds > 0 ? seeds : p.alone);
+        if (part.empty()) p.print(p.share(seeds > 0 ? seeds : 100), cases);
+        else if (part == p.name) p.print(seeds > 0 ? seeds : p.alone, cases);
     }
 }
 

@@ -10,7 +10,8 @@ namespace sixdeg {
 /// Names of the parts, in the order in which a whole study prints them; `readings` is no part of it.
 std::vector<std::string> afr_study_parts();
 /// Prints one part, or every one for an empty name. `seeds` of noise for the accuracy, 0: 100; other parts take their share of it,
-/// and a part alone its own usual number.
-void print_afr_study(const std::string &part, int seeds);
+/// and a part alone its own usual number. `cases`: the first so many operating points of a table that has a line for each, all of them
+/// by default.
+void print_afr_study(const std::string &part, int seeds, int cases = 1000);
 
 } // namespace sixdeg

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "studies/limits/firing_bound.hpp"
 
-#include <Eigen/QR>
 #include <cmath>
+
+#include "linalg/linalg.hpp"
 
 namespace sixdeg {
 namespace {
@@ -60,14 +61,13 @@ class Information {
         wide(0, 0) = 1;
         wide.bottomRightCorner(root_.rows(), size_) = root_;
         wide.col(0).tail(root_.rows()) = -deviation * root_.col(at);
-        root_ = triangle(wide).bottomRightCorner(size_, size_);
+        root_ = linalg::upper_triangle(wide).bottomRightCorner(size_, size_);
     }
 
-    void compress() { root_ = triangle(root_); }
+    void compress() { root_ = linalg::upper_triangle(root_); }
 
     MatrixXd sums_variance() const {
-        const MatrixXd inverse =
-            root_.topRows(size_).triangularView<Eigen::Upper>().solve(MatrixXd::Identity(size_, size_));
+        const MatrixXd inverse = linalg::inverse_of_triangle(root_.topRows(size_));
         return (inverse * inverse.transpose()).block(sums_, sums_, firings_, firings_);
     }
 
@@ -80,11 +80,6 @@ class Information {
         root_.col(at + 1) = (v * mode.a - q * mode.b) / determinant;
         const VectorXd held = q - root_.col(at);
         for (int j = 0; j < 1 + firings_; ++j) root_.col(2 + j) += held * (mode.compliance(j) * model_.mean(k, j));
-    }
-
-    static MatrixXd triangle(const MatrixXd &tall) {
-        const Eigen::HouseholderQR<MatrixXd> qr(tall);
-        return qr.matrixQR().topRows(tall.cols()).triangularView<Eigen::Upper>();
     }
 
     const ToothModel &model_;

@@ -111,7 +111,9 @@ void slow_mode(int count, const Texts &tune) {
 }
 
 void wrong_delays(int count, const Texts &tune) {
-    for (const auto &[identify, title] : {std::pair{0, "delay wrong, as calibrated"}, {1, "delay wrong, learned from the trims"}, {2, "the same, and by a probe"}}) {
+    for (const auto &[identify, title] : {std::pair{0, "delay wrong, as calibrated"},
+                                          {1, "delay wrong, learned from the trims"},
+                                          {2, "the same, and by a probe"}}) {
         header(title);
         for (double error : {0, -30, 30, -60, 60, -90, 90, -120, 120, -150, 150, -180, 180})
             delays(fmt::format("{:+.0f} deg", error), error, join(tune, {fmt::format("afr.identify={}", identify)}), (count + 6) / 7);

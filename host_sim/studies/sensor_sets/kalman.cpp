@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "linalg/linalg.hpp"
+
 namespace sixdeg {
 namespace {
 
@@ -40,18 +42,13 @@ constexpr int most_rounds = 26;
 constexpr double steady_growth = 1e-9;
 
 void solve_riccati(SteadyFilter &filter) {
-    const Index n = filter.phi.rows();
-    MatrixXd a = filter.phi.transpose(), g = filter.c.transpose() * filter.r.ldlt().solve(filter.c);
+    MatrixXd a = filter.phi.transpose(), g = filter.c.transpose() * linalg::solve_symmetric(filter.r, filter.c);
     MatrixXd &p = filter.predicted;
     p = filter.q;
     for (int round = 0; round < most_rounds; ++round) {
-        const Eigen::PartialPivLU<MatrixXd> w(MatrixXd::Identity(n, n) + g * p);
-        const MatrixXd wa = w.solve(a), wg = w.solve(g);
-        const MatrixXd gain = a.transpose() * p * wa;
-        g += a * wg * a.transpose();
-        p += (gain + gain.transpose()) / 2;
-        a = a * wa;
-        filter.growth = gain.diagonal().cwiseAbs().cwiseQuotient(p.diagonal());
+        const VectorXd before = p.diagonal();
+        linalg::double_stretch(g, p, a);
+        filter.growth = (p.diagonal() - before).cwiseAbs().cwiseQuotient(p.diagonal());
         if (filter.growth.maxCoeff() < steady_growth / 1000) break;
     }
 }
@@ -83,7 +80,7 @@ SteadyFilter steady_filter(const SensorModel &model, const NumericModel &numeric
     solve_riccati(filter);
     const MatrixXd innovation = filter.c * filter.predicted * filter.c.transpose() + filter.r;
     const MatrixXd cp = filter.c * filter.predicted;
-    filter.updated = filter.predicted - cp.transpose() * innovation.ldlt().solve(cp);
+    filter.updated = filter.predicted - cp.transpose() * linalg::solve_symmetric(innovation, cp);
     return filter;
 }
 

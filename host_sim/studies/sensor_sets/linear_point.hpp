@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // A model with numbers: the Jacobians at one operating point, and what a filter has to know of noise.
 #pragma once
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <string>
 #include <vector>
 

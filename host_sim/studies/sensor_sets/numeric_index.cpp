@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "studies/sensor_sets/numeric_index.hpp"
 
-#include <Eigen/SVD>
 #include <algorithm>
+
+#include "linalg/linalg.hpp"
 
 namespace sixdeg {
 namespace {
@@ -10,17 +11,6 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-
-VectorXd singular_values(const MatrixXd &matrix) {
-    if (matrix.cols() == 0) return {}; // nothing but targets
-    // The SVD of the small triangular factor of a tall matrix is that of the matrix, and much cheaper.
-    if (matrix.rows() > matrix.cols()) {
-        const Eigen::HouseholderQR<MatrixXd> qr(matrix);
-        const MatrixXd r = qr.matrixQR().topRows(matrix.cols()).triangularView<Eigen::Upper>();
-        return r.jacobiSvd().singularValues();
-    }
-    return matrix.jacobiSvd().singularValues();
-}
 
 Index rank(const VectorXd &singular, double tolerance) {
     if (singular.size() == 0) return 0;
@@ -58,8 +48,8 @@ std::vector<int> numeric_index(const Augmented &raw, const std::vector<int> &tar
         observability.bottomRows(m) = block;
         block = block * system.a;
         if (derivatives * m < Index(targets.size())) continue;
-        const VectorXd all = singular_values(observability);
-        const VectorXd rest = singular_values(without_columns(observability, targets));
+        const VectorXd all = linalg::singular_values(observability);
+        const VectorXd rest = linalg::singular_values(without_columns(observability, targets));
         for (std::size_t i = 0; i < tolerances.size(); ++i) {
             const bool full = rank(all, tolerances[i]) == Index(targets.size()) + rank(rest, tolerances[i]);
             if (found[i] == 0 && full) found[i] = int(derivatives);

@@ -6,6 +6,7 @@
 #include <unsupported/Eigen/AutoDiff>
 
 #include "common/error.hpp"
+#include "linalg/linalg.hpp"
 
 namespace sixdeg {
 namespace {
@@ -228,7 +229,7 @@ Vector steady_state(const TurboSiInputs &inputs) {
         const auto here = linearise(x, inputs);
         if (!here.rates.allFinite()) break;
         if (step_s > 1e6 && (here.rates.array() / size.array()).abs().maxCoeff() < 1e-9) return x;
-        const Vector move = (Matrix::Identity() / step_s - here.a).partialPivLu().solve(here.rates);
+        const Vector move = linalg::solve(Matrix::Identity() / step_s - here.a, here.rates);
         const double share = (move.array() / size.array()).abs().maxCoeff();
         // A step that would leave the region where the linearisation holds is cut instead of taken.
         if (!(share < 0.1)) {

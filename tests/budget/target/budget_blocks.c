@@ -78,17 +78,24 @@ static void count_input(void) {
 
 static sd_exhaust_f32_t exhaust_f32;
 static sd_exhaust_q31_t exhaust_q31;
+static float    psi_f32[SD_EXHAUST_PSI + 1];
+static sd_q31_t psi_q31[SD_EXHAUST_PSI + 1];
 
 static void start_exhaust(void) {
-    static float share[CYCLE_POSITIONS];
-    for (uint32_t i = 25u; i < 70u; i++) { share[i] = 1.0f / 46.0f; }
-    sd_exhaust_config_t config = { .cycle_positions = CYCLE_POSITIONS, .cylinders = CYLINDERS, .mass_base_kg = 4.2e-3f };
+    static float share[SD_EXHAUST_OPEN];
+    for (uint32_t i = 0; i < 45u; i++) { share[i] = 1.0f / 46.0f; }
+    sd_exhaust_config_t config = {
+        .cycle_positions = CYCLE_POSITIONS, .cylinders = CYLINDERS, .open_position = 25, .mass_base_kg = 4.2e-3f };
     for (uint32_t i = 0; i < CYLINDERS; i++) { config.firing_position[i] = (uint16_t)(CYCLE_POSITIONS / CYLINDERS * i); }
-    for (uint32_t k = 0; k <= SD_EXHAUST_PSI; k++) { config.psi[k] = 0.4f + 0.008f * (float)k; }
-    const sd_exhaust_point_t point = { .share = share, .charge_kg = 7e-4f, .rate_hz = 100.0f, .z0_kg = 1.3e-3f,
-                                       .pipe_kg = 8e-4f, .delay_positions = 8.5f };
+    for (uint32_t k = 0; k <= SD_EXHAUST_PSI; k++) {
+        psi_f32[k] = 0.4f + 0.008f * (float)k;
+        psi_q31[k] = sd_from_float_q31(psi_f32[k]);
+    }
+    const sd_exhaust_point_t point = { .charge_kg = 7e-4f, .rate_hz = 100.0f, .z0_kg = 1.3e-3f, .pipe_kg = 8e-4f, .delay_positions = 8.5f };
     expect(sd_exhaust_init_f32(&exhaust_f32, &config), "exhaust f32");
     expect(sd_exhaust_init_q31(&exhaust_q31, &config), "exhaust q31");
+    expect(sd_exhaust_shares_f32(&exhaust_f32, 0, SD_EXHAUST_OPEN, share), "exhaust f32, shares");
+    expect(sd_exhaust_shares_q31(&exhaust_q31, 0, SD_EXHAUST_OPEN, share), "exhaust q31, shares");
     expect(sd_exhaust_set_f32(&exhaust_f32, &point, STEP_S), "exhaust f32, point");
     expect(sd_exhaust_set_q31(&exhaust_q31, &point, STEP_S), "exhaust q31, point");
 }
@@ -124,8 +131,8 @@ static void count_chain(uint32_t block) {
         const float air = 0.5f + 0.01f * (float)((k * 7u) & 15u) / 16.0f;
         sd_exhaust_now_f32_t now_f32;
         sd_exhaust_now_q31_t now_q31;
-        sd_exhaust_step_f32(&exhaust_f32, k % CYCLE_POSITIONS, &now_f32);
-        sd_exhaust_step_q31(&exhaust_q31, k % CYCLE_POSITIONS, &now_q31);
+        sd_exhaust_step_f32(&exhaust_f32, psi_f32, k % CYCLE_POSITIONS, &now_f32);
+        sd_exhaust_step_q31(&exhaust_q31, psi_q31, k % CYCLE_POSITIONS, &now_q31);
         sd_afr_chain_step_f32(&f32, &now_f32, k % CYCLE_POSITIONS, air);
         sd_afr_chain_step_q31(&q31, &now_q31, k % CYCLE_POSITIONS, sd_from_float_q31(air));
         budget_class((k < 2u * CYCLE_POSITIONS) ? NOT_COUNTED : block);
@@ -143,7 +150,7 @@ static void count_fixed_gains(void) {
     budget_class(NOT_COUNTED);
     for (uint32_t k = 0; k < 600u; k++) {
         sd_exhaust_now_f32_t now;
-        sd_exhaust_step_f32(&exhaust_f32, k % CYCLE_POSITIONS, &now);
+        sd_exhaust_step_f32(&exhaust_f32, psi_f32, k % CYCLE_POSITIONS, &now);
         sd_afr_joint_step(&joint, &now, 0.5f + 0.001f * (float)(k & 7u), gains);
         budget_class((k < 2u * CYCLE_POSITIONS) ? NOT_COUNTED : FIXED_GAINS);
     }

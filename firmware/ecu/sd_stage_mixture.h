@@ -1,0 +1,74 @@
+/* SPDX-License-Identifier: MIT */
+/// sd_stage_mixture.h - the exhaust side in the ecu: composition of every cylinder's gas, and the delay to the lambda sensor.
+///
+/// A tooth steps the blocks by as many positions as it passed, but by no more than SD_MIXTURE_STEPS at once: what is left waits for
+/// the next teeth, so that a mark costs no more than its share. The end of a cycle is a list of pieces, see sd_work.h.
+#ifndef SD_STAGE_MIXTURE_H
+#define SD_STAGE_MIXTURE_H
+#include "sd_calibration.h"
+#include "sd_stage_trims.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define SD_MIXTURE_STEPS   2u  ///< Positions stepped at one tooth.
+#define SD_MIXTURE_WAITING 32u ///< Positions that may wait, a power of two; more begin anew.
+
+/// Owned by the stage; idle without an exhaust in the page.
+typedef struct sd_stage_mixture {
+    sd_afr_t       afr;
+    sd_afr_delay_t delay;           ///< What it learned survives a loss of sync.
+    float    burned_sum;            ///< Of the samples since the last tooth,
+    uint32_t burned_count;          ///< and how many.
+    uint32_t cycle_samples;         ///< Samples in this cycle.
+    float    waiting[SD_MIXTURE_WAITING]; ///< Burned share at positions not yet stepped, or SD_AFR_NO_SAMPLE.
+    uint16_t waiting_position;      ///< Cycle position of the oldest of them.
+    uint8_t  waiting_first, waiting_count;
+    float    last_trim[SD_BALANCE_CYLINDERS_MAX]; ///< Of the last cycle, by firing order.
+    float    last_variance;         ///< Of a cylinder's mixture, of the mean, last cycle.
+    uint8_t  probe_done;            ///< With or without an answer, since the trims were allowed.
+} sd_stage_mixture_t;
+
+/// What is known at the end of a cycle.
+typedef struct sd_mixture_cycle {
+    float    speed_radps;
+    bool     steady;         ///< Neither speed nor fuel moves, and everything burned.
+    bool     trimming;       ///< Trims are wanted.
+    bool     diverged;       ///< They were given up, because their phase is wrong.
+    uint32_t trims_learned;  ///< Cycles in which they moved.
+    const float *trim;       ///< As commanded, by firing order.
+} sd_mixture_cycle_t;
+
+/// What the stage says of a cycle, by firing order.
+typedef struct sd_mixture_out {
+    float   burned[SD_CYLINDERS_MAX]; ///< Burned share of each cylinder's gas: 1 - air/gas.
+    sd_deviations_t deviations;
+    sd_status_t status;
+} sd_mixture_out_t;
+
+/// SD_OK, or SD_ERR_CONFIG with the state untouched.
+sd_result_t sd_stage_mixture_init(sd_stage_mixture_t *self, const sd_calibration_t *page, const sd_parameters_t *p);
+/// Other parameters: the filter begins anew, what was learned of the delay stays. SD_OK, or SD_ERR_CONFIG with the state untouched.
+sd_result_t sd_stage_mixture_configure(sd_stage_mixture_t *self, const sd_calibration_t *page, const sd_parameters_t *p);
+/// The angle is lost, or moved.
+void sd_stage_mixture_restart(sd_stage_mixture_t *self);
+/// A reading of the lambda sensor: air to fuel over stoichiometric; stoichiometric: air to fuel of the fuel.
+void sd_stage_mixture_sample(sd_stage_mixture_t *self, float lambda, float stoichiometric);
+/// A placed tooth.
+void sd_stage_mixture_tooth(sd_stage_mixture_t *self, const sd_calibration_t *page, const sd_tooth_t *tooth);
+/// End of a cycle, first piece: the trims are told to the filter, and the delay learns from them. True: the delay was found to be far
+/// off, so that the trims' loop is another one now.
+bool sd_stage_mixture_learn(sd_stage_mixture_t *self, const sd_parameters_t *p, const sd_mixture_cycle_t *cycle);
+/// Next piece: notes the operating point of the coming cycle (bar, mg a stroke) and says what the filter found.
+void sd_stage_mixture_read(sd_stage_mixture_t *self, const sd_parameters_t *p, float speed_radps, float intake_bar, float fuel_mg,
+                           sd_mixture_out_t *out);
+/// Last pieces: the operating point's tables. True while more is left.
+bool sd_stage_mixture_work(sd_stage_mixture_t *self, const sd_calibration_t *page);
+/// The probe's trim of each cylinder, by firing order; size: of the whole probe. 0 while none runs.
+void sd_stage_mixture_probe(const sd_stage_mixture_t *self, float size, float *trim);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,110 @@
+/* SPDX-License-Identifier: MIT */
+#include "sd_calibration.h"
+
+#include <stddef.h>
+#include <string.h>
+
+#define MAGIC 0x32434453u /* "SDC2" */
+#define NUMBER_MAX 1e9f
+#define FIXED_BYTES ((uint32_t)offsetof(sd_calibration_t, kalman.pool))
+
+_Static_assert(sizeof(sd_parameters_t) == SD_PARAMETER_COUNT * sizeof(float), "parameters are floats, without gaps");
+_Static_assert(sizeof(sd_calibration_t) == FIXED_BYTES + sizeof(((sd_calibration_t *)0)->kalman.pool), "the pool ends the page");
+
+uint32_t sd_calibration_bytes(const sd_calibration_t *page) {
+    return FIXED_BYTES + sd_kalman_pool_used(&page->kalman) * (uint32_t)sizeof page->kalman.pool[0];
+}
+
+void sd_calibration_seal(sd_calibration_t *page) {
+    page->fixed_bytes = FIXED_BYTES;
+    sd_page_seal(&page->head, MAGIC, sd_calibration_bytes(page));
+}
+
+const sd_calibration_t *sd_calibration_view(const void *bytes, uint32_t size) {
+    const sd_calibration_t *page = (const sd_calibration_t *)bytes;
+    if ((size < FIXED_BYTES) || !sd_page_sealed(bytes, size, MAGIC)) { return NULL; }
+    return ((page->fixed_bytes == FIXED_BYTES) && (sd_calibration_bytes(page) == size)) ? page : NULL;
+}
+
+/* ---- ranges ---------------------------------------------------------------------------------------------------- */
+
+static bool within(float x, float low, float high) { return (x >= low) && (x <= high); } /* false for NaN */
+
+static bool map_ok(const sd_calibration_t *page) {
+    const sd_cylinder_map_t *map = &page->cylinder_map;
+    bool ok = ((map->cylinders == 0u) || (map->cylinders == page->cylinders)) && (map->harmonics <= SD_FOURIER_HARMONICS_MAX);
+    for (uint32_t i = 0; ok && (i < map->cylinders); ++i) {
+        ok = within(map->offset_nm[i], -NUMBER_MAX, NUMBER_MAX) && within(map->nm_per_bar[i], -NUMBER_MAX, NUMBER_MAX) &&
+             within(map->sd_kgm2[i], 0.0f, NUMBER_MAX);
+        for (uint32_t j = 0; ok && (j <= 2u * map->harmonics); ++j) { ok = within(map->map[i][j], -NUMBER_MAX, NUMBER_MAX); }
+    }
+    return ok;
+}
+
+static bool cylinders_ok(const sd_calibration_t *page) {
+    bool ok = (page->cylinders >= 1u) && (page->cylinders <= SD_CYLINDERS_MAX) && map_ok(page);
+    for (uint32_t i = 0; ok && (i < page->cylinders); ++i) {
+        ok = (page->firing_order[i] >= 1u) && (page->firing_order[i] <= SD_CYLINDERS_MAX) &&
+             (page->firing_position[i] < 2u * page->positions);
+    }
+    return ok;
+}
+
+bool sd_calibration_in_range(const sd_calibration_t *page) {
+    const float *parameter = (const float *)&page->parameters;
+    bool ok = within(page->position_0_deg, 0.0f, 360.0f) && within(page->tick_hz, 1e5f, 2e8f) && cylinders_ok(page) &&
+              ((page->kalman.positions == 0u) || (page->kalman.positions == page->positions));
+    for (uint32_t i = 0; ok && (i < SD_PARAMETER_COUNT); ++i) {
+        ok = within(parameter[i], sd_parameter_infos[i].low, sd_parameter_infos[i].high);
+    }
+    return ok;
+}
+
+/* ---- configurations -------------------------------------------------------------------------------------------- */
+
+sd_crank_config_t sd_calibration_crank(const sd_calibration_t *page, const sd_parameters_t *p) {
+    sd_crank_config_t config = { .positions = page->positions,
+                                 .missing_count = page->missing_count,
+                                 .stall_ticks = (uint32_t)(p->crank_stall_s * page->tick_hz),
+                                 .has_cam = page->has_cam,
+                                 .cam_position = page->cam_position };
+    memcpy(config.missing, page->missing, sizeof config.missing);
+    return config;
+}
+
+sd_fourier_config_t sd_calibration_torque(const sd_calibration_t *page, const sd_parameters_t *p) {
+    return (sd_fourier_config_t){ .positions = page->positions,
+                                  .harmonics = (uint8_t)p->torque_harmonics,
+                                  .gain_energy = p->torque_gain_energy_per_rad,
+                                  .gain_mean = p->torque_gain_mean_per_rad2,
+                                  .gain_reference = p->torque_gain_reference_per_rad2,
+                                  .reject_energy = p->torque_reject_energy,
+                                  .settle_steps = (uint16_t)(p->torque_settle_cycles * 2.0f *
+                                                             (float)(page->positions - page->missing_count)),
+                                  .tick_hz = page->tick_hz,
+                                  .speed_base_radps = p->torque_speed_base_rpm * 0.10471976f,
+                                  .torque_base_nm = p->torque_torque_base_nm };
+}
+
+sd_misfire_config_t sd_calibration_misfire(const sd_calibration_t *page, const sd_parameters_t *p) {
+    const float cylinders = (float)page->cylinders;
+    sd_misfire_config_t config = { .cylinders = page->cylinders,
+                                   .work_per_fuel_jpmg = p->misfire_work_per_fuel_jpmg,
+                                   .cyclic = p->misfire_cyclic,
+                                   .z_false = p->misfire_z_false,
+                                   .z_missed = p->misfire_z_missed,
+                                   .definition = p->misfire_definition,
+                                   .partial = p->misfire_partial,
+                                   .fuel_min_mg = p->misfire_fuel_min_mg,
+                                   .torque_min_nm = p->misfire_torque_min_nm,
+                                   .speed_change = p->misfire_speed_change,
+                                   .start_firings = (uint16_t)(p->misfire_start_cycles * cylinders),
+                                   .hold_firings = (uint16_t)(p->misfire_hold_cycles * cylinders),
+                                   .continuous_firings = (uint16_t)p->misfire_continuous,
+                                   .emission_percent = p->misfire_emission_percent,
+                                   .catalyst_percent = p->misfire_catalyst_percent,
+                                   .emission_exceedances = (uint16_t)p->misfire_emission_windows,
+                                   .catalyst_exceedances = (uint16_t)p->misfire_catalyst_windows };
+    memcpy(config.firing_order, page->firing_order, sizeof config.firing_order);
+    return config;
+}

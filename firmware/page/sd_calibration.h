@@ -1,0 +1,66 @@
+/* SPDX-License-Identifier: MIT */
+/// sd_calibration.h - the calibration page: all that distinguishes one engine from another, in one struct that is read where
+/// it lies and never copied. `sixdeg calibrate` makes it, as a file or as a C array for a target's flash.
+///
+/// The page ends where the used part of kalman.pool ends, so a stored page may be shorter than sizeof(sd_calibration_t): hold it
+/// by pointer, and do not copy it by assignment.
+#ifndef SD_CALIBRATION_H
+#define SD_CALIBRATION_H
+#include "sd_afr.h"
+#include "sd_crank.h"
+#include "sd_cylinders.h"
+#include "sd_fourier.h"
+#include "sd_kalman.h"
+#include "sd_misfire.h"
+#include "sd_page.h"
+#include "sd_signals.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/// Angles are positions of the wheel over the cycle: 0 to 2 positions - 1. Fields that no table needs are 0.
+typedef struct sd_calibration {
+    sd_page_head_t head;          ///< Filled by sd_calibration_seal.
+    uint32_t fixed_bytes;         ///< Of the page before kalman.pool: another value is another format. Filled by sd_calibration_seal.
+    float    tick_hz;             ///< Capture timer, [1e5, 2e8].
+    float    position_0_deg;      ///< Crank angle of position 0, [0, 360]; 0 = firing TDC of firing_order[0].
+    uint16_t cam_position;        ///< Of the cam edge, as in sd_crank_config_t.
+    uint8_t  has_cam;             ///< As in sd_crank_config_t.
+    uint8_t  positions;           ///< Tooth positions a revolution, missing ones included, as in sd_crank_config_t.
+    uint8_t  missing[SD_CRANK_MISSING_MAX]; ///< Missing positions, ascending.
+    uint8_t  missing_count;       ///< How many of them count.
+    uint8_t  cylinders;           ///< 1 to SD_CYLINDERS_MAX.
+    uint8_t  reserved[2];         ///< 0.
+    uint8_t  firing_order[SD_CYLINDERS_MAX];    ///< Physical cylinder, 1-based, of each firing.
+    uint16_t firing_position[SD_CYLINDERS_MAX]; ///< First cycle position at or after the firing TDC, in that order.
+    sd_parameters_t   parameters;   ///< As the firmware starts with them.
+    sd_fourier_tables_t fourier;    ///< Of the torque observer; the AFR blocks take its sines too.
+    sd_cylinder_map_t cylinder_map; ///< Of the gains in `parameters`.
+    sd_afr_grid_t     afr;          ///< present 0: the engine file names no exhaust.
+    sd_kalman_tables_t kalman;      ///< Of the parameters firing.*; positions 0: none. Its pool ends the page.
+} sd_calibration_t;
+
+/// Size of the page: up to the end of the used part of kalman.pool.
+uint32_t sd_calibration_bytes(const sd_calibration_t *page);
+
+/// Makes the first sd_calibration_bytes() bytes of *page a page that can be stored.
+void sd_calibration_seal(sd_calibration_t *page);
+
+/// The page in stored bytes, where they lie. NULL when they are no such page: not aligned to 4 bytes, of another size, format,
+/// byte order or signal table, or with a wrong checksum. Whether its numbers can be used, sd_ecu_init says.
+const sd_calibration_t *sd_calibration_view(const void *bytes, uint32_t size);
+
+/// A right checksum is no proof of right numbers: false when a field that no block checks itself is out of its range, NaN
+/// included.
+bool sd_calibration_in_range(const sd_calibration_t *page);
+
+/// What the blocks are initialised with: from the page, and from the parameters that rule now.
+sd_crank_config_t   sd_calibration_crank(const sd_calibration_t *page, const sd_parameters_t *parameters);
+sd_fourier_config_t sd_calibration_torque(const sd_calibration_t *page, const sd_parameters_t *parameters);
+sd_misfire_config_t sd_calibration_misfire(const sd_calibration_t *page, const sd_parameters_t *parameters);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: MIT
+#include "cli/command_line.hpp"
+
+#include <CLI/App.hpp>
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+
+namespace sixdeg {
+
+Option &Option::required() { return option_->required(), *this; }
+Option &Option::one_of(const std::vector<std::string> &words) { return option_->check(CLI::IsMember(words)), *this; }
+Option &Option::within(double low, double high) { return option_->check(CLI::Range(low, high)), *this; }
+Option &Option::within_whole(std::int64_t low, std::int64_t high) { return option_->check(CLI::Range(low, high)), *this; }
+Option &Option::checked(const std::function<std::string(const std::string &)> &wrong) { return option_->check(wrong), *this; }
+Option &Option::one_at_a_time() { return option_->allow_extra_args(false), *this; }
+Option &Option::separated_by(char c) { return option_->delimiter(c), *this; }
+Option &Option::excludes(const Option &other) { return option_->excludes(other.option_), *this; }
+Option &Option::shows_default() { return option_->capture_default_str(), *this; }
+
+Command Command::add(const std::string &name, const std::string &help) { return Command(app_->add_subcommand(name, help)); }
+
+Option Command::option(const std::string &name, std::string &value, const std::string &help) {
+    return Option(app_->add_option(name, value, help));
+}
+Option Command::option(const std::string &name, std::vector<std::string> &value, const std::string &help) {
+    return Option(app_->add_option(name, value, help));
+}
+Option Command::option(const std::string &name, int &value, const std::string &help) {
+    return Option(app_->add_option(name, value, help));
+}
+Option Command::option(const std::string &name, unsigned &value, const std::string &help) {
+    return Option(app_->add_option(name, value, help));
+}
+Option Command::option(const std::string &name, std::uint64_t &value, const std::string &help) {
+    return Option(app_->add_option(name, value, help));
+}
+Option Command::option(const std::string &name, std::optional<std::uint64_t> &value, const std::string &help) {
+    return Option(app_->add_option(name, value, help));
+}
+Option Command::option(const std::string &name, double &value, const std::string &help) {
+    return Option(app_->add_option(name, value, help));
+}
+Option Command::flag(const std::string &name, bool &value, const std::string &help) { return Option(app_->add_flag(name, value, help)); }
+
+Option Command::output_folder(std::string &folder, const std::string &help) {
+    return option("--out", folder, help).checked([](const std::string &path) {
+        return std::string(path == "-" ? "standard output holds one file; give a folder" : "");
+    });
+}
+Option Command::number(std::string &value) { return option("--number", value, "f32 or q31").one_of({"f32", "q31"}); }
+Option Command::settings(std::vector<std::string> &value, const std::string &help) { return option("--set", value, help).one_at_a_time(); }
+
+void Command::runs(std::function<void()> action) { app_->callback(std::move(action)); }
+void Command::needs_command() { app_->require_subcommand(1); }
+
+int run_command_line(const std::string &about, const std::function<void(Command &)> &add_commands, int argc, char **argv) {
+    CLI::App app{about};
+    Command top(&app);
+    top.needs_command();
+    add_commands(top);
+    try {
+        app.parse(argc, argv);
+        return 0;
+    } catch (const CLI::ParseError &error) {
+        return app.exit(error) == 0 ? 0 : 2; // CLI11 also throws for --help, which is no error
+    }
+}
+
+} // namespace sixdeg

@@ -1,0 +1,2 @@
+// SPDX-License-Identifier: MIT
+// Nothing: the file that the precompiled headers belong to.

@@ -145,7 +145,8 @@ static void set_joint(sd_afr_t *self, const sd_afr_grid_t *grid, float speed, fl
 
 static void set_chain(sd_afr_t *self, const sd_afr_tables_t *tables, float speed, float step_s) {
     const sd_uego_gains_t gains = inversion_gains(tables->grid, speed);
-    sd_afr_chain_set_f32(&self->chain, tables->sine_q31, step_s, (self->config.method == SD_AFR_OSCILLATORS) ? &gains : NULL, self->exhaust.charge);
+    const sd_uego_gains_t *oscillators = (self->config.method == SD_AFR_OSCILLATORS) ? &gains : NULL;
+    sd_afr_chain_set_f32(&self->chain, tables->sine_q31, step_s, oscillators, self->exhaust.charge);
 }
 
 void sd_afr_cycle(sd_afr_t *self, float speed_radps, float intake_bar, float fuel_mg) {

@@ -9,8 +9,8 @@ enum { GROUP = SD_AFR_GROUP,
        REJECTED_IN_ROW_MAX = 60 / GROUP, /* groups left out in a row after which the estimate must be wrong */
        JUMP_HOLD = 120 / GROUP };        /* groups, about a cycle, until the next jump may be seen */
 
-#define MEAN_PACE 0.310f /* the mean of innovations reaches back about 1/this groups: 16 positions */
-#define MEAN_MAX  4.59f  /* its square over the innovation's variance: 5 standard deviations of such a mean, sqrt(pace/(2 - pace)) */
+#define MEAN_PACE 0.169f /* the mean of innovations reaches back about 1/this groups: 16 positions */
+#define MEAN_MAX  2.31f  /* its square over the innovation's variance: 5 standard deviations of such a mean, sqrt(pace/(2 - pace)) */
 #define VARIANCE_LEAST 1e-12f
 #define KEPT_LEAST     0.05f /* of x in a position: so little that it does not matter, and a group of it is still above 0 */
 

@@ -6,10 +6,10 @@
 /// the sensor. Once a wheel position, with M and D_i as the sensor meets them (sd_afr_inflow.h, delay included):
 ///     x   = (M x + sum D_i a_i)/(M + sum D_i)     D_i >= 0: stable whatever the numbers
 ///     s2 += m2 (x - s2);  s1 += m1 (s2 - s1)      m = 1 - exp(-step/tau)
-/// and every sixth position, with the mean error e = y - s1 of the samples in the six:
+/// and every third position, with the mean error e = y - s1 of the samples in the three:
 ///     state += K e
 /// K is either given (fixed gains, one column a position, and a correction at each) or found on the way from the filter's own
-/// covariance, which moves by six positions at a time: the lags follow the x before them, and what a cylinder lets in within
+/// covariance, which moves by three positions at a time: the lags follow the x before them, and what a cylinder lets in within
 /// them is mixed in at once. The sensor's lags are tens of positions, so this K is as good as one found at every position
 /// (docs/afr.md). Each line above touches one row of the covariance. a_i gains variance q^2 once a cycle, where its
 /// exhaust begins. Where innovations keep to one side
@@ -27,7 +27,7 @@
 extern "C" {
 #endif
 
-#define SD_AFR_GROUP 6 /* positions whose samples are taken in together */
+#define SD_AFR_GROUP 3 /* positions whose samples are taken in together */
 
 /// Read by init only.
 typedef struct sd_afr_joint_config {

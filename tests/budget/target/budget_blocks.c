@@ -119,13 +119,14 @@ static void count_chain(uint32_t block) {
     const sd_afr_chain_config_t config = {
         .cycle_positions = CYCLE_POSITIONS, .cylinders = CYLINDERS, .harmonics = 2, .settle_steps = 10,
         .tau1_s = 0.03f, .tau2_s = 0.015f, .gain_air = 0.08f, .gain_cylinder = 3.0f,
-        .inversion_gain = 0.02f, .inversion_floor = 0.1f, .sine_q31 = sines() };
+        .inversion_gain = 0.02f, .inversion_floor = 0.1f };
+    const int32_t *sine_q31 = sines();
     const sd_uego_gains_t gains = { 0 };
     expect(sd_afr_chain_init_f32(&f32, &config), "chain f32");
     expect(sd_afr_chain_init_q31(&q31, &config), "chain q31");
     start_exhaust();
-    sd_afr_chain_set_f32(&f32, STEP_S, (block == OSCILLATORS) ? &gains : 0, 1.0f / 6.0f);
-    sd_afr_chain_set_q31(&q31, STEP_S, (block == OSCILLATORS) ? &gains : 0, 1.0f / 6.0f);
+    sd_afr_chain_set_f32(&f32, sine_q31, STEP_S, (block == OSCILLATORS) ? &gains : 0, 1.0f / 6.0f);
+    sd_afr_chain_set_q31(&q31, sine_q31, STEP_S, (block == OSCILLATORS) ? &gains : 0, 1.0f / 6.0f);
     budget_class(NOT_COUNTED);
     for (uint32_t k = 0; k < 600u; k++) {
         const float air = 0.5f + 0.01f * (float)((k * 7u) & 15u) / 16.0f;
@@ -133,8 +134,8 @@ static void count_chain(uint32_t block) {
         sd_exhaust_now_q31_t now_q31;
         sd_exhaust_step_f32(&exhaust_f32, psi_f32, k % CYCLE_POSITIONS, &now_f32);
         sd_exhaust_step_q31(&exhaust_q31, psi_q31, k % CYCLE_POSITIONS, &now_q31);
-        sd_afr_chain_step_f32(&f32, &now_f32, k % CYCLE_POSITIONS, air);
-        sd_afr_chain_step_q31(&q31, &now_q31, k % CYCLE_POSITIONS, sd_from_float_q31(air));
+        sd_afr_chain_step_f32(&f32, sine_q31, &now_f32, k % CYCLE_POSITIONS, air);
+        sd_afr_chain_step_q31(&q31, sine_q31, &now_q31, k % CYCLE_POSITIONS, sd_from_float_q31(air));
         budget_class((k < 2u * CYCLE_POSITIONS) ? NOT_COUNTED : block);
     }
 }
@@ -143,7 +144,7 @@ static void count_fixed_gains(void) {
     static sd_afr_joint_t joint;
     const sd_afr_joint_config_t config = { .cylinders = CYLINDERS, .tau1_s = 0.03f, .tau2_s = 0.015f, .noise_per_rthz = 2e-4f,
                                            .drift = 5e-4f, .start_sd = 0.1f, .reject = 1000.0f };
-    const float gains[SD_AFR_STATES_MAX] = { 0.01f, 0.01f, 0.01f, 0.01f, 0.01f, 0.01f, 0.01f };
+    const float gains[CYLINDERS + 3] = { 0.01f, 0.01f, 0.01f, 0.01f, 0.01f, 0.01f, 0.01f };
     expect(sd_afr_joint_init(&joint, &config), "joint filter");
     start_exhaust();
     sd_afr_joint_set(&joint, STEP_S, 5e-4f, 0.01f);
@@ -151,7 +152,9 @@ static void count_fixed_gains(void) {
     for (uint32_t k = 0; k < 600u; k++) {
         sd_exhaust_now_f32_t now;
         sd_exhaust_step_f32(&exhaust_f32, psi_f32, k % CYCLE_POSITIONS, &now);
-        sd_afr_joint_step(&joint, &now, 0.5f + 0.001f * (float)(k & 7u), gains);
+        sd_afr_inflow_t in;
+        sd_afr_inflow_of(&now, &in);
+        sd_afr_joint_step(&joint, &in, 0.5f + 0.001f * (float)(k & 7u), gains);
         budget_class((k < 2u * CYCLE_POSITIONS) ? NOT_COUNTED : FIXED_GAINS);
     }
 }

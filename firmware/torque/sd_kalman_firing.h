@@ -4,6 +4,10 @@
 #define SD_KALMAN_FIRING_H
 #include "sd_kalman.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* Where a speed lies among the gain tables of a set: between `at` and the next one, `share` of the way. */
 typedef struct sd_between {
     uint32_t at, next;
@@ -36,5 +40,9 @@ static inline float sd_kalman_mean_firing(const sd_kalman_filter_t *f, const sd_
 /* Fills *firing with firing i < firings as filter `which` has it now, and keeps it for the mean. */
 void sd_kalman_read_firing(sd_kalman_t *self, const sd_kalman_tables_t *t, uint32_t which, uint32_t i, float pattern_rad,
                            sd_firing_t *firing);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

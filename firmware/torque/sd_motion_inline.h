@@ -5,6 +5,10 @@
 #define SD_MOTION_INLINE_H
 #include "sd_motion.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 enum { MEAN, MOMENT, POINT, BEND, PULSE_WORDS = 6 }; /* of a pulse; BEND: the same three of its bend begin */
 
 static inline const sd_kalman_word_t *pulses_of(const sd_kalman_tables_t *t, const sd_kalman_word_t *word) {
@@ -59,5 +63,9 @@ static inline bool sd_motion_move(sd_motion_t *self, const sd_kalman_tables_t *t
     self->lateness_s += dt;
     return (t->modes == 0u) || sd_motion_swing(self, t, row, shape, tuning, dt, square);
 }
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -16,7 +16,7 @@ struct LogReplay {
     std::vector<std::uint32_t> edge_ticks;   ///< Of the crank edges in.
     std::size_t events_in = 0, recorded_out = 0, replayed_out = 0;
     std::optional<std::size_t>
-        first_difference; ///< Index among the events out; none: they are the same to the bit.
+        first_difference; ///< Index among the events out; none: each row says the same to the bit, in the same order of its rate.
 };
 
 /// `calibration` is the log's own, or one of other parameters.

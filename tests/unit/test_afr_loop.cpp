@@ -164,7 +164,8 @@ TEST(AfrLoop, BalancesFromTheDocumentsChain) {
         EXPECT_LT(b.residual_percent, 2);
         EXPECT_EQ(b.gave_up_cycles, -1);
     }
-    EXPECT_GE(chain("afr.method=3", 120).gave_up_cycles, 4);
+    // At 120 deg it is on the edge: some seeds settle, others give up after 180 cycles (docs/afr.md).
+    EXPECT_GE(chain("afr.method=3", 135).gave_up_cycles, 4);
     // Where the sensor is too slow it says so, and nothing is learned from it.
     const BalanceFigures slow = balanced({{"run.duration_s=6", "control.balance_on_s=[2,1000]"}, {"afr.method=3"}, 0, false, 1, "slow_3500rpm_12bar.toml"});
     EXPECT_NEAR(slow.largest_spread_percent, slow.spread_before_percent, 0.5);

@@ -123,8 +123,10 @@ static void on_tooth(sd_ecu_t *self, const sd_calibration_t *page, const sd_port
     if (sd_course_ended(&self->course, tooth, page->positions, page->tick_hz, &cycle)) { end_cycle(self, page, port, &cycle); }
     step_torque(self, page, tooth);
     const bool firing_read = step_firings(self, page, port, tooth);
-    sd_stage_mixture_tooth(&self->mixture, page, tooth);
-    if (!firing_read) { sd_ecu_do_piece(self, page, port); } /* no tooth does both */
+    /* A tooth has one burden beside its own position: positions passed without an edge, a firing, mixture that waits, or a piece. */
+    const bool burdened = firing_read || (tooth->advance > 1u);
+    const bool catches_up = sd_stage_mixture_tooth(&self->mixture, page, tooth, burdened ? 0u : SD_MIXTURE_STEPS);
+    if (!burdened && !catches_up) { sd_ecu_do_piece(self, page, port); }
 }
 
 /* ---- events ---------------------------------------------------------------------------------------------------- */

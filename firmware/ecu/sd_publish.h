@@ -20,7 +20,7 @@ extern "C" {
 typedef struct sd_publish {
     sd_signals_t signals;                ///< Present values.
     sd_status_t  status[SD_OWNER_COUNT]; ///< Health of each owner's signals.
-    uint32_t     row_flags[SD_OWNER_COUNT]; ///< Health and reasons as they were when the long row under way began.
+    uint32_t     row_flags[SD_OWNER_COUNT]; ///< Health and reasons as they were when the row in parts that is under way began.
     uint32_t     unsent;                 ///< Events that the port had no room for, wraps.
 } sd_publish_t;
 

@@ -83,17 +83,17 @@ static void step_oldest(sd_stage_mixture_t *self, const sd_afr_tables_t *tables)
     step(self, tables, position, burned);
 }
 
-void sd_stage_mixture_tooth(sd_stage_mixture_t *self, const sd_calibration_t *page, const sd_tooth_t *tooth) {
+bool sd_stage_mixture_tooth(sd_stage_mixture_t *self, const sd_calibration_t *page, const sd_tooth_t *tooth, uint32_t most) {
     /* Across a mark the mean belongs to no one position. */
     const bool sampled = (self->burned_count > 0u) && (tooth->advance == 1u);
     const float burned = sampled ? self->burned_sum / (float)self->burned_count : SD_AFR_NO_SAMPLE;
     self->burned_sum = 0.0f;
     self->burned_count = 0;
-    if (!ready(self)) { return; }
+    if (!ready(self)) { return false; }
     const sd_afr_tables_t tables = tables_of(page);
-    if ((self->waiting_count == 0u) && (tooth->advance == 1u)) {
+    if ((self->waiting_count == 0u) && (tooth->advance == 1u) && (most > 0u)) {
         step(self, &tables, tooth->cycle_position, burned);
-        return;
+        return false;
     }
     if (self->waiting_count == 0u) {
         const uint32_t cycle = 2u * page->positions;
@@ -101,7 +101,8 @@ void sd_stage_mixture_tooth(sd_stage_mixture_t *self, const sd_calibration_t *pa
     }
     for (uint32_t left = tooth->advance; left > 1u; --left) { wait_for(self, SD_AFR_NO_SAMPLE); }
     wait_for(self, burned);
-    for (uint32_t i = 0; (i < SD_MIXTURE_STEPS) && (self->waiting_count > 0u); ++i) { step_oldest(self, &tables); }
+    for (uint32_t i = 0; (i < most) && (self->waiting_count > 0u); ++i) { step_oldest(self, &tables); }
+    return most > 1u;
 }
 
 /* ---- the end of a cycle ---------------------------------------------------------------------------------------- */

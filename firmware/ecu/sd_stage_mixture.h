@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /// sd_stage_mixture.h - the exhaust side in the ecu: composition of every cylinder's gas, and the delay to the lambda sensor.
 ///
-/// A tooth steps the blocks by as many positions as it passed, but by no more than SD_MIXTURE_STEPS at once: what is left waits for
-/// the next teeth, so that a mark costs no more than its share. The end of a cycle is a list of pieces, see sd_work.h.
+/// A tooth steps the blocks by as many positions as it passed, but by no more than the ecu has time for: what is left waits for
+/// the next teeth, so that a mark or a firing costs no more than its share. The end of a cycle is a list of pieces, see sd_work.h.
 #ifndef SD_STAGE_MIXTURE_H
 #define SD_STAGE_MIXTURE_H
 #include "sd_calibration.h"
@@ -55,8 +55,9 @@ sd_result_t sd_stage_mixture_configure(sd_stage_mixture_t *self, const sd_calibr
 void sd_stage_mixture_restart(sd_stage_mixture_t *self);
 /// A reading of the lambda sensor: air to fuel over stoichiometric; stoichiometric: air to fuel of the fuel.
 void sd_stage_mixture_sample(sd_stage_mixture_t *self, float lambda, float stoichiometric);
-/// A placed tooth.
-void sd_stage_mixture_tooth(sd_stage_mixture_t *self, const sd_calibration_t *page, const sd_tooth_t *tooth);
+/// A placed tooth: its positions wait, and the oldest that wait are stepped, `most` of them. True when more than the tooth's own
+/// position was stepped.
+bool sd_stage_mixture_tooth(sd_stage_mixture_t *self, const sd_calibration_t *page, const sd_tooth_t *tooth, uint32_t most);
 /// End of a cycle, first piece: the trims are told to the filter, and the delay learns from them. True: the delay was found to be far
 /// off, so that the trims' loop is another one now.
 bool sd_stage_mixture_learn(sd_stage_mixture_t *self, const sd_parameters_t *p, const sd_mixture_cycle_t *cycle);

@@ -155,11 +155,11 @@ void sd_firings_step(sd_firings_t *self, const sd_kalman_tables_t *tables, const
     const bool runs = (filter->running != 0u) && (tooth->cycle_position < 2u * tables->positions);
     out->waveform_nm = runs ? sd_kalman_torque(&self->kalman, tables, self->kalman.believed, tooth->cycle_position) : 0.0f;
     out->energy_j = filter->motion.energy_j;
-    out->speed_radps = sd_root(2.0f * filter->motion.energy_j / tables->inertia_mean_kgm2);
     out->learned = learn(self, tables, tooth, &seen) ? 1u : 0u;
     out->complete = (uint8_t)((complete >> self->kalman.believed) & 1u);
     if (out->complete == 0u) { return; }
     out->firing = firing[self->kalman.believed];
+    out->speed_radps = sd_root(2.0f * filter->motion.energy_j / tables->inertia_mean_kgm2);
     if (out->status.health == (uint8_t)SD_VALID) { learn_zero(self, tables, tooth, &out->firing); }
 }
 

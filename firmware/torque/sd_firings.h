@@ -55,7 +55,7 @@ typedef struct sd_firings_out {
     sd_status_t status;      ///< Of the block; innovation in rad. Invalid and uncalibrated while it rests.
     float       waveform_nm; ///< Torque of the whole engine at the tooth, N m, friction and load taken off; 0 while resting.
     float       energy_j;    ///< Kinetic energy at the tooth, J; 0 while no filter runs.
-    float       speed_radps; ///< Speed that belongs to it by the mean inertia, rad/s.
+    float       speed_radps; ///< Speed that belongs to it by the mean inertia, rad/s; set with a firing, as `firing` is.
 } sd_firings_out_t;
 
 /// State. What is public to read: `pattern` and whether `on_rough`.

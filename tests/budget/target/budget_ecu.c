@@ -29,7 +29,10 @@ static uint32_t receive(void *context, sd_event_t *events, uint32_t room) {
 
 static uint32_t send(void *context, const sd_event_t *events, uint32_t count) {
     (void)context;
-    for (uint32_t i = 0; i < count; i++) { sent[sent_count++ % SENT_MAX] = events[i]; }
+    if (sent_count + count > SENT_MAX) { sent_count = SENT_MAX + 1u; return count; } /* said in the end */
+    sd_event_t *to = &sent[sent_count];
+    sent_count += count;
+    for (uint32_t i = 0; i < count; i++) { to[i] = events[i]; }
     return count;
 }
 

@@ -119,7 +119,7 @@ static void predict(sd_afr_joint_t *self) {
         const float added = self->let_in[i];
         if (!(added > 0.0f)) { continue; }
         flowing |= 1u << i;
-        if (((self->flowing >> i) & 1u) == 0u) { self->p.a[i][i] += self->drift_var; } /* its exhaust begins */
+        if ((((uint32_t)self->flowing >> i) & 1u) == 0u) { self->p.a[i][i] += self->drift_var; } /* its exhaust begins */
         sum += added;
         let_in(&self->p, i, added / sum, n);
         self->let_in[i] = 0.0f;

@@ -2,7 +2,7 @@
 /// sd_stage_mixture.h - the exhaust side in the ecu: composition of every cylinder's gas, and the delay to the lambda sensor.
 ///
 /// A tooth steps the blocks by as many positions as it passed, but by no more than the ecu has time for: what is left waits for
-/// the next teeth, so that a mark or a firing costs no more than its share. The end of a cycle is a list of pieces, see sd_work.h.
+/// the next teeth, so that a mark or a firing costs no more than its share. The end of a cycle is a list of pieces, see sd_ecu_cycle.c.
 #ifndef SD_STAGE_MIXTURE_H
 #define SD_STAGE_MIXTURE_H
 #include "sd_calibration.h"

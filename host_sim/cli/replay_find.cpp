@@ -61,13 +61,12 @@ std::vector<std::string> notes_of(const FoundRecording &found) {
     else if (guess.unit_s != 1) notes.push_back(fmt::format("time is in {}, as the header says", unit_name(guess.unit_s)));
     if (found.layout.is_interval) notes.push_back("the rows hold intervals from edge to edge; times are their sums");
     if (guess.rpm > 20000 || (guess.rpm < 10 && guess.rpm > 0)) notes.push_back(fmt::format("{:.4g} rpm is no engine's speed: is the unit of time wrong?", guess.rpm));
-    if (found.origin_s != 0) notes.push_back(fmt::format("time is shifted: 0 s here is {:.9g} s in the file", found.origin_s));
+    if (found.origin_s != 0) notes.push_back(fmt::format("time is shifted: 0 s here is {:.6f} s in the file", found.origin_s));
     if (!guess.is_edge_times && !guess.slicing.is_level) {
         notes.push_back(guess.slicing.follow ? fmt::format("threshold half-way within every {} rows: the voltage drifts", guess.slicing.follow)
                                              : fmt::format("threshold {:.4g}, {}", guess.slicing.threshold, guess.slicing.name));
     }
-    if (guess.slicing.name == "low" || guess.slicing.name == "high")
-        notes.push_back("half-way between the levels a tooth of each revolution would be missed: it is weak");
+    if (guess.weak_tooth) notes.push_back("a tooth of each revolution is weak: half-way between the levels it would be missed");
     return notes;
 }
 

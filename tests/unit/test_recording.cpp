@@ -7,6 +7,7 @@
 #include "common/error.hpp"
 #include "io/recording/guess.hpp"
 #include "unit/crank_trace.hpp"
+#include "unit/known_recording.hpp"
 
 namespace fs = std::filesystem;
 using namespace sixdeg;
@@ -26,7 +27,7 @@ struct Forms : ::testing::TestWithParam<Form> {};
 TEST_P(Forms, ReadAlike) {
     const Recording recording = parse_recording("r.csv", GetParam().text);
     ASSERT_EQ(recording.columns.size(), 2u);
-    EXPECT_EQ(recording.time_s(), kTimes);
+    EXPECT_EQ(recording.time, kTimes);
     EXPECT_EQ(recording.columns[1], kLevels);
     EXPECT_EQ(edges(recording, 1, Edge::falling), std::vector<double>{0.5});
     EXPECT_EQ(edges(recording, 1, Edge::rising), std::vector<double>{0.75});
@@ -132,7 +133,7 @@ TEST_P(Wheels, FromLevelsOfEitherPolarity) {
     const Guess rising = guess(parse_recording("r.csv", crank_trace::level_rows(split, clean)));
     expect_wheel(rising, GetParam());
     EXPECT_EQ(rising.edge, Edge::rising);
-    EXPECT_EQ(rising.time_s.size(), clean.size());
+    EXPECT_EQ(rising.time.size(), clean.size());
 }
 
 TEST_P(Wheels, FromAReluctanceVoltage) {
@@ -175,7 +176,7 @@ TEST(Guess, PrefersTheEdgeWhoseMarkIsOneGap) {
     }
     const Recording recording = parse_recording("r.csv", crank_trace::level_rows(falling, rising));
     EXPECT_EQ(describe(guess(recording)), "60-2, rising, gap ratio 3.0");
-    EXPECT_EQ(guess(recording, {{}, Edge::falling, {}}).edge, Edge::falling);
+    EXPECT_EQ(guess(recording, with_edge(Edge::falling)).edge, Edge::falling);
 }
 
 TEST(Guess, PrefersTheEvenerOfTwoGoodEdges) {
@@ -208,9 +209,9 @@ TEST(Guess, WordOfTheCallerStands) {
     const std::vector<double> falling = crank_trace::edge_times({});
     std::string rows;
     for (double t_s : falling) rows += fmt::format("{:.7f}\n", t_s);
-    const Guess found = guess(parse_recording("r.csv", rows), {parse_wheel("36-1", "test"), {}, {}});
+    const Guess found = guess(parse_recording("r.csv", rows), with_wheel("36-1"));
     EXPECT_EQ(describe(found), "36-1, edge times, no gap measured");
-    EXPECT_EQ(found.time_s.size(), falling.size());
+    EXPECT_EQ(found.time.size(), falling.size());
 }
 
 // ---- Cam ----
@@ -237,8 +238,8 @@ TEST(Cam, IsTheColumnWithOnePulseACycle) {
     EXPECT_EQ(found.cam->column, 1);
     EXPECT_EQ(found.cam->edge, Edge::rising);
     // Falling edges lie half a tooth on, so the rise after position 41.1 follows the fall of tooth 40.
-    EXPECT_EQ(found.cam->tooth, 40);
-    EXPECT_EQ(found.cam->time_s.size(), 10u);
+    EXPECT_EQ(int(found.cam->place_rev * 58), 40);
+    EXPECT_EQ(found.cam->time.size(), 10u);
 }
 
 TEST(Cam, IsNotAPulseEveryRevolutionOrEveryThird) {
@@ -277,7 +278,7 @@ TEST_F(Real, FourCylinderEventList) {
     const Guess found = guess_real("real_60-2_vw_aba.csv");
     EXPECT_EQ(describe(found), "60-2, falling, gap ratio 3.3");
     EXPECT_EQ(found.column, 1);
-    EXPECT_EQ(found.time_s.size(), 2577u);
+    EXPECT_EQ(found.time.size(), 2577u);
     EXPECT_EQ(found.consistent_revolutions, 43);
     ASSERT_TRUE(found.cam);
     EXPECT_EQ(found.cam->column, 2);
@@ -288,7 +289,7 @@ TEST_F(Real, SampledEncoderBesidePressure) {
     const Guess found = guess_real("real_single_pressure_full_load.txt");
     EXPECT_EQ(describe(found), "60-2, rising, gap ratio 3.5");
     EXPECT_EQ(found.column, 2);
-    EXPECT_EQ(found.time_s.size(), 1450u);
+    EXPECT_EQ(found.time.size(), 1450u);
     EXPECT_EQ(found.consistent_revolutions, 23);
     EXPECT_FALSE(found.cam);
 }

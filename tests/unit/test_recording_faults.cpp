@@ -6,6 +6,7 @@
 #include "common/error.hpp"
 #include "io/recording/guess.hpp"
 #include "unit/crank_trace.hpp"
+#include "unit/known_recording.hpp"
 
 using namespace sixdeg;
 
@@ -76,7 +77,7 @@ TEST(Reader, MissingFileIsNamed) {
 TEST(Columns, ThatAreNotThereAreNamed) {
     const Recording recording = parse_recording("r.csv", "0,1,0\n1,0,1\n");
     EXPECT_EQ(message([&] {
-                  guess(recording, {{}, {}, 3});
+                  guess(recording, with_column(3));
               }),
               "r.csv: column 3: is not a signal; column 0 is the time, signals are 1 to 2");
     EXPECT_EQ(message([&] { edges(recording, 0, Edge::falling); }),
@@ -126,7 +127,7 @@ TEST(Guess, WrongWheelFromTheCallerIsNotFound) {
     for (std::size_t i = 1; i < falling.size(); ++i) rising.push_back((falling[i - 1] + falling[i]) / 2);
     const Recording recording = parse_recording("r.csv", crank_trace::level_rows(falling, rising));
     EXPECT_NE(message([&] {
-                  guess(recording, {parse_wheel("36-1", "test"), {}, {}});
+                  guess(recording, with_wheel("36-1"));
               }).find("no 36-1 wheel found"),
               std::string::npos);
 }
@@ -134,7 +135,7 @@ TEST(Guess, WrongWheelFromTheCallerIsNotFound) {
 TEST(Guess, FewerEdgesThanOneRevolutionAreNamed) {
     const Recording recording = parse_recording("r.csv", "0,1\n1,0\n2,1\n3,0\n");
     EXPECT_EQ(message([&] {
-                  guess(recording, {parse_wheel("60-2", "test"), Edge::falling, 1});
+                  guess(recording, with_wheel("60-2", Edge::falling, 1));
               }),
               "r.csv: column 1: has 2 edges, too few: one revolution of 60-2 needs 59");
 }

@@ -16,8 +16,8 @@ constexpr double kShareMin = 0.3; // Of the revolutions that the edges could mak
 constexpr int kRunMin = 5;        // Or so many in a row, wherever they are: chance does not do that.
 // A recording contradicts a wheel that it was said to be when another explains so many times as many edges.
 constexpr double kContradicts = 1.5;
-// Another threshold may show a tooth more, but not a rougher train.
-constexpr double kRougher = 1.5, kRoughAnyway = 0.05;
+// Another threshold may show a tooth more, but not a rougher train, nor one with an edge within the mark.
+constexpr double kRougher = 1.5, kRoughAnyway = 0.05, kBesideMin = 0.6, kBesideMax = 1.3;
 
 bool is_plausible(const Candidate &candidate, const Fit &fit) {
     if (fit.turn.empty() || fit.consistent < kConsistentMin) return false;
@@ -28,18 +28,21 @@ bool is_plausible(const Candidate &candidate, const Fit &fit) {
 
 /// Another threshold on the same signal shows a tooth that was missed.
 bool shows_more_teeth(const Candidate &challenger, const Candidate &best) {
+    const auto is_tooth = [](double beside) { return beside > kBesideMin && beside < kBesideMax; };
+    if (!is_tooth(challenger.fit.before) || !is_tooth(challenger.fit.after)) return false;
     return challenger.column == best.column && challenger.edge == best.edge && challenger.fit.teeth > best.fit.teeth &&
-           challenger.fit.consistent >= best.fit.consistent - 1 && challenger.fit.score > best.fit.score &&
+           challenger.fit.consistent >= best.fit.consistent - 1 && challenger.fit.explained > best.fit.explained &&
            challenger.roughness < kRougher * best.roughness + kRoughAnyway;
 }
 
 /// More edges in consistent revolutions win; a revolution more or less is chance, then the smoother train wins, and of two ways to
 /// slice a signal the usual one.
 bool is_better(const Candidate &challenger, const Candidate &best) {
+    if (shows_more_teeth(challenger, best)) return true;
+    if (shows_more_teeth(best, challenger)) return false;
     const double gain = challenger.fit.score - best.fit.score;
     const double chance = std::max(double(best.fit.teeth), 0.1 * best.fit.score);
     if (std::abs(gain) > chance) return gain > 0;
-    if (shows_more_teeth(challenger, best)) return true;
     if (challenger.column == best.column && challenger.edge == best.edge) return false;
     if (challenger.way > 0 && challenger.column == best.column) return false;
     return challenger.roughness < 0.9 * best.roughness;
@@ -63,18 +66,12 @@ std::vector<int> columns_to_try(const Recording &recording, const Constraints &c
 }
 
 Candidate judged(int column, Edge edge, const Slicing &slicing, int way, std::vector<double> time) {
-    Candidate candidate{column, edge, slicing, way, std::move(time), {}, 0};
+    Candidate candidate{column, edge, slicing, way, std::move(time), {}, {}, 0};
     const std::vector<double> interval = intervals(candidate.time);
     candidate.fit = fit_wheel(interval, nullptr);
+    candidate.added = fit_marks(interval, find_added_teeth(interval), nullptr);
     candidate.roughness = roughness(interval);
     return candidate;
-}
-
-/// A fit of each candidate to the wheel that was named.
-std::vector<Fit> fits_to(const Wheel &wheel, const std::vector<Candidate> &tried) {
-    std::vector<Fit> fits;
-    for (const Candidate &candidate : tried) fits.push_back(fit_wheel(intervals(candidate.time), &wheel));
-    return fits;
 }
 
 Candidate *best_of(std::vector<Candidate> &tried) {
@@ -158,31 +155,29 @@ Candidate *choose(const Recording &recording, const Constraints &constraints, st
         if (!named && free && !constraints.wheel->added) contradict(recording, constraints, *free);
         return named;
     }
-    const std::vector<Fit> fits = fits_to(*wheel, tried);
-    Candidate *best = nullptr;
-    double score = 0;
-    for (std::size_t i = 0; i < tried.size(); ++i) {
-        if (!is_plausible(tried[i], fits[i])) continue;
-        if (best && !(fits[i].score > score + std::max(double(fits[i].teeth), 0.1 * score))) continue;
-        best = &tried[i], score = fits[i].score;
-    }
-    if (free && free->fit.score > kContradicts * score) contradict(recording, constraints, *free);
+    const std::optional<Candidate> shown = free ? std::optional(*free) : std::nullopt;
+    for (Candidate &candidate : tried) candidate.fit = fit_wheel(intervals(candidate.time), &*wheel);
+    Candidate *const best = best_of(tried);
+    if (shown && shown->fit.explained > kContradicts * (best ? best->fit.explained : 0)) contradict(recording, constraints, *shown);
     // Nothing was left to choose: the caller's word stands, however odd the marks.
     if (!best && tried.size() == 1 && constraints.wheel) return &tried.front();
-    if (best && !is_turn_of(best->fit.turn, marks_of(*wheel))) best->fit = fits[std::size_t(best - tried.data())];
     return best;
 }
 
-Candidate *choose_added(std::vector<Candidate> &tried) {
-    Candidate *best = nullptr;
-    for (Candidate &candidate : tried) {
-        const std::vector<double> interval = intervals(candidate.time);
-        candidate.fit = fit_marks(interval, find_added_teeth(interval), nullptr);
-        candidate.fit.score = candidate.fit.consistent * candidate.fit.teeth;
-        if (candidate.fit.turn.size() != 1 || candidate.fit.teeth < 13 || !is_plausible(candidate, candidate.fit)) continue;
-        if (!best || is_better(candidate, *best)) best = &candidate;
+const Candidate *choose_added(const std::vector<Candidate> &tried) {
+    const Candidate *best = nullptr;
+    for (const Candidate &candidate : tried) {
+        if (candidate.added.turn.size() != 1 || candidate.added.teeth < 13 || !is_plausible(candidate, candidate.added)) continue;
+        const double gain = best ? candidate.added.explained - best->added.explained : 1;
+        if (!best || gain > best->added.teeth || (gain > -best->added.teeth && candidate.roughness < 0.9 * best->roughness)) best = &candidate;
     }
     return best;
+}
+
+bool misses_a_tooth(const std::vector<Candidate> &tried, const Candidate &best) {
+    return best.way > 0 && std::any_of(tried.begin(), tried.end(), [&](const Candidate &usual) {
+               return usual.way == 0 && usual.column == best.column && usual.edge == best.edge && shows_more_teeth(best, usual);
+           });
 }
 
 const Candidate *runner_up(const std::vector<Candidate> &tried, const Candidate &best) {

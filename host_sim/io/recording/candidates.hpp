@@ -17,6 +17,7 @@ struct Candidate {
     int way;                  ///< Which of the column's slicings; 0 is the usual one.
     std::vector<double> time; ///< In the recording's unit.
     Fit fit;                  ///< Of any wheel.
+    Fit added;                ///< Of a wheel with a tooth too many.
     double roughness;
 };
 
@@ -25,10 +26,13 @@ std::vector<Candidate> candidates(const Recording &recording, const Constraints 
 /// The best of them that fits what the caller knows; nullptr without one. Throws InputError where the recording clearly shows a wheel
 /// other than the engine file's or the caller's. Its fit is replaced by that of the wheel that they name.
 Candidate *choose(const Recording &recording, const Constraints &constraints, std::vector<Candidate> &tried);
-/// The best whose wheel has a tooth too many; its fit is replaced by that of the added tooth.
-Candidate *choose_added(std::vector<Candidate> &tried);
+/// The best whose wheel has a tooth too many, or nullptr.
+const Candidate *choose_added(const std::vector<Candidate> &tried);
 /// The best that is another wheel than `best`, or nullptr.
 const Candidate *runner_up(const std::vector<Candidate> &tried, const Candidate &best);
+
+/// Whether the usual threshold shows the same signal with fewer teeth.
+bool misses_a_tooth(const std::vector<Candidate> &tried, const Candidate &best);
 
 /// The wheel that the caller or the engine file names, where its marks are known by the name.
 std::optional<Wheel> wanted_wheel(const Constraints &constraints);

@@ -15,6 +15,8 @@ namespace {
 
 // What an engine does; the limits are less than a factor of 1000 apart, so only one unit of time fits.
 constexpr double kRpmMin = 20, kRpmMax = 19000;
+// Beside an added tooth intervals look a little like marks.
+constexpr double kAddedRatio = 1.6, kAddedShare = 0.8;
 constexpr double kUnits[] = {1, 1e-3, 1e-6, 1e-9};
 
 std::string describe_attempt(const Recording &recording, const Candidate &candidate) {
@@ -111,11 +113,11 @@ std::string name_runner_up(const Recording &recording, const Candidate &best, co
 Guess added_tooth_guess(const Recording &recording, const Candidate &best) {
     Guess found;
     found.tooth_added = true;
-    const int positions = best.fit.teeth - 1;
+    const int positions = best.added.teeth - 1;
     found.wheel = {positions, {positions - 1}};
     found.column = best.column, found.edge = best.edge, found.slicing = best.slicing;
     found.is_edge_times = recording.is_edge_times();
-    found.consistent_revolutions = best.fit.consistent;
+    found.consistent_revolutions = best.added.consistent;
     AddedTooth filter(found);
     for (double time : best.time) filter.edge(time, found.time);
     filter.finish(found.time);
@@ -129,12 +131,12 @@ Guess added_tooth_guess(const Recording &recording, const Candidate &best) {
 Guess guess(const Recording &recording, const Constraints &constraints) {
     std::vector<Candidate> tried = candidates(recording, constraints);
     const bool wants_added = constraints.wheel && constraints.wheel->added;
+    const bool may_be_added = wants_added || (!constraints.wheel && !constraints.engine_wheel);
+    const Candidate *added = may_be_added ? choose_added(tried) : nullptr;
     const Candidate *best = wants_added ? nullptr : choose(recording, constraints, tried);
-    if (!best) {
-        const bool may_be_added = wants_added || (!constraints.wheel && !constraints.engine_wheel);
-        if (const Candidate *found = may_be_added ? choose_added(tried) : nullptr) return added_tooth_guess(recording, *found);
-        fail(recording, constraints, tried);
-    }
+    if (added && (!best || (best->fit.gap_ratio < kAddedRatio && added->added.explained > kAddedShare * best->fit.explained)))
+        return added_tooth_guess(recording, *added);
+    if (!best) fail(recording, constraints, tried);
     Guess result;
     const std::vector<WheelName> names = best->fit.turn.empty() ? std::vector<WheelName>{} : wheels_of(best->fit.turn);
     result.gap_ratio = best->fit.gap_ratio;
@@ -148,6 +150,7 @@ Guess guess(const Recording &recording, const Constraints &constraints) {
     result.consistent_revolutions = best->fit.consistent;
     result.time = best->time;
     choose_unit(recording, result);
+    result.weak_tooth = misses_a_tooth(tried, *best);
     if (!names.empty()) {
         result.runner_up = name_runner_up(recording, *best, runner_up(tried, *best), result, names);
         result.cam = guess_cam(recording, result, best->fit, 1, constraints.cam_column);

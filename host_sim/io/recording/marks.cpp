@@ -18,10 +18,14 @@ constexpr double kRatioMax = 4.5;
 constexpr std::size_t kNeighbourhood = 4;
 // The other edge of a wide tooth falls inside the gap and splits it in two. An unequal split still looks like
 // a mark, but leaves an odd interval beside it, which no wheel has.
-constexpr double kBesideMin = 0.75, kBesideMax = 1.3, kSplitGap = 1.0 / 3;
+// A tooth beside the mark may be weak, too, and its edge late.
+constexpr double kBesideMin = 0.75, kWeakMin = 0.6, kBesideMax = 1.3, kSplitGap = 1.0 / 3, kWeakTooth = 0.7;
 // A wheel of more marks explains more edges, or it is chance.
 constexpr double kMoreMarks = 1.2;
 constexpr int kMarksMax = 4, kTeethMin = 9, kTeethMax = 119;
+// Over the mean of its neighbours, in the median of so many revolutions: what a mark of one missing tooth has beside wide teeth.
+constexpr double kLesserMark = 1.4, kNearlyAlways = 1.25, kBeyondNoise = 4;
+constexpr int kRevolutionsToLook = 3;
 // Of the intervals' logarithms: what counts when a revolution is sought by likeness, and how many are looked at.
 constexpr double kLeastPeak = 0.3;
 constexpr std::size_t kLikenessMax = 20000, kLikely = 3;
@@ -36,7 +40,12 @@ double pitch_around(const std::vector<double> &interval_s, std::size_t mark) {
     return around.empty() ? interval_s[mark] : median(std::move(around));
 }
 
-bool is_tooth(double share_of_pitch) { return share_of_pitch > kBesideMin && share_of_pitch < kBesideMax; }
+/// How much a train is believed whose mark has such intervals beside it.
+double believed(double before, double after) {
+    const double least = std::min(before, after);
+    if (std::max(before, after) >= kBesideMax || least <= kWeakMin) return kSplitGap;
+    return least > kBesideMin ? 1 : kWeakTooth;
+}
 
 /// Marks k whose `count` predecessors make a revolution like the one before.
 std::vector<std::size_t> repeats(const std::vector<std::size_t> &marks, std::size_t count, int teeth) {
@@ -80,15 +89,15 @@ std::vector<Mark> usual_turn(const std::vector<double> &interval_s, const std::v
     return turn;
 }
 
-bool looks_split(const std::vector<double> &interval_s, const std::vector<std::size_t> &marks, const std::vector<std::size_t> &ends) {
+void look_beside(const std::vector<double> &interval_s, const std::vector<std::size_t> &ends, Fit &fit) {
     std::vector<double> before, after;
     for (std::size_t k : ends) {
-        const std::size_t i = marks[k];
+        const std::size_t i = fit.marks[k];
         const double pitch_s = pitch_around(interval_s, i);
         before.push_back(interval_s[i - 1] / pitch_s);
         after.push_back(interval_s[i + 1] / pitch_s);
     }
-    return !is_tooth(median(std::move(before))) || !is_tooth(median(std::move(after)));
+    fit.before = median(std::move(before)), fit.after = median(std::move(after));
 }
 
 /// Judges the marks as those of a wheel with `count` marks and so many teeth.
@@ -109,8 +118,36 @@ Fit judge(const std::vector<double> &interval_s, const std::vector<std::size_t> 
     }
     fit.consistent = int(count == 1 ? ends.size() : fit.turns.size());
     fit.gap_ratio = fit.turn.back().width;
-    fit.score = double(ends.size()) * teeth / double(count) * (looks_split(interval_s, marks, ends) ? kSplitGap : 1);
+    look_beside(interval_s, ends, fit);
+    fit.explained = double(ends.size()) * teeth / double(count);
+    fit.score = fit.explained * believed(fit.before, fit.after);
     return fit;
+}
+
+/// A wheel may have lesser marks that no floor showed: intervals that stand out at the same tooth of nearly every revolution.
+Fit with_lesser_marks(const std::vector<double> &interval_s, Fit fit) {
+    if (fit.turn.size() != 1 || fit.consistent < kRevolutionsToLook) return fit;
+    std::vector<std::size_t> more;
+    std::size_t count = 1;
+    const double least = std::max(kLesserMark, 1 + kBeyondNoise * roughness(interval_s));
+    for (int tooth = 2; tooth + 1 < fit.teeth; ++tooth) {
+        std::vector<double> ratio;
+        for (std::size_t k : fit.turns) {
+            const std::size_t i = fit.marks[k - 1] + std::size_t(tooth);
+            ratio.push_back(2 * interval_s[i] / std::max(interval_s[i - 1] + interval_s[i + 1], 1e-12));
+        }
+        std::sort(ratio.begin(), ratio.end());
+        if (ratio[ratio.size() / 2] < least || ratio[ratio.size() / 4] < kNearlyAlways) continue;
+        ++count;
+        for (std::size_t k : fit.turns) more.push_back(fit.marks[k - 1] + std::size_t(tooth));
+    }
+    if (more.empty() || count > std::size_t(kMarksMax)) return fit;
+    std::vector<std::size_t> marks = more;
+    for (std::size_t k : fit.turns) marks.push_back(fit.marks[k - 1]), marks.push_back(fit.marks[k]);
+    std::sort(marks.begin(), marks.end());
+    marks.erase(std::unique(marks.begin(), marks.end()), marks.end());
+    Fit finer = judge(interval_s, marks, count, fit.teeth);
+    return finer.turns.size() + 1 >= fit.turns.size() / 2 && !finer.turns.empty() ? finer : fit;
 }
 
 /// The numbers of teeth that the distances over `count` marks speak for, the commonest first.
@@ -219,7 +256,7 @@ Fit fit_wheel(const std::vector<double> &interval_s, const Wheel *wheel) {
     for (double floor : kFloors) consider(find_marks(interval_s, floor), floor < kFloors[0] ? kMoreMarks : 1);
     const std::vector<double> log_ratio = prominence(interval_s);
     for (int teeth : alike_after(log_ratio)) consider(peaks(log_ratio, teeth), kMoreMarks);
-    return best;
+    return wheel ? best : with_lesser_marks(interval_s, std::move(best));
 }
 
 double roughness(const std::vector<double> &interval_s) {

@@ -32,7 +32,9 @@ struct Fit {
     int consistent = 0;             ///< Revolutions whose marks follow one another as in the others.
     int longest_run = 0;            ///< How many of those without a break.
     double gap_ratio = 0;           ///< Width of the last mark of the turn.
-    double score = 0;               ///< Edges in consistent revolutions, a third of that where the gap looks split.
+    double explained = 0;           ///< Edges in consistent revolutions.
+    double score = 0;               ///< The same, less of that where the gap looks split.
+    double before = 1, after = 1;   ///< Medians of the intervals beside the marks, in intervals between teeth.
 };
 
 /// The best fit; of `wheel` alone where one is given.

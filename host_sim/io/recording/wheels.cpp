@@ -14,7 +14,7 @@ constexpr int kPositionsMin = 12, kPositionsMax = 120, kRunMax = 3;
 // A mark may measure so much more or less than drawn, in spacings.
 constexpr double kWidthTolerance = 1.6;
 // How much nearer than another a wheel that is made counts, and three missing teeth, which are rare, further.
-constexpr double kMade = 0.6, kThreeMissing = 0.5;
+constexpr double kMade = 0.6, kMadeOfMany = 1.2, kThreeMissing = 0.5;
 
 struct Pattern {
     int positions, missing;
@@ -53,7 +53,7 @@ std::vector<WheelName> wheels_of(const std::vector<Mark> &turn) {
     std::vector<int> runs(turn.size(), 1);
     for (bool more = true; more;) {
         const Wheel wheel = wheel_from(turn, runs);
-        double doubt = is_made(runs, wheel.positions) ? -kMade : 0, worst = 0;
+        double doubt = !is_made(runs, wheel.positions) ? 0 : runs.size() > 1 ? -kMadeOfMany : -kMade, worst = 0;
         for (std::size_t j = 0; j < turn.size(); ++j) {
             const double off = std::abs(turn[j].width - 1 - runs[j]);
             doubt += off + (runs[j] == kRunMax ? kThreeMissing : 0);

@@ -111,7 +111,10 @@ void ReplayRows::count_revolutions(const ToothRow &row) {
     if (edge_class == SD_EDGE_UNSYNCED) last_zero_s_.reset();
     if (edge_class == SD_EDGE_UNSYNCED || edge_class == SD_EDGE_SPURIOUS) return;
     if (!result_.first_sync_edge) result_.first_sync_edge = result_.edges;
-    if (row.signals.crank_tooth != 0) return;
+    const float tooth = row.signals.crank_tooth;
+    if (tooth != 0 && tooth <= last_tooth_) last_zero_s_.reset(); // tooth 0 was passed without an edge, or the angle was put right
+    last_tooth_ = tooth;
+    if (tooth != 0) return;
     if (last_zero_s_) {
         ++result_.revolutions;
         result_.rpm_last = 60 / (row.t_s - *last_zero_s_);

@@ -81,6 +81,7 @@ class ReplayRows {
     ReplaySink &sink_;
     ReplayResult result_;
     std::optional<double> last_edge_s_, last_zero_s_;
+    float last_tooth_ = 0;
 };
 
 /// The decoder without the rest of an ecu, for wheels that the observers do not take. Says angle, speed and their health.

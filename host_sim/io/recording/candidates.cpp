@@ -86,7 +86,7 @@ Candidate *best_of(std::vector<Candidate> &tried) {
     const bool engine = constraints.engine_wheel && !constraints.wheel;
     throw InputError(recording.path, column_label(recording, best.column),
                      fmt::format("shows {} ({} revolutions, mark of {:.1f} spacings), not the {} of {}", describe(wheels_of(best.fit.turn).front().wheel),
-                                 best.fit.consistent, best.fit.gap_ratio, wanted_name(constraints), engine ? "the engine file" : "--wheel"));
+                                 best.fit.consistent, best.fit.turn.back().width, wanted_name(constraints), engine ? "the engine file" : "--wheel"));
 }
 
 bool has_name(const Candidate &candidate, const WheelText &text) {

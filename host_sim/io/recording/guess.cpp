@@ -15,8 +15,10 @@ namespace {
 
 // What an engine does; the limits are less than a factor of 1000 apart, so only one unit of time fits.
 constexpr double kRpmMin = 20, kRpmMax = 19000;
-// Beside an added tooth intervals look a little like marks.
-constexpr double kAddedRatio = 1.6, kAddedShare = 0.8;
+// Beside an added tooth intervals look a little like marks, and so explain nearly as many edges.
+constexpr double kAddedShare = 0.8;
+// Standard deviations of a mark's width, on either side of the middle between two wheels, within which neither is named.
+constexpr double kUnclearSds = 3, kUnclear = 0.6;
 constexpr double kUnits[] = {1, 1e-3, 1e-6, 1e-9};
 
 std::string describe_attempt(const Recording &recording, const Candidate &candidate) {
@@ -96,6 +98,17 @@ void check_repetition(const Recording &recording, const Constraints &constraints
                                  fmt::join(names, ", or ")));
 }
 
+/// Two wheels with as many teeth, and marks that are known too poorly to choose: refused rather than read wrongly.
+void check_clear(const Recording &recording, const Constraints &constraints, const Candidate &best, const std::vector<WheelName> &names) {
+    if (constraints.wheel || constraints.engine_wheel || names.size() < 2) return;
+    double sd = 0;
+    for (const Mark &mark : best.fit.turn) sd = std::max(sd, mark.sd);
+    if (names[1].doubt - names[0].doubt > std::min(kUnclear, kUnclearSds * sd)) return;
+    throw InputError(recording.path, column_label(recording, best.column),
+                     fmt::format("has a mark of {:.1f} +- {:.1f} spacings in {} revolutions, too little to tell {} from {}; say --wheel",
+                                 best.fit.turn.back().width, sd, best.fit.consistent, describe(names[0].wheel), describe(names[1].wheel)));
+}
+
 std::string name_runner_up(const Recording &recording, const Candidate &best, const Candidate *other, const Guess &found,
                            const std::vector<WheelName> &names) {
     if (other && !other->fit.turn.empty()) {
@@ -105,7 +118,7 @@ std::string name_runner_up(const Recording &recording, const Candidate &best, co
     }
     for (const WheelName &name : names) {
         if (name.wheel.positions == found.wheel.positions || found.wheel.positions % name.wheel.positions == 0) continue;
-        return fmt::format("{}, whose mark would measure {} spacings, not {:.1f}", describe(name.wheel), missing_runs(name.wheel).back() + 1, found.gap_ratio);
+        return fmt::format("{}, whose mark would measure {} spacings, not {:.1f}", describe(name.wheel), missing_runs(name.wheel).back() + 1, best.fit.turn.back().width);
     }
     return "";
 }
@@ -134,7 +147,7 @@ Guess guess(const Recording &recording, const Constraints &constraints) {
     const bool may_be_added = wants_added || (!constraints.wheel && !constraints.engine_wheel);
     const Candidate *added = may_be_added ? choose_added(tried) : nullptr;
     const Candidate *best = wants_added ? nullptr : choose(recording, constraints, tried);
-    if (added && (!best || (best->fit.gap_ratio < kAddedRatio && added->added.explained > kAddedShare * best->fit.explained)))
+    if (added && (!best || added->added.explained > kAddedShare * best->fit.explained))
         return added_tooth_guess(recording, *added);
     if (!best) fail(recording, constraints, tried);
     Guess result;
@@ -152,6 +165,7 @@ Guess guess(const Recording &recording, const Constraints &constraints) {
     choose_unit(recording, result);
     result.weak_tooth = misses_a_tooth(tried, *best);
     if (!names.empty()) {
+        check_clear(recording, constraints, *best, names);
         result.runner_up = name_runner_up(recording, *best, runner_up(tried, *best), result, names);
         result.cam = guess_cam(recording, result, best->fit, 1, constraints.cam_column);
         check_repetition(recording, constraints, result, best->fit);

@@ -40,7 +40,7 @@ struct Guess {
     bool is_edge_times = false;
     bool tooth_added = false;  ///< The wheel has a tooth more than positions: "24+1", read as one with a missing tooth (AddedTooth).
     bool weak_tooth = false;   ///< The usual threshold misses a tooth of each revolution.
-    double gap_ratio = 0; ///< Median of the mark's interval over those around it; 0 if no mark was seen.
+    double gap_ratio = 0; ///< Median of the mark's interval over the interval before it; 0 if no mark was seen.
     int consistent_revolutions = 0; ///< Revolutions whose marks follow each other by exactly the wheel's teeth.
     double unit_s = 1;              ///< Of the recording's times.
     bool unit_guessed = false;      ///< The header names none, and seconds would give no engine's speed.

@@ -26,6 +26,7 @@ constexpr int kMarksMax = 4, kTeethMin = 9, kTeethMax = 119;
 // Over the mean of its neighbours, in the median of so many revolutions: what a mark of one missing tooth has beside wide teeth.
 constexpr double kLesserMark = 1.4, kNearlyAlways = 1.25, kBeyondNoise = 4;
 constexpr int kRevolutionsToLook = 3;
+constexpr double kBendDoubts = 1.5;
 // Of the intervals' logarithms: what counts when a revolution is sought by likeness, and how many are looked at.
 constexpr double kLeastPeak = 0.3;
 constexpr std::size_t kLikenessMax = 20000, kLikely = 3;
@@ -65,22 +66,45 @@ std::vector<int> steps_before(const std::vector<std::size_t> &marks, std::size_t
     return steps;
 }
 
+/// Standard deviation, from the median distance to the median.
+double scatter(std::vector<double> values) {
+    const double middle = median(values);
+    for (double &value : values) value = std::abs(value - middle);
+    return 1.4826 * median(std::move(values));
+}
+
+/// Width of a mark in tooth spacings, from the medians of what all revolutions show around it. What a spacing would take at the mark
+/// follows from the intervals two and three away, with their bend, since speed may be lowest there.
+Mark measured(const std::vector<double> &interval_s, const std::vector<std::size_t> &places, int teeth) {
+    std::vector<double> own, near, far;
+    for (std::size_t i : places) {
+        const double pitch_s = pitch_around(interval_s, i);
+        own.push_back(interval_s[i] / pitch_s);
+        if (i < 3 || i + 3 >= interval_s.size()) continue;
+        near.push_back((interval_s[i - 2] + interval_s[i + 2]) / 2 / pitch_s);
+        far.push_back((interval_s[i - 3] + interval_s[i + 3]) / 2 / pitch_s);
+    }
+    const double middle = median(own), count = double(own.size());
+    // Only as much of the bend as noise does not make.
+    const double bend = near.empty() ? 0 : 2 * median(near) - median(far) - 1;
+    const double doubt = near.empty() ? 0 : kBendDoubts * 1.25 * std::hypot(2 * scatter(near), scatter(far)) / std::sqrt(count);
+    const double here = std::clamp(1 + std::copysign(std::max(0.0, std::abs(bend) - doubt), bend), 0.5, 1.6);
+    return {teeth, middle / here, 1.25 * scatter(own) / std::sqrt(count)};
+}
+
 /// The order of marks that most revolutions show, turned so that the widest mark is last.
 std::vector<Mark> usual_turn(const std::vector<double> &interval_s, const std::vector<std::size_t> &marks,
                              const std::vector<std::size_t> &ends, std::size_t count) {
     std::map<std::vector<int>, std::size_t> seen;
     for (std::size_t k : ends) ++seen[steps_before(marks, k, count)];
     const auto usual = std::max_element(seen.begin(), seen.end(), [](const auto &a, const auto &b) { return a.second < b.second; })->first;
-    std::vector<std::vector<double>> widths(count);
+    std::vector<std::vector<std::size_t>> places(count);
     for (std::size_t k : ends) {
         if (steps_before(marks, k, count) != usual) continue;
-        for (std::size_t j = 0; j < count; ++j) {
-            const std::size_t i = marks[k + 1 - count + j];
-            widths[j].push_back(interval_s[i] / pitch_around(interval_s, i));
-        }
+        for (std::size_t j = 0; j < count; ++j) places[j].push_back(marks[k + 1 - count + j]);
     }
     std::vector<Mark> turn;
-    for (std::size_t j = 0; j < count; ++j) turn.push_back({usual[j], median(widths[j])});
+    for (std::size_t j = 0; j < count; ++j) turn.push_back(measured(interval_s, places[j], usual[j]));
     // Alike within noise: the one behind the longest run of teeth.
     const auto widest = std::max_element(turn.begin(), turn.end(), [](const Mark &a, const Mark &b) {
         return std::abs(a.width - b.width) > 0.5 ? a.width < b.width : a.teeth < b.teeth;
@@ -90,14 +114,16 @@ std::vector<Mark> usual_turn(const std::vector<double> &interval_s, const std::v
 }
 
 void look_beside(const std::vector<double> &interval_s, const std::vector<std::size_t> &ends, Fit &fit) {
-    std::vector<double> before, after;
+    std::vector<double> before, after, ratio;
     for (std::size_t k : ends) {
         const std::size_t i = fit.marks[k];
+        ratio.push_back(interval_s[i] / std::max(interval_s[i - 1], 1e-12));
         const double pitch_s = pitch_around(interval_s, i);
         before.push_back(interval_s[i - 1] / pitch_s);
         after.push_back(interval_s[i + 1] / pitch_s);
     }
     fit.before = median(std::move(before)), fit.after = median(std::move(after));
+    fit.gap_ratio = median(std::move(ratio));
 }
 
 /// Judges the marks as those of a wheel with `count` marks and so many teeth.
@@ -117,8 +143,7 @@ Fit judge(const std::vector<double> &interval_s, const std::vector<std::size_t> 
         if (count == 1 || steps_before(marks, k, count) == steps) fit.turns.push_back(k);
     }
     fit.consistent = int(count == 1 ? ends.size() : fit.turns.size());
-    fit.gap_ratio = fit.turn.back().width;
-    look_beside(interval_s, ends, fit);
+    look_beside(interval_s, count == 1 || fit.turns.empty() ? ends : fit.turns, fit);
     fit.explained = double(ends.size()) * teeth / double(count);
     fit.score = fit.explained * believed(fit.before, fit.after);
     return fit;
@@ -195,7 +220,7 @@ std::vector<std::size_t> peaks(const std::vector<double> &log_ratio, int teeth) 
     std::vector<std::size_t> found;
     const std::size_t half = std::size_t(teeth) / 2, size = log_ratio.size();
     for (std::size_t i = 1; i + 1 < size; ++i) {
-        if (log_ratio[i] < kLeastPeak) continue;
+        if (log_ratio[i] < kLeastPeak || log_ratio[i] > std::log(kRatioMax)) continue;
         const auto from = log_ratio.begin() + std::ptrdiff_t(i > half ? i - half : 0);
         const auto to = log_ratio.begin() + std::ptrdiff_t(std::min(size, i + half + 1));
         if (std::max_element(from, to) == log_ratio.begin() + std::ptrdiff_t(i)) found.push_back(i);
@@ -226,7 +251,8 @@ std::vector<std::size_t> find_added_teeth(const std::vector<double> &interval_s)
     std::vector<std::size_t> marks;
     for (std::size_t i = 1; i + 2 < interval_s.size(); ++i) {
         const double two = interval_s[i] + interval_s[i + 1], beside = (interval_s[i - 1] + interval_s[i + 2]) / 2;
-        if (two > 0.7 * beside && two < 1.4 * beside && std::min(interval_s[i], interval_s[i + 1]) < 0.7 * two) marks.push_back(i);
+        const double least = std::min(interval_s[i - 1], interval_s[i + 2]), most = std::max(interval_s[i - 1], interval_s[i + 2]);
+        if (two > 0.7 * most && two < 1.4 * least && std::max(interval_s[i], interval_s[i + 1]) < 0.8 * beside) marks.push_back(i);
     }
     return marks;
 }

@@ -20,7 +20,8 @@ std::vector<std::size_t> find_added_teeth(const std::vector<double> &interval_s)
 /// One mark of a wheel, as the recording shows it.
 struct Mark {
     int teeth;    ///< From the mark before it.
-    double width; ///< Median over the revolutions, in intervals between the teeth around it.
+    double width; ///< Of the revolutions' medians, in tooth spacings.
+    double sd;    ///< How well that is known, from the scatter over the revolutions.
 };
 
 /// How one train of edges fits a wheel.
@@ -31,7 +32,7 @@ struct Fit {
     int teeth = 0;                  ///< Of one revolution; 0 without a fit.
     int consistent = 0;             ///< Revolutions whose marks follow one another as in the others.
     int longest_run = 0;            ///< How many of those without a break.
-    double gap_ratio = 0;           ///< Width of the last mark of the turn.
+    double gap_ratio = 0;           ///< Median of the last mark's interval over the interval before it.
     double explained = 0;           ///< Edges in consistent revolutions.
     double score = 0;               ///< The same, less of that where the gap looks split.
     double before = 1, after = 1;   ///< Medians of the intervals beside the marks, in intervals between teeth.

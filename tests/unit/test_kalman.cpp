@@ -182,7 +182,7 @@ TEST(Kalman, BadInputsNeverGiveNan) {
     bench.tooth.trusted = 1, bench.tooth.intake_bar = 1;
     bench.firings.clear();
     bench.run(50);
-    EXPECT_EQ(sd_kalman_status(&bench.kalman, 0).health, SD_VALID);
+    EXPECT_EQ(sd_kalman_status(&bench.kalman, &bench.tables, 0).health, SD_VALID);
     const double truth = signal.fuel[bench.firings.back().said.index] * pulse_mean();
     EXPECT_NEAR(double(bench.firings.back().said.torque_nm), truth, 0.02 * truth);
 }
@@ -190,16 +190,16 @@ TEST(Kalman, BadInputsNeverGiveNan) {
 TEST(Kalman, SaysWhenItCannotBeTrusted) {
     TorqueSignal signal;
     Bench bench(pulse_tables().tables, Edges(signal, 0, 0, 1));
-    EXPECT_EQ(sd_kalman_status(&bench.kalman, 0).health, SD_INVALID);
+    EXPECT_EQ(sd_kalman_status(&bench.kalman, &bench.tables, 0).health, SD_INVALID);
     bench.run(1);
-    EXPECT_EQ(sd_kalman_status(&bench.kalman, 0).why, SD_WHY_CONVERGING);
+    EXPECT_EQ(sd_kalman_status(&bench.kalman, &bench.tables, 0).why, SD_WHY_CONVERGING);
     bench.run(10);
-    EXPECT_EQ(sd_kalman_status(&bench.kalman, 0).health, SD_VALID);
+    EXPECT_EQ(sd_kalman_status(&bench.kalman, &bench.tables, 0).health, SD_VALID);
     bench.tooth.intake_bar = NAN;
     bench.run(11);
-    EXPECT_EQ(sd_kalman_status(&bench.kalman, 0).health, SD_DEGRADED);
+    EXPECT_EQ(sd_kalman_status(&bench.kalman, &bench.tables, 0).health, SD_DEGRADED);
     sd_kalman_restart(&bench.kalman);
-    EXPECT_EQ(sd_kalman_status(&bench.kalman, 0).health, SD_INVALID);
+    EXPECT_EQ(sd_kalman_status(&bench.kalman, &bench.tables, 0).health, SD_INVALID);
 }
 
 /// Mean square error of a firing less the mean of its cycle, share of the mean torque, for each cycle read whole.

@@ -81,13 +81,13 @@ static float peak_of(const float *x, uint32_t count) {
 }
 
 /* Adds the gains times the innovation r; push is r s. */
-static void take_in(sd_kalman_t *self, const sd_kalman_tables_t *t, uint32_t which, const sd_mix_t *m, bool settled, float slowness,
+static void take_in(sd_kalman_t *self, const sd_kalman_tables_t *t, uint32_t which, const sd_mix_t *m, bool settled, float speed,
                     float push) {
     sd_kalman_filter_t *f = &self->filter[which];
     const float *scale = t->gain_scale[which];
     const float r = f->innovation_rad, pull = scale[3] * push;
     float *x = f->motion.coefficient_nm;
-    f->motion.lateness_s += mix(m, 0) * (scale[0] * r * slowness);
+    f->motion.lateness_s += mix(m, 0) * (scale[0] * r / speed);
     f->motion.energy_j += mix(m, 1) * (scale[1] * push);
     x[0] += mix(m, 2) * (scale[2] * push);
     const uint32_t count = t->coefficients;
@@ -102,9 +102,9 @@ static void take_in(sd_kalman_t *self, const sd_kalman_tables_t *t, uint32_t whi
 static void correct(sd_kalman_t *self, const sd_kalman_tables_t *t, uint32_t which, const sd_kalman_tooth_t *tooth,
                     const sd_kalman_word_t *word) {
     sd_kalman_filter_t *f = &self->filter[which];
-    const float square = f->motion.energy_j * word[SD_ROW_TOOTH].value, slowness = sd_rsqrt_f32(square), speed = square * slowness;
+    const float square = f->motion.energy_j * word[SD_ROW_TOOTH].value, speed = sd_sqrt_f32(square);
     const float scale = t->inertia_mean_kgm2 * square;
-    f->innovation_rad = sd_motion_late(&f->motion, t, speed, slowness, &self->tuning) - tooth->late_rad;
+    f->innovation_rad = sd_motion_late(&f->motion, t, speed, &self->tuning) - tooth->late_rad;
     /* Without modes the normalised map is the same at every speed, so every table is stable at any. That of half the speed
      * trusts the state less, which is right while there is little to trust. */
     const bool settled = f->teeth >= self->choice.settle_teeth;
@@ -119,7 +119,7 @@ static void correct(sd_kalman_t *self, const sd_kalman_tables_t *t, uint32_t whi
     const int32_t high = (int32_t)(at.share * WEIGHT);
     const sd_mix_t m = { word[t->gains_at].gain + which * t->speeds * sd_motion_columns(t) + at.at, t->speeds,
                          { { (int16_t)((int32_t)WEIGHT - high), (int16_t)high } } };
-    take_in(self, t, which, &m, settled, slowness, f->innovation_rad * scale);
+    take_in(self, t, which, &m, settled, speed, f->innovation_rad * scale);
 }
 
 /* ---- a tooth --------------------------------------------------------------------------------------------------- */

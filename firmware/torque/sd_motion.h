@@ -169,15 +169,13 @@ void sd_motion_known(const sd_kalman_tables_t *t, uint32_t k, const sd_motion_ch
 bool sd_motion_predict(sd_motion_t *self, const sd_kalman_tables_t *t, const sd_motion_row_t *row, float shape,
                        const sd_motion_tuning_t *tuning);
 
-/// How far the modes have the wheel ahead of the rigid crank at a tooth, rad: a wheel twisted ahead by q and turning faster
-/// by q' comes q / (w + q') early. 0 without modes.
-float sd_motion_ahead(const sd_motion_t *self, const sd_kalman_tables_t *t, float slowness, const sd_motion_tuning_t *tuning);
+/// How far the modes have the wheel ahead of the rigid crank at a tooth, rad, at a speed w of the rigid crank, rad/s: a wheel twisted
+/// ahead by q and turning faster by q' comes q / (w + q') early. 0 without modes.
+float sd_motion_ahead(const sd_motion_t *self, const sd_kalman_tables_t *t, float speed, const sd_motion_tuning_t *tuning);
 
-/// Lateness of the last tooth against the prediction, rad, its own error not taken out. `speed` and `slowness`, one over the
-/// other, are those of the rigid crank there.
-static inline float sd_motion_late(const sd_motion_t *self, const sd_kalman_tables_t *t, float speed, float slowness,
-                                   const sd_motion_tuning_t *tuning) {
-    const float ahead = (t->modes != 0u) ? sd_motion_ahead(self, t, slowness, tuning) : 0.0f;
+/// Lateness of the last tooth against the prediction, rad, its own error not taken out. speed: of the rigid crank there, rad/s.
+static inline float sd_motion_late(const sd_motion_t *self, const sd_kalman_tables_t *t, float speed, const sd_motion_tuning_t *tuning) {
+    const float ahead = (t->modes != 0u) ? sd_motion_ahead(self, t, speed, tuning) : 0.0f;
     return ahead - self->lateness_s * speed;
 }
 

@@ -219,13 +219,13 @@ uint32_t sd_kalman_step(sd_kalman_t *self, const sd_kalman_tables_t *t, const sd
     if ((tooth->cycle_position >= cycle) || (tooth->advance < 1u) || (tooth->advance > cycle)) { return 0u; }
     sd_motion_take_intake(&self->charge, tooth->intake_bar);
     const bool begins = (tooth->advance == 1u) && (tooth->trusted != 0u) && (tooth->period_ticks > 0u);
-    uint32_t running = 0, complete = 0;
-    for (uint32_t i = 0; i < self->filters; ++i) { running |= (uint32_t)self->filter[i].running << i; }
-    if (running == 0u) { sd_motion_fill(&self->charge, self->charge.intake_bar); }
+    const bool none_runs = (self->filter[0].running | self->filter[SD_KALMAN_SETS_MAX - 1].running) == 0u;
+    uint32_t complete = 0;
+    if (none_runs) { sd_motion_fill(&self->charge, self->charge.intake_bar); }
     if (tooth->advance > 1u) { complete = coast_to(self, t, tooth, firing); }
     sd_at_tooth_t at = { .tooth = tooth, .period_s = (float)tooth->period_ticks / t->tick_hz, .shape = self->shape };
     sd_motion_sum_known(t, tooth->cycle_position, &self->charge, &at.row);
-    if (running != 0u) { sd_motion_close_valves(&self->charge, at.row.word); }
+    if ((at.row.word[SD_ROW_AT].at.close != 0u) && !none_runs) { sd_motion_close_valves(&self->charge, at.row.word); }
     for (uint32_t i = 0; i < self->filters; ++i) {
         sd_kalman_filter_t *f = &self->filter[i];
         if (f->running != 0u) {

@@ -20,11 +20,6 @@ void sd_motion_fill(sd_motion_charge_t *charge, float intake_bar) {
     for (uint32_t i = 0; i < SD_KALMAN_FIRINGS_MAX; ++i) { charge->charge_bar[i] = intake_bar; }
 }
 
-void sd_motion_take_intake(sd_motion_charge_t *charge, float intake_bar) {
-    charge->held = sd_within(intake_bar, 0.0f, 10.0f) ? (uint8_t)0 : (uint8_t)1;
-    if (charge->held == 0u) { charge->intake_bar = intake_bar; }
-}
-
 void sd_motion_close_valves(sd_motion_charge_t *charge, const sd_kalman_word_t *word) {
     uint32_t closing = word[SD_ROW_AT].at.close;
     for (uint32_t i = 0; closing != 0u; ++i, closing >>= 1) {

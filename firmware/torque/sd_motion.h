@@ -157,7 +157,11 @@ static inline float sd_motion_energy_min(const sd_kalman_tables_t *t) { return 1
 void sd_motion_fill(sd_motion_charge_t *charge, float intake_bar);
 
 /// Takes an intake pressure; anything but [0, 10], NaN included, is held off.
-void sd_motion_take_intake(sd_motion_charge_t *charge, float intake_bar);
+static inline void sd_motion_take_intake(sd_motion_charge_t *charge, float intake_bar) {
+    const bool good = sd_within(intake_bar, 0.0f, 10.0f);
+    charge->held = good ? (uint8_t)0 : (uint8_t)1;
+    if (good) { charge->intake_bar = intake_bar; }
+}
 
 /// The cylinders whose intake valve closes at a row keep the pressure.
 void sd_motion_close_valves(sd_motion_charge_t *charge, const sd_kalman_word_t *word);

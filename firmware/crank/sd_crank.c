@@ -7,7 +7,7 @@
 
 enum { PHASE_VOTES = 2 }; /* cam edges that must agree */
 
-_Static_assert(sizeof(sd_crank_t) == 944, "without pointers, the same size on every target");
+_Static_assert(sizeof(sd_crank_t) == 948, "without pointers, the same size on every target");
 
 static bool stall_in_range(uint32_t ticks) { return (ticks >= 256u) && (ticks <= (uint32_t)STALL_TICKS_MAX); }
 

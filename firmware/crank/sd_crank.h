@@ -145,6 +145,7 @@ typedef struct sd_crank {
     int32_t  mark_travel;                   ///< Travel at the tooth before the mark being voted on.
     int32_t  mark_late;                     ///< How late the tooth after that mark was, Q12.
     int32_t  witness[SD_CRANK_WITNESSES];   ///< Travel at the last edges of any kind.
+    uint32_t mark_at;                       ///< First missing position of mark m in byte m from the lowest on; 255: no such mark.
     sd_crank_sight_t sight[SD_CRANK_SIGHTS];
     uint8_t  witness_next;
     uint8_t  mark_count, mark_first[SD_CRANK_MARKS_MAX], mark_run[SD_CRANK_MARKS_MAX]; ///< First missing position, run.

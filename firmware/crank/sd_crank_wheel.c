@@ -115,7 +115,9 @@ static bool marks_stand_apart(sd_crank_t *self) {
 /* Fills what follows from the configuration. Returns false where the marks are too many, too wide or too near. */
 bool sd_wheel_init(sd_crank_t *self) {
     self->teeth = (uint8_t)(self->config.positions - self->config.missing_count);
-    const bool good = collect_marks(self) && marks_stand_apart(self);
-    if (good) { sd_wheel_reset_widths(self); }
-    return good;
+    if (!collect_marks(self) || !marks_stand_apart(self)) { return false; }
+    self->mark_at = 0xffffffffu;
+    for (uint32_t m = 0; m < self->mark_count; ++m) { self->mark_at ^= (0xffu ^ self->mark_first[m]) << (8u * m); }
+    sd_wheel_reset_widths(self);
+    return true;
 }

@@ -443,7 +443,7 @@ TEST(Ecu, TheWholePageIsRestoredAtOnceInWhateverOrderItsValuesDepend) {
 
 TEST(Ecu, NothingIsValidBeforeTheFirstTooth) {
     Ecu ecu(page());
-    for (int owner = 0; owner < SD_OWNER_COUNT; ++owner) EXPECT_EQ(SD_INVALID, sd_publish_judged(&ecu.ecu->say, sd_owner_t(owner)).health);
+    for (unsigned owner = 0; owner < SD_OWNER_COUNT; ++owner) EXPECT_EQ(SD_INVALID, sd_publish_judged(&ecu.ecu->say, sd_owner_t(owner)).health);
 }
 
 TEST(Ecu, AfterAGapTheAngleIsSoughtAfresh) {

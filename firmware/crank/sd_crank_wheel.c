@@ -64,6 +64,7 @@ void sd_wheel_learn(sd_crank_t *self, uint32_t mark, int32_t late) {
  * odd, with their bend taken out: mean(2) + 1.2 (mean(2) - mean(3)). Under jitter all three on either side, as they are. */
 static int32_t spacing_at(const sd_crank_t *self, uint32_t slot, bool quiet) {
     uint32_t after = slot, before = slot, pair[3]; /* an eighth of each interval, so that sums fit */
+    _Pragma("GCC unroll 3")
     for (uint32_t i = 0; i < 3u; ++i) {
         after = next_slot(self, after);
         before = (before > 0u) ? before - 1u : self->teeth - 1u;

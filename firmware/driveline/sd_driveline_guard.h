@@ -13,9 +13,9 @@
 ///
 /// Torsion and shaft torque are those at the wheels; "at the crank" says otherwise.
 ///
-/// Real-time contract: no heap, no globals, no I/O, no libm; constant time but for one pass for each position without an edge. One writer per state,
-/// which is plain data without pointers. Tables are read only and may stand in flash. Call order: init; step for every placed tooth; wheel for
-/// edges of the wheels between them; restart when the angle was lost.
+/// Real-time contract: no heap, no globals, no I/O, no libm; constant time but for one pass for each position without an edge. One writer
+/// per state, which is plain data without pointers. Tables are read only and may stand in flash. Call order: init; step for every placed
+/// tooth; wheel for edges of the wheels between them; restart when the angle was lost.
 #ifndef SD_DRIVELINE_GUARD_H
 #define SD_DRIVELINE_GUARD_H
 #include "sd_driveline_tables.h"
@@ -31,7 +31,8 @@ typedef struct sd_driveline_tooth {
     uint16_t advance;      ///< Positions since the last placed tooth, 1 to 120.
     uint8_t  health;       ///< sd_health_t of the tooth; only those that are SD_VALID correct the filter.
     uint8_t  gear;         ///< 1 to the tables' gears; 0: clutch open, neutral, or not known.
-    float    torque_nm;    ///< Of the engine at the crank, mean over the interval, friction taken off; not finite or beyond 20000: the last good one holds.
+    /// Of the engine at the crank, mean over the interval, friction taken off; not finite or beyond 20000: the last good one holds.
+    float    torque_nm;
     float    place_rad;    ///< How far behind its nominal place the tooth stands on the wheel; 0 where the pattern is not known.
 } sd_driveline_tooth_t;
 
@@ -50,12 +51,15 @@ typedef struct sd_driveline_out {
 
 typedef struct sd_driveline_guard {
     float    x[SD_DRIVELINE_STATES]; ///< sd_driveline_state_t.
+    sd_driveline_gain_t gain; ///< Of the last tooth,
+    float    gain_s;       ///< made for so long a step
     float    torque_nm;    ///< Last good one.
     float    settled_s;    ///< Time that the filter has run in this gear.
     float    still_s;      ///< Time since the shaft last moved fast.
     uint16_t rejected;     ///< Teeth left out since init, saturating.
     uint8_t  gear;         ///< Of the last step; 0: it does not run.
     uint8_t  location;
+    uint8_t  table;        ///< from which gains: 1: stiff, and 2: of the start.
     uint8_t  strikes;      ///< Teeth left out in a row.
 } sd_driveline_guard_t;
 
@@ -68,7 +72,8 @@ void sd_driveline_guard_restart(sd_driveline_guard_t *self);
 void sd_driveline_guard_step(sd_driveline_guard_t *self, const sd_driveline_tables_t *tables, const sd_driveline_tooth_t *tooth,
                              sd_driveline_out_t *out);
 /// An edge of the wheels, since_ticks after the last placed tooth, `advance` of their positions after their last edge. Nothing
-/// happens while the filter does not run or the tables know no wheel teeth. One that is too far off leaves the wheels' phase to be found anew.
+/// happens while the filter does not run or the tables know no wheel teeth. One that is too far off leaves the wheels' phase to be found
+/// anew.
 void sd_driveline_guard_wheel(sd_driveline_guard_t *self, const sd_driveline_tables_t *tables, uint32_t since_ticks, uint16_t advance);
 
 #ifdef __cplusplus

@@ -12,7 +12,8 @@ sd_result_t sd_driveline_hybrid_init(sd_driveline_hybrid_t *self, const sd_drive
     const bool ok = sd_above_to(bank->period_s, 0.0f, 1.0f) && sd_above_to(bank->threshold_rpm, 0.0f, 1e4f) &&
                     sd_within(bank->rpm_per_radps, 1.0f, 100.0f) && sd_within(bank->middle_rad, -10.0f, 10.0f) &&
                     sd_within(bank->settle_s, 0.0f, 100.0f) &&
-                    sd_within(bank->hold_s, 0.0f, 10.0f) && sd_within(bank->calm_s, 0.0f, 10.0f) && (location >= 1u) && (location <= (uint8_t)SD_DRIVELINE_LOCATIONS);
+                    sd_within(bank->hold_s, 0.0f, 10.0f) && sd_within(bank->calm_s, 0.0f, 10.0f) && (location >= 1u) &&
+                        (location <= (uint8_t)SD_DRIVELINE_LOCATIONS);
     if (!ok) { return SD_ERR_CONFIG; }
     *self = (sd_driveline_hybrid_t){ .location = location, .may_leave = 1 };
     return SD_OK;

@@ -9,13 +9,13 @@
 /// wheel speed, rad/s, all less the equilibrium. u is held over a step at its mean, y is straight between two steps.
 /// Identification: the location q is left when its residual is above the threshold, for a neighbour (1-2, 2-3) whose residual is below
 /// half of it. A residual says nothing until the one change of location has died out of it: none is left before its own residual has fitted
-/// for calm_s, or hold_s have gone by. Locations 1 and 3 obey the same matrices and differ by a constant, so that their residuals are the same in
-/// the end: from 2 the torsion of the continuous observer says which.
+/// for calm_s, or hold_s have gone by. Locations 1 and 3 obey the same matrices and differ by a constant, so that their residuals are the
+/// same in the end: from 2 the torsion of the continuous observer says which.
 ///
 /// It is here as the reference: it wants a speed without noise, and tooth times are not that (docs/driveline.md). Use sd_driveline_guard.h.
 ///
-/// Real-time contract: no heap, no globals, no I/O, no libm; constant time. One writer per state, plain data without pointers; tables are read
-/// only. Call order: init; step every tables.period_s.
+/// Real-time contract: no heap, no globals, no I/O, no libm; constant time. One writer per state, plain data without pointers; tables are
+/// read only. Call order: init; step every tables.period_s.
 #ifndef SD_DRIVELINE_HYBRID_H
 #define SD_DRIVELINE_HYBRID_H
 #include "sd_num.h"
@@ -66,7 +66,8 @@ typedef struct sd_driveline_hybrid_out {
 
 /// Begins in a location, 1 to 3, in equilibrium. SD_OK, or SD_ERR_CONFIG with the state untouched.
 sd_result_t sd_driveline_hybrid_init(sd_driveline_hybrid_t *self, const sd_driveline_bank_t *bank, uint8_t location);
-/// A period later: the torque's mean over it, and the speed at its end. A torque or speed that is not within +-1e6 is left out: everything holds, and the status says so.
+/// A period later: the torque's mean over it, and the speed at its end. A torque or speed that is not within +-1e6 is left out: everything
+/// holds, and the status says so.
 void sd_driveline_hybrid_step(sd_driveline_hybrid_t *self, const sd_driveline_bank_t *bank, float torque_nm, float speed_rpm,
                               sd_driveline_hybrid_out_t *out);
 

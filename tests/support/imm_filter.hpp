@@ -15,7 +15,8 @@ class ImmFilter {
     using Vector = Eigen::Matrix<double, 5, 1>; // phase, speed, torsion, wheels, bias
     using Matrix = Eigen::Matrix<double, 5, 5>;
 
-    ImmFilter(const Driveline &driveline, double jitter_rad, double speed_radps, double shaft_nm) : d_(driveline), r_(jitter_rad * jitter_rad) {
+    ImmFilter(const Driveline &driveline, double jitter_rad, double speed_radps, double shaft_nm) : d_(driveline),
+        r_(jitter_rad * jitter_rad) {
         for (Model &m : models_) {
             m.x << 0, speed_radps, d_.twist_rad(shaft_nm), d_.ratios[0] * speed_radps, 0;
             m.p = Vector(1e-6, 0.1, 1e-5, 0.01, 1).asDiagonal();

@@ -212,8 +212,9 @@ TEST(Guard, AStateIsPlainData) {
 TEST(Guard, InitRefusesWhatIsOutOfRange) {
     using T = sd_driveline_tables_t;
     sd_driveline_guard_t filter;
-    for (float T::*field : {&T::tick_s, &T::pitch_rad, &T::wheel_pitch_rad, &T::shortest_s, &T::per_inertia, &T::viscous_nms, &T::per_vehicle,
-                            &T::soft_nmprad, &T::stiff_nmprad, &T::damping_nms, &T::kink_rad, &T::rolling_nm, &T::drag_nms2, &T::reject_rad,
+    for (float T::*field : {&T::tick_s, &T::pitch_rad, &T::wheel_pitch_rad, &T::shortest_s, &T::per_inertia, &T::viscous_nms,
+                            &T::per_vehicle,
+                            &T::soft_nmprad, &T::stiff_nmprad, &T::damping_nms, &T::kink_rad, &T::rolling_nm, &T::drag_nms2, &T::reject_rad, &T::per_reject,
                             &T::settle_s, &T::moving_radps, &T::moving_hold_s}) {
         T bad = usual_tables();
         bad.*field = kNan;

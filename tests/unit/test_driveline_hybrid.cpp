@@ -124,7 +124,8 @@ TEST(Hybrid, Locations1And3HaveOneResidualAndTwoTorsions) {
         const FigureSixRow last = run_figure_six(c).rows.back();
         const Driveline &d = c.driveline;
         EXPECT_NEAR(last.residual_rpm[0], last.residual_rpm[2], 1e-4);
-        EXPECT_NEAR(last.generator_rad[0] - last.generator_rad[2], -2 * (d.stiff_nmprad - d.soft_nmprad) * d.kink_rad / d.stiff_nmprad, 1e-5);
+        EXPECT_NEAR(last.generator_rad[0] - last.generator_rad[2], -2 * (d.stiff_nmprad - d.soft_nmprad) * d.kink_rad / d.stiff_nmprad,
+                    1e-5);
     }
 }
 
@@ -163,7 +164,8 @@ TEST(Hybrid, ABadInputHoldsEverything) {
 TEST(Hybrid, InitRefusesWhatIsOutOfRange) {
     const sd_driveline_bank_t good = hybrid_tables(Driveline(), 0.125, HybridBelief());
     sd_driveline_hybrid_t observer;
-    for (float sd_driveline_bank_t::*field : {&sd_driveline_bank_t::period_s, &sd_driveline_bank_t::threshold_rpm, &sd_driveline_bank_t::rpm_per_radps,
+    for (float sd_driveline_bank_t::*field : {&sd_driveline_bank_t::period_s, &sd_driveline_bank_t::threshold_rpm,
+                                              &sd_driveline_bank_t::rpm_per_radps,
                                               &sd_driveline_bank_t::middle_rad, &sd_driveline_bank_t::hold_s, &sd_driveline_bank_t::calm_s,
                                               &sd_driveline_bank_t::settle_s}) {
         sd_driveline_bank_t bad = good;

@@ -52,7 +52,8 @@ TEST(Vehicle, WithinALocationMovesAsTheExponentialOfItsMatrix) {
 TEST(Vehicle, Figure6ChangesItsLocationWhereItShould) {
     const std::vector<double> canonical{2.066, 2.236, 2.375, 2.463}, three{2.060, 2.204, 2.278, 2.506, 2.582};
     const std::vector<Location> to_canonical{2, 3, 2, 3}, to_three{2, 1, 2, 3, 2};
-    for (const auto &[figure, times, to] : {std::tuple{canonical_figure(), canonical, to_canonical}, {three_location_figure(), three, to_three}}) {
+    for (const auto &[figure, times, to] : {std::tuple{canonical_figure(), canonical, to_canonical},
+                                            {three_location_figure(), three, to_three}}) {
         const auto real = run_figure_six(figure).real;
         ASSERT_EQ(real.size(), times.size());
         for (std::size_t i = 0; i < times.size(); ++i) {

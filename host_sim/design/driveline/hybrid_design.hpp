@@ -41,8 +41,8 @@ ResidualSpeed residual_speed(const Eigen::Matrix3d &h, const Eigen::RowVector3d 
 
 /// Proposition 3.1.3 asks whether the wrong location's residual can be steered to zero for ever. Its condition, an invertible
 /// C_ji B_i + C_j B_ij, never holds for the driveline, where locations share B and C; the input then reaches the residual later:
-/// through the first of C_j H_j^p M_ji A_i^q B that is not 0, p + q + 1 further derivatives on. `order` counts them, 1 for the document's condition;
-/// nothing: no input can be seen in it, nor hide it. Where there is an order, some input hides a wrong location.
+/// through the first of C_j H_j^p M_ji A_i^q B that is not 0, p + q + 1 further derivatives on. `order` counts them, 1 for the document's
+/// condition; nothing: no input can be seen in it, nor hide it. Where there is an order, some input hides a wrong location.
 std::optional<int> hiding_order(const LocationModel &real, const LocationModel &believed, const Eigen::Vector3d &gain);
 
 /// Proposition 3.3.1: the state's error ends within `bound`. Steps of the proof that the document drops are in: the factor n k, and E.

@@ -34,8 +34,8 @@ struct LocationChange {
 
 class VehicleModel {
   public:
-    /// `torque_nm` of the engine at a time and an angle of the crank. gearbox_inertia_kgm2 is part of the engine's and turns alone while the
-    /// clutch slips: above 0 and below it. step_s is the longest step.
+    /// `torque_nm` of the engine at a time and an angle of the crank. gearbox_inertia_kgm2 is part of the engine's and turns alone while
+    /// the clutch slips: above 0 and below it. step_s is the longest step.
     VehicleModel(const Driveline &driveline, std::function<double(double time_s, double angle_rad)> torque_nm, double step_s = 1e-4,
                  double gearbox_inertia_kgm2 = 0.02);
 

@@ -30,7 +30,8 @@ struct DriveCase {
 DriveCase usual_drive();
 
 struct DriveFigures {
-    int transitions = 0, missed = 0, extra = 0; ///< True ones while the estimate was told; not found within 100 ms; found where there was none.
+    /// True ones while the estimate was told; not found within 100 ms; found where there was none.
+    int transitions = 0, missed = 0, extra = 0;
     double delay_mean_s = 0, delay_rms_s = 0, delay_p95_s = 0; ///< p95: of its magnitude.
     double wrong_percent = 0;                   ///< Of the time that counts: settled, and in a gear.
     double twist_rms_rad = 0, shaft_rms_nm = 0; ///< The second at the crank.

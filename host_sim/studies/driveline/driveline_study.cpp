@@ -23,7 +23,8 @@ struct Options {
 void print_figure(const char *name, const FigureSixCase &c, const std::string &csv) {
     const FigureSix figure = run_figure_six(c);
     const Delays found = delays(figure);
-    fmt::print("\nFigure 6, {}: threshold {} rpm, left after {:.0f} ms at the latest\n", name, c.belief.threshold_rpm, 1e3 * c.belief.hold_s);
+    fmt::print("\nFigure 6, {}: threshold {} rpm, left after {:.0f} ms at the latest\n", name, c.belief.threshold_rpm,
+               1e3 * c.belief.hold_s);
     for (std::size_t i = 0; i < figure.real.size(); ++i) {
         const LocationChange &real = figure.real[i];
         const std::string late = found.late_s[i] < 0 ? "not before the next" : fmt::format("{:.1f} ms later", 1e3 * found.late_s[i]);
@@ -44,18 +45,22 @@ void print_bounds(const char *name, const FigureSixCase &c) {
         const LocationModel m = location_model(c.driveline, ratio, b.equilibrium_rad, q);
         for (const Eigen::Vector3d &poles : {b.residual_poles, Eigen::Vector3d(-360, -420, -480)}) {
             const ResidualSpeed s = residual_speed(m.a - observer_gain(m, poles) * m.c, m.c, 0.05, 1, 0.1);
-            fmt::print("  3.1.1, location {}, poles {:g}: largest real part {:.0f}, needed {:.0f} for 0.1 rpm in 50 ms ({}); k {:.0f}\n", q, poles(0),
+            fmt::print("  3.1.1, location {}, poles {:g}: largest real part {:.0f}, needed {:.0f} for 0.1 rpm in 50 ms ({}); k {:.0f}\n",
+                       q, poles(0),
                        s.abscissa, s.needed, s.holds() ? "holds" : "does not hold", s.condition);
         }
         const LocationModel other = location_model(c.driveline, ratio, b.equilibrium_rad, 5 - q);
         const std::optional<int> order = hiding_order(m, other, observer_gain(other, b.residual_poles));
-        fmt::print("  3.1.3, in location {} believed {}: the document's condition does not hold; an input reaches the residual at order {}\n", q, 5 - q,
+        fmt::print("  3.1.3, in location {} believed {}: the document's condition does not hold; an input reaches the residual at order "
+                   "{}\n", q, 5 - q,
                    order.value_or(0));
         f.push_back(m.a - observer_gain(m, b.observer_poles) * m.c);
         const double drive = push.norm() * 25;
         const ErrorBound bound = error_bound(f.back(), 0.08, 0.02, drive);
-        fmt::print("  3.3.1, location {}, changes 80 ms apart found within 20 ms, 25 N m: n k exp(a D) {:.3g}, so {}; as printed {:.3g}\n", q,
-                   bound.contraction, bound.bound ? fmt::format("{:.3g}", *bound.bound) : "no bound follows", printed_bound(f.back(), 0.08, 0.02, drive));
+        fmt::print("  3.3.1, location {}, changes 80 ms apart found within 20 ms, 25 N m: n k exp(a D) {:.3g}, so {}; as printed {:.3g}\n",
+                   q,
+                   bound.contraction, bound.bound ? fmt::format("{:.3g}", *bound.bound) : "no bound follows",
+                       printed_bound(f.back(), 0.08, 0.02, drive));
     }
 }
 
@@ -89,7 +94,8 @@ void ambiguity(const Options &) {
 
 void teeth(const Options &) {
     fmt::print("\nthe published bank on the speed of the last tooth (60-2), Figure 6's four changes in 10 s\n"
-               "  {:>10} {:>8} {:>14} {:>8} {:>8} {:>10} {:>14}\n", "jitter deg", "poles", "threshold rpm", "missed", "false", "wrong %", "torsion rad");
+               "  {:>10} {:>8} {:>14} {:>8} {:>8} {:>10} {:>14}\n", "jitter deg", "poles", "threshold rpm", "missed", "false", "wrong %",
+                   "torsion rad");
     for (const double jitter : {0.0, 0.02}) {
         for (const double scale : {1.0, 0.5, 0.25}) {
             for (const double threshold : {0.02, 0.2, 2.0, 20.0}) {
@@ -100,7 +106,8 @@ void teeth(const Options &) {
                 c.duration_s = 10;
                 const FigureSix figure = run_figure_six(c);
                 const Delays found = delays(figure);
-                fmt::print("  {:>10} {:>8.0f} {:>14} {:>8} {:>8} {:>10.1f} {:>14.4f}\n", jitter, c.belief.residual_poles(0), threshold, found.missed,
+                fmt::print("  {:>10} {:>8.0f} {:>14} {:>8} {:>8} {:>10.1f} {:>14.4f}\n", jitter, c.belief.residual_poles(0), threshold,
+                           found.missed,
                            found.false_ones, figure.wrong_percent, figure.largest_error_rad);
             }
         }
@@ -110,13 +117,16 @@ void teeth(const Options &) {
 // ---- the guard filter ----------------------------------------------------------------------------------------------------
 
 void header(const char *title) {
-    fmt::print("\n{:<46}{:>8}{:>8}{:>7}{:>8}{:>8}{:>8}{:>9}{:>10}{:>8}{:>8}{:>8}\n", title, "changes", "missed", "extra", "mean", "rms", "p95", "wrong %",
+    fmt::print("\n{:<46}{:>8}{:>8}{:>7}{:>8}{:>8}{:>8}{:>9}{:>10}{:>8}{:>8}{:>8}\n", title, "changes", "missed", "extra", "mean", "rms",
+               "p95", "wrong %",
                "torsion", "shaft", "bias", "told %");
 }
 
 void print(const std::string &name, const DriveFigures &f) {
-    fmt::print("{:<46}{:>8}{:>8}{:>7}{:>8.2f}{:>8.2f}{:>8.2f}{:>9.3f}{:>10.1e}{:>8.3f}{:>8.2f}{:>8.1f}\n", name, f.transitions, f.missed, f.extra,
-               1e3 * f.delay_mean_s, 1e3 * f.delay_rms_s, 1e3 * f.delay_p95_s, f.wrong_percent, f.twist_rms_rad, f.shaft_rms_nm, f.bias_mean_nm,
+    fmt::print("{:<46}{:>8}{:>8}{:>7}{:>8.2f}{:>8.2f}{:>8.2f}{:>9.3f}{:>10.1e}{:>8.3f}{:>8.2f}{:>8.1f}\n", name, f.transitions, f.missed,
+               f.extra,
+               1e3 * f.delay_mean_s, 1e3 * f.delay_rms_s, 1e3 * f.delay_p95_s, f.wrong_percent, f.twist_rms_rad, f.shaft_rms_nm,
+                   f.bias_mean_nm,
                f.told_percent);
 }
 
@@ -136,9 +146,11 @@ std::vector<Row> common_rows() {
                           {"torque told 3 N m too high", [](DriveCase &c) { c.torque_error_nm = 3; }},
                           {"damping +30 %", [](DriveCase &c) { c.real.damping_nms *= 1.3; }}};
     for (const double percent : {-10, 10, -25, 25}) {
-        rows.push_back({fmt::format("stiffness {:+g} %, kink at the same torsion", percent), [percent](DriveCase &c) { stiffen(c, 1 + percent / 100, false); }});
+        rows.push_back({fmt::format("stiffness {:+g} %, kink at the same torsion", percent),
+                        [percent](DriveCase &c) { stiffen(c, 1 + percent / 100, false); }});
         if (percent < 0) {
-            rows.push_back({fmt::format("stiffness {:+g} %, kink at the same torque", percent), [percent](DriveCase &c) { stiffen(c, 1 + percent / 100, true); }});
+            rows.push_back({fmt::format("stiffness {:+g} %, kink at the same torque", percent),
+                            [percent](DriveCase &c) { stiffen(c, 1 + percent / 100, true); }});
         }
     }
     rows.push_back({"a slope of 50 N m that nobody knows of", [](DriveCase &c) { c.slope_nm = 50; }});
@@ -160,7 +172,8 @@ void drive(const Options &options) {
             print(row.name, run_drive(c));
         }
     };
-    fmt::print("\n{:.0f} s of driving; delays in ms, torsion in rad rms, torque of the shaft and bias at the crank in N m\n", options.seconds);
+    fmt::print("\n{:.0f} s of driving; delays in ms, torsion in rad rms, torque of the shaft and bias at the crank in N m\n",
+               options.seconds);
     std::vector<Row> rows = common_rows();
     rows.insert(rows.end(), wheel_faults.begin(), wheel_faults.end());
     table("guard in angle", rows, [](DriveCase &) {});
@@ -185,7 +198,8 @@ struct Part {
     const char *name;
     void (*print)(const Options &);
 };
-constexpr Part kParts[] = {{"figure-6", figure_6}, {"ambiguity", ambiguity}, {"teeth", teeth}, {"drive", drive}, {"manoeuvres", print_manoeuvres}};
+constexpr Part kParts[] = {{"figure-6", figure_6}, {"ambiguity", ambiguity}, {"teeth", teeth}, {"drive", drive},
+                           {"manoeuvres", print_manoeuvres}};
 
 } // namespace
 

@@ -8,7 +8,7 @@
 #include "sd_input_observer.h"
 #include "sd_switched.h"
 
-enum { NOT_COUNTED, FOLSMO, FOSMO, ROO, INPUT, OSCILLATORS, FOURIER_LAW, FIXED_GAINS, CRANK }; /* block_classes of budget.toml */
+enum { NOT_COUNTED, FOLSMO, FOSMO, ROO, INPUT, OSCILLATORS, FOURIER_LAW, FIXED_GAINS, GUARD, BANK, CRANK }; /* block_classes of budget.toml */
 enum { CYCLE_POSITIONS = 120, CYLINDERS = 4 };
 #define STEP_S 6.67e-4f
 
@@ -168,6 +168,7 @@ int main(void) {
     count_chain(OSCILLATORS);
     count_chain(FOURIER_LAW);
     count_fixed_gains();
+    failed |= budget_count_driveline(NOT_COUNTED, GUARD, BANK);
     budget_count_crank(CRANK);
     return (int)failed;
 }

@@ -8,4 +8,7 @@
 /// gives sync, of a wheel with one mark; then the same of one with four.
 void budget_count_crank(uint32_t first_class);
 
+/// The driveline's observers. The classes that count nothing, the guard filter, the bank. 0, or 1 when a block was refused or did not run.
+uint32_t budget_count_driveline(uint32_t not_counted, uint32_t guard, uint32_t bank);
+
 #endif

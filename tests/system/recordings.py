@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 """Made recordings through `sixdeg replay`: how many are read right, refused, and read wrongly.
 
-usage: recordings.py [--count N] [--seed N] [--list]
+usage: recordings.py [--count N] [--seed N]
        exit status 1 when one is read wrongly, or refused without a reason that the docs allow
 """
 import argparse
@@ -18,6 +18,7 @@ import numpy as np
 
 import recording_maker as maker
 
+SIXDEG = os.environ.get("SIXDEG", str(pathlib.Path(__file__).resolve().parents[2] / "build" / "host" / "sixdeg"))
 FORMS = ("edges", "levels", "inverted", "voltage", "reluctance")
 
 
@@ -58,7 +59,7 @@ def run(made, folder):
     path, out = folder / "made.csv", folder / "summary.json"
     path.write_text(made.text)
     out.unlink(missing_ok=True)
-    done = subprocess.run([os.environ["SIXDEG"], "replay", str(path), "--json", str(out)], capture_output=True, text=True, timeout=120, check=False)
+    done = subprocess.run([SIXDEG, "replay", str(path), "--json", str(out)], capture_output=True, text=True, timeout=120, check=False)
     if done.returncode not in (0, 2, 3):
         return "wrong", f"status {done.returncode}: {done.stderr}"
     return judge(made, done.returncode, json.loads(out.read_text()) if out.exists() else None, done.stderr.strip())

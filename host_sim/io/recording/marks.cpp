@@ -255,9 +255,9 @@ std::vector<std::size_t> find_marks(const std::vector<double> &interval_s, doubl
 std::vector<std::size_t> find_added_teeth(const std::vector<double> &interval_s) {
     std::vector<std::size_t> marks;
     for (std::size_t i = 1; i + 2 < interval_s.size(); ++i) {
-        const double two = interval_s[i] + interval_s[i + 1], beside = (interval_s[i - 1] + interval_s[i + 2]) / 2;
+        const double two = interval_s[i] + interval_s[i + 1];
         const double least = std::min(interval_s[i - 1], interval_s[i + 2]), most = std::max(interval_s[i - 1], interval_s[i + 2]);
-        if (two > 0.7 * most && two < 1.4 * least && std::max(interval_s[i], interval_s[i + 1]) < 0.8 * beside) marks.push_back(i);
+        if (two > 0.7 * most && two < 1.4 * least && std::max(interval_s[i], interval_s[i + 1]) < 0.7 * least) marks.push_back(i);
     }
     return marks;
 }

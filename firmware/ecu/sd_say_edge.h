@@ -1,0 +1,23 @@
+/* SPDX-License-Identifier: MIT */
+/// sd_say_edge.h - what both kinds of ecu say of an edge and of their inputs, in the units of the signal table.
+#ifndef SD_SAY_EDGE_H
+#define SD_SAY_EDGE_H
+#include "sd_calibration.h"
+#include "sd_inputs.h"
+#include "sd_publish.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/// Angle, speed and class of an edge. Speed and acceleration stay when the tooth has no period.
+void sd_say_tooth(sd_publish_t *say, const sd_calibration_t *page, const sd_crank_t *crank, const sd_tooth_t *tooth);
+/// The angle is lost: what depends on it is 0.
+void sd_say_lost_angle(sd_publish_t *say, uint8_t health, uint16_t why);
+/// Which inputs are missing or stale, bit by bit.
+void sd_say_inputs(sd_publish_t *say, const sd_inputs_t *inputs);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

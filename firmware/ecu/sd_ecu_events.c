@@ -8,13 +8,12 @@
 static void on_crank_edge(sd_ecu_t *self, const sd_calibration_t *page, const sd_port_t *port, uint32_t tick) {
     sd_tooth_t tooth;
     sd_crank_edge(&self->crank, tick, &tooth);
-    self->say.status[SD_OWNER_CRANK] = (sd_status_t){ .health = tooth.health, .why = tooth.why };
-    sd_say_tooth(&self->say, page, &self->crank, &tooth);
+    const float speed_radps = sd_ecu_say_edge(self, page, &tooth);
     if (tooth.edge_class == (uint8_t)SD_EDGE_UNSYNCED) {
         sd_ecu_lose_angle(self, SD_WHY_NO_SYNC);
         sd_ecu_do_piece(self, page, port);
     } else if (tooth.edge_class != (uint8_t)SD_EDGE_SPURIOUS) {
-        sd_ecu_tooth(self, page, port, &tooth);
+        sd_ecu_tooth(self, page, port, &tooth, speed_radps);
     } else {
         sd_ecu_spurious(self, page);
     }

@@ -11,6 +11,8 @@
 extern "C" {
 #endif
 
+/// Angle, speed, class and health of an edge. Speed and acceleration stay when the tooth has no period.
+void sd_say_tooth(sd_publish_t *say, const sd_calibration_t *page, const sd_tooth_t *tooth, const sd_crank_motion_t *motion);
 void sd_say_torque(sd_publish_t *say, const sd_torque_out_t *torque);
 void sd_say_cylinders(sd_publish_t *say, const sd_calibration_t *page, const sd_cylinders_out_t *cylinders);
 void sd_say_firing(sd_publish_t *say, const sd_calibration_t *page, const sd_firings_out_t *firings);

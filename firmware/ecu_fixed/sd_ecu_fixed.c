@@ -24,10 +24,9 @@ sd_result_t sd_ecu_init(sd_ecu_t *self, const sd_calibration_t *page) {
     const bool ok = (sd_crank_init(&self->crank, &crank) == SD_OK) && (init_torque(self, page) == SD_OK) &&
                     (sd_fixed_mixture_init(&self->mixture, page, &self->working) == SD_OK);
     if (!ok) { return SD_ERR_CONFIG; }
-    self->rpm_ticks = sd_scaled_mul(sd_scaled_int(60), sd_scaled_of(page->tick_hz));
     const sd_status_t not_built = { .health = SD_INVALID, .why = SD_WHY_NOT_BUILT };
-    self->say.status[SD_OWNER_FIRING] = not_built;
-    self->say.status[SD_OWNER_MISFIRE] = not_built;
+    sd_publish_judge(&self->say, SD_OWNER_FIRING, &not_built);
+    sd_publish_judge(&self->say, SD_OWNER_MISFIRE, &not_built);
     self->ready = 1;
     return SD_OK;
 }
@@ -44,18 +43,19 @@ static void step_torque(sd_ecu_t *self, const sd_calibration_t *page, const sd_t
     sd_fourier_advance_q31(&self->torque, &page->fourier, tooth->cycle_position, tooth->advance, tooth->period_ticks, trusted);
     sd_status_t status = sd_fourier_health_q31(&self->torque);
     sd_status_worst_of(&status, tooth->health, tooth->why);
-    self->say.status[SD_OWNER_TORQUE] = status;
+    sd_publish_judge(&self->say, SD_OWNER_TORQUE, &status);
     sd_fixed_say_torque(&self->say, &self->torque);
     const bool good = (status.health != (uint8_t)SD_INVALID) && ((status.why & ~(uint32_t)SD_WHY_CONVERGING) == 0u);
     sd_course_add(&self->course, tooth, good);
 }
 
-void sd_ecu_tooth(sd_ecu_t *self, const sd_calibration_t *page, const sd_port_t *port, const sd_tooth_t *tooth) {
+void sd_ecu_tooth(sd_ecu_t *self, const sd_calibration_t *page, const sd_port_t *port, const sd_tooth_t *tooth, float speed_radps) {
     sd_cycle_t cycle;
+    (void)speed_radps; /* nobody here asks for it */
     const sd_course_jump_t moved = sd_course_follow(&self->course, tooth, page->positions);
     if (moved != SD_COURSE_NONE) { jump(self, moved); }
     if (sd_course_ended(&self->course, tooth, page->positions, page->tick_hz, &cycle)) {
-        sd_fourier_read_q31(&self->torque, &self->ended);
+        self->torque_ended = self->torque; /* read by the first piece */
         sd_fixed_begin_work(self, page, port, &cycle);
     }
     step_torque(self, page, tooth);
@@ -72,7 +72,7 @@ void sd_ecu_lose_angle(sd_ecu_t *self, uint16_t why) {
     sd_course_lose(&self->course);
     sd_fixed_mixture_restart(&self->mixture);
     self->say.signals.torque_mass_nm = 0.0f;
-    sd_status_worst_of(&self->say.status[SD_OWNER_TORQUE], SD_INVALID, why);
+    sd_publish_worst_of(&self->say, SD_OWNER_TORQUE, SD_INVALID, why);
 }
 
 void sd_ecu_sample(sd_ecu_t *self, sd_input_t input, float value) {

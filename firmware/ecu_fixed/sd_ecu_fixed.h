@@ -46,12 +46,12 @@ typedef struct sd_ecu {
     sd_crank_t         crank;
     sd_course_t        course;
     sd_fourier_q31_t   torque;
-    sd_fourier_estimate_t ended;  ///< Of the torque observer at the end of the last cycle, from which cylinders are read.
+    sd_fourier_q31_t   torque_ended; ///< As it was at the end of the last cycle, from which cylinders are read.
+    sd_fourier_estimate_t ended;  ///< What that says.
     sd_fixed_mixture_t mixture;
     sd_fixed_trims_t   trims;
     sd_work_t          work;
     sd_publish_t       say;
-    sd_scaled_t rpm_ticks;        ///< Speed in rpm times ticks a revolution.
     float    last_speed_radps, last_fuel_mg; ///< Of the last cycle, to see whether the engine is steady.
     uint32_t unknown_events; ///< Ignored, wraps.
     uint8_t  ready;          ///< 1: initialised.

@@ -44,16 +44,17 @@ static bool map_fits(const sd_cylinder_map_t *map, const sd_parameters_t *p) {
 
 static void judge_cylinders(sd_ecu_t *self, bool known) {
     const sd_cycle_t *cycle = &self->work.cycle;
-    sd_status_t *status = &self->say.status[SD_OWNER_CYLINDER];
-    *status = self->work.torque;
-    if (!cycle->phase_known) { sd_status_worst_of(status, SD_INVALID, SD_WHY_NO_PHASE); }
-    if (!cycle->whole) { sd_status_worst_of(status, SD_INVALID, SD_WHY_NO_SYNC); }
-    if (!cycle->clean) { sd_status_worst_of(status, SD_DEGRADED, SD_WHY_FAULT); }
+    sd_status_t status = self->work.torque;
+    if (!cycle->phase_known) { sd_status_worst_of(&status, SD_INVALID, SD_WHY_NO_PHASE); }
+    if (!cycle->whole) { sd_status_worst_of(&status, SD_INVALID, SD_WHY_NO_SYNC); }
+    if (!cycle->clean) { sd_status_worst_of(&status, SD_DEGRADED, SD_WHY_FAULT); }
     if (!known) {
-        sd_status_worst_of(status, SD_INVALID, SD_WHY_UNCALIBRATED);
+        sd_status_worst_of(&status, SD_INVALID, SD_WHY_UNCALIBRATED);
     } else {
-        sd_inputs_judge(&self->inputs, SD_OWNER_CYLINDER, status);
+        sd_inputs_judge(&self->inputs, SD_OWNER_CYLINDER, &status);
     }
+    sd_publish_judge(&self->say, SD_OWNER_CYLINDER, &status);
+    sd_fourier_read_q31(&self->torque_ended, &self->ended);
 }
 
 /* Torque of one cylinder and its deviation: sd_cylinders.h in scaled integers. True when it was the last one. */
@@ -109,8 +110,10 @@ static void move_trims(sd_ecu_t *self, const sd_calibration_t *page) {
     sd_fixed_trims_cycle(&self->trims, &self->working, page->cylinders, wish, &self->work.mixture, self->work.mixture_status.health,
                          self->work.steady == 0u);
     self->trims_wanted = (wish != SD_TRIMS_OFF) ? 1u : 0u;
+    sd_status_t status = sd_fixed_trims_status(&self->trims);
+    sd_inputs_judge(&self->inputs, SD_OWNER_BALANCE, &status);
+    sd_publish_judge(&self->say, SD_OWNER_BALANCE, &status);
     sd_fixed_say_trims(self, page);
-    sd_inputs_judge(&self->inputs, SD_OWNER_BALANCE, &self->say.status[SD_OWNER_BALANCE]);
 }
 
 /* True when the row is complete. */
@@ -137,7 +140,7 @@ void sd_ecu_do_piece(sd_ecu_t *self, const sd_calibration_t *page, const sd_port
 void sd_fixed_begin_work(sd_ecu_t *self, const sd_calibration_t *page, const sd_port_t *port, const sd_cycle_t *cycle) {
     while (self->work.piece < (uint8_t)SD_FIXED_NONE) { sd_ecu_do_piece(self, page, port); }
     self->work.cycle = *cycle;
-    self->work.torque = self->say.status[SD_OWNER_TORQUE];
+    self->work.torque = sd_publish_judged(&self->say, SD_OWNER_TORQUE);
     self->work.said = 0;
     self->work.part = 0;
     self->work.piece = SD_FIXED_CYLINDERS;

@@ -16,14 +16,16 @@ static void say_angle(sd_signals_t *s, const sd_calibration_t *page, const sd_to
     s->crank_angle_deg = sd_scaled_to_float(sd_scaled_narrow((int32_t)((angle >= cycle) ? angle - cycle : angle), -20));
 }
 
-void sd_say_tooth(sd_publish_t *say, const sd_calibration_t *page, const sd_crank_t *crank, const sd_tooth_t *tooth) {
-    sd_signals_t *s = &say->signals;
+float sd_ecu_say_edge(sd_ecu_t *self, const sd_calibration_t *page, const sd_tooth_t *tooth) {
+    const sd_crank_t *crank = &self->crank;
+    sd_signals_t *s = &self->say.signals;
+    self->say.flags[SD_OWNER_CRANK] = tooth->health | ((uint32_t)tooth->why << 8);
     s->crank_edge_class = sd_float_int(tooth->edge_class);
     s->crank_tooth = sd_float_int(tooth->position);
     s->crank_phase_known = sd_float_int(tooth->phase_known);
     say_angle(s, page, tooth);
-    if (tooth->period_ticks == 0u) { return; }
-    /* sd_crank_speed_radps and sd_crank_acceleration_radps2, with as few divisions as there can be. */
+    if (tooth->period_ticks == 0u) { return 0.0f; }
+    /* sd_crank_motion_of, with as few divisions as there can be. */
     const sd_crank_clock_t *lead = &crank->clocks[crank->now].clock[crank->clocks[crank->now].leader];
     const sd_scaled_t tick_hz = sd_scaled_of(page->tick_hz), turn_ticks = sd_scaled_make((int64_t)crank->turn_spacings * tooth->period_ticks, 0);
     const sd_scaled_t turns_per_s = sd_scaled_div(sd_scaled_mul(sd_scaled_int((int32_t)tooth->span_spacings), tick_hz), turn_ticks);
@@ -31,11 +33,12 @@ void sd_say_tooth(sd_publish_t *say, const sd_calibration_t *page, const sd_cran
     const sd_scaled_t shrinks = sd_scaled_div(grown, sd_scaled_mul(period, period));
     s->crank_speed_rpm = sd_scaled_to_float(sd_scaled_mul(turns_per_s, sd_scaled_int(60)));
     s->crank_acceleration_radps2 = sd_scaled_to_float(sd_scaled_mul(sd_scaled_mul(turns_per_s, sd_scaled_of(6.2831853f)), shrinks));
+    return 0.0f; /* nobody here asks for it */
 }
 
 void sd_say_lost_angle(sd_publish_t *say, uint8_t health, uint16_t why) {
     sd_signals_t *s = &say->signals;
-    say->status[SD_OWNER_CRANK] = (sd_status_t){ .health = health, .why = why };
+    sd_publish_judge(say, SD_OWNER_CRANK, &(sd_status_t){ .health = health, .why = why });
     s->crank_edge_class = sd_float_int(SD_EDGE_UNSYNCED);
     s->crank_phase_known = 0.0f;
     s->crank_speed_rpm = 0.0f;
@@ -49,7 +52,7 @@ void sd_say_inputs(sd_publish_t *say, const sd_inputs_t *inputs) {
         say->signals.inputs_stale[i] = sd_float_int((int32_t)((stale >> (16u * i)) & 0xffffu));
         say->signals.inputs_missing[i] = sd_float_int((int32_t)((missing >> (16u * i)) & 0xffffu));
     }
-    say->status[SD_OWNER_INPUTS] = (sd_status_t){ .health = SD_VALID };
+    sd_publish_judge(say, SD_OWNER_INPUTS, &(sd_status_t){ .health = SD_VALID });
 }
 
 void sd_fixed_say_torque(sd_publish_t *say, const sd_fourier_q31_t *torque) {
@@ -59,7 +62,7 @@ void sd_fixed_say_torque(sd_publish_t *say, const sd_fourier_q31_t *torque) {
 
 void sd_fixed_say_mixture(sd_ecu_t *self, const sd_calibration_t *page) {
     sd_signals_t *s = &self->say.signals;
-    self->say.status[SD_OWNER_AFR] = self->work.mixture_status;
+    sd_publish_judge(&self->say, SD_OWNER_AFR, &self->work.mixture_status);
     for (uint32_t i = 0; i < page->cylinders; ++i) {
         s->afr_cylinder_burned[physical(page, i)] = self->work.mixture.lambda[i];
         s->afr_cylinder_sd[physical(page, i)] = self->work.mixture.sd[i];
@@ -68,7 +71,6 @@ void sd_fixed_say_mixture(sd_ecu_t *self, const sd_calibration_t *page) {
 }
 
 void sd_fixed_say_trims(sd_ecu_t *self, const sd_calibration_t *page) {
-    self->say.status[SD_OWNER_BALANCE] = sd_fixed_trims_status(&self->trims);
     if (page->cylinders < 2u) { return; }
     for (uint32_t i = 0; i < page->cylinders; ++i) { self->say.signals.balance_trim[physical(page, i)] = sd_float_q31(self->trims.trim[i]); }
 }

@@ -97,7 +97,7 @@ typedef struct sd_fourier_estimate {
     /* Estimated torque at any cycle position, Nm. */                                                                  \
     float sd_fourier_torque_at_##N(const sd_fourier_##N##_t *self, const sd_fourier_tables_t *tables,                  \
                                    uint32_t cycle_position);                                                           \
-    /* Health and innovation in J, for every tooth. */                                                                 \
+    /* Health and innovation in J, for every tooth; test_ratio 0. */                                                               \
     sd_status_t sd_fourier_status_##N(const sd_fourier_##N##_t *self);                                                 \
     /* The same without innovation and test ratio. */                                                                  \
     sd_status_t sd_fourier_health_##N(const sd_fourier_##N##_t *self);                                                 \

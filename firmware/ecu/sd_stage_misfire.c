@@ -80,13 +80,27 @@ static uint32_t step_wheel(sd_stage_misfire_t *self, const sd_calibration_t *pag
     return sd_wheel_tooth_q31(&self->wheel.q31, &page->wheel, &seen, self->work);
 }
 
-uint32_t sd_stage_misfire_tooth(sd_stage_misfire_t *self, const sd_calibration_t *page, const sd_tooth_t *tooth, float fuel_mg) {
-    const uint32_t cycle = 2u * page->positions;
+/* Between two TDCs no fuel is looked up. */
+static void note_fuel(sd_stage_misfire_t *self, const sd_calibration_t *page, const sd_tooth_t *tooth, float fuel_mg) {
+    const uint32_t cycle = 2u * page->positions, at = (uint32_t)self->position + tooth->advance;
+    const bool follows = tooth->cycle_position == ((at >= cycle) ? at - cycle : at);
+    self->position = tooth->cycle_position;
+    if (follows && (tooth->advance < self->until_tdc)) {
+        self->until_tdc = (uint16_t)(self->until_tdc - tooth->advance);
+        return;
+    }
+    uint32_t until = cycle;
     for (uint32_t i = 0; i < page->cylinders; ++i) {
         const uint32_t tdc = page->firing_position[i];
         const uint32_t since = (tooth->cycle_position >= tdc) ? tooth->cycle_position - tdc : tooth->cycle_position + cycle - tdc;
         if (since < tooth->advance) { self->fuel_mg[i] = fuel_mg; }
+        if (cycle - since < until) { until = cycle - since; }
     }
+    self->until_tdc = (uint16_t)until;
+}
+
+uint32_t sd_stage_misfire_tooth(sd_stage_misfire_t *self, const sd_calibration_t *page, const sd_tooth_t *tooth, float fuel_mg) {
+    note_fuel(self, page, tooth, fuel_mg);
     return sd_stage_misfire_observes(self) ? step_wheel(self, page, tooth, fuel_mg) : 0u;
 }
 

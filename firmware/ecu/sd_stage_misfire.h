@@ -32,6 +32,8 @@ typedef struct sd_stage_misfire {
     uint16_t doubt;                  ///< Positions until no firing under way holds a tooth that was not trusted.
     uint8_t  method;                 ///< sd_method_t.
     uint8_t  fixed_point;            ///< 1: q31.
+    uint16_t position;               ///< Cycle position of the last placed tooth,
+    uint16_t until_tdc;              ///< and positions from there to the next TDC of a firing; 0: not known.
 } sd_stage_misfire_t;
 
 /// A firing that is to be judged, and what is known beside it.

@@ -6,6 +6,7 @@
 
 #include "cli/commands.hpp"
 #include "studies/afr/afr_study.hpp"
+#include "studies/driveline/driveline_study.hpp"
 #include "studies/loop/loop_study.hpp"
 
 namespace sixdeg {
@@ -40,6 +41,21 @@ void add_loop(Command &study) {
     command.runs([options] { print_loop_study(options->part, options->seeds, options->set); });
 }
 
+void add_driveline(Command &study) {
+    struct Options {
+        std::string part, folder;
+        double seconds = 600;
+        unsigned seed = 1;
+    };
+    auto options = std::make_shared<Options>();
+    Command command = study.add("driveline", "how the driveline's observers do on a simulated car (docs/driveline.md)");
+    command.option("PART", options->part, "one table alone").one_of(driveline_study_parts());
+    command.option("--seconds", options->seconds, "of a drive, default 600").within(10.0, 1e5);
+    command.option("--seed", options->seed, "of driver and teeth");
+    command.output_folder(options->folder, "Figure 6 as CSV");
+    command.runs([options] { print_driveline_study(options->part, options->seconds, options->seed, options->folder); });
+}
+
 } // namespace
 
 void add_study(Command &app) {
@@ -47,6 +63,7 @@ void add_study(Command &app) {
     study.needs_command();
     add_afr(study);
     add_loop(study);
+    add_driveline(study);
     add_study_observers(study);
     add_study_trips(study);
 }

@@ -1,0 +1,69 @@
+/* SPDX-License-Identifier: MIT */
+/// sd_driveline_tables.h - what the guard filter knows of a driveline; made on the host (host_sim/design/driveline), read in place.
+#ifndef SD_DRIVELINE_TABLES_H
+#define SD_DRIVELINE_TABLES_H
+#include "sd_num.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define SD_DRIVELINE_GEARS_MAX 8
+#define SD_DRIVELINE_OCTAVES   9 ///< Gains stand an octave of time apart, straight between.
+
+/// States of the filter, in this order.
+typedef enum sd_driveline_state {
+    SD_DRIVELINE_PHASE,       ///< Crank angle less the nominal place of the last tooth, rad.
+    SD_DRIVELINE_SPEED,       ///< Of the crank, rad/s.
+    SD_DRIVELINE_TWIST,       ///< rad, at the wheels.
+    SD_DRIVELINE_WHEEL,       ///< Speed of the wheels, rad/s.
+    SD_DRIVELINE_BIAS,        ///< N m at the crank.
+    SD_DRIVELINE_WHEEL_PHASE, ///< Angle of the wheels less the place of their last edge, rad.
+    SD_DRIVELINE_STATES
+} sd_driveline_state_t;
+
+/// What decides on the location.
+typedef enum sd_driveline_guard_by {
+    SD_GUARD_ANGLE  = 0, ///< The torsion: trusts the shaft's stiffness.
+    SD_GUARD_TORQUE = 1, ///< The torque through the shaft: trusts the engine's torque.
+} sd_driveline_guard_by_t;
+
+/// Corrections for one radian of lateness, by state.
+typedef struct sd_driveline_gain {
+    float of[SD_DRIVELINE_STATES];
+} sd_driveline_gain_t;
+
+typedef struct sd_driveline_gear {
+    float ratio; ///< Speed of the wheels over that of the crank, (0, 2].
+    /// [0: soft, 1: stiff][octave], for steps of shortest_s 2^octave.
+    sd_driveline_gain_t tooth[2][SD_DRIVELINE_OCTAVES], wheel[2][SD_DRIVELINE_OCTAVES];
+    sd_driveline_gain_t start[2][SD_DRIVELINE_OCTAVES]; ///< Of teeth while the filter settles: they trust the state less.
+} sd_driveline_gear_t;
+
+typedef struct sd_driveline_tables {
+    float    tick_s;            ///< Of the capture timer, (0, 1e-3].
+    float    pitch_rad;         ///< A position of the crank's wheel, (0, 0.6].
+    float    wheel_pitch_rad;   ///< A position of the wheels' teeth; 0: there are none.
+    float    shortest_s;        ///< Step of the first octave, (0, 1].
+    float    per_inertia;       ///< 1/Je, 1/(kg m2), (0, 1e4].
+    float    viscous_nms;       ///< Be, [0, 100].
+    float    per_vehicle;       ///< 1/Jv, (0, 1e4].
+    float    soft_nmprad, stiff_nmprad; ///< Stiffness, [0, 1e7].
+    float    damping_nms;       ///< [0, 1e6].
+    float    kink_rad;          ///< (0, 1].
+    float    rolling_nm;        ///< Resistance of the road at the wheels, [0, 1e5].
+    float    drag_nms2;         ///< Of the air, [0, 1e4].
+    float    reject_rad;        ///< Lateness of a tooth beyond which it is left out, (0, 1].
+    float    per_reject;        ///< One over it.
+    float    settle_s;          ///< Time in a gear until the estimate counts, [0, 100].
+    float    moving_radps;      ///< Rate of torsion above which the driveline counts as moving.
+    float    moving_hold_s;     ///< For how long after that it still does.
+    uint8_t  gears;             ///< 0: no tables.
+    uint8_t  guard;             ///< sd_driveline_guard_by_t.
+    sd_driveline_gear_t gear[SD_DRIVELINE_GEARS_MAX]; ///< The first `gears`.
+} sd_driveline_tables_t;
+
+#ifdef __cplusplus
+}
+#endif
+#endif

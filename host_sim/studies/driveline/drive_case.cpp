@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: MIT
+#include "studies/driveline/drive_case.hpp"
+
+#include "plant/engine/units.hpp"
+
+namespace sixdeg {
+namespace {
+
+constexpr double kTickHz = 30e6;
+constexpr double kMatchS = 0.1;
+constexpr std::uint32_t kDriver = 1, kJitter = 2, kPattern = 3, kWheelJitter = 4; // random streams
+
+/// Torque at the crank over time: holds and ramps, drawn as the drive goes on, so that the speed stays where it should.
+class Driver {
+  public:
+    explicit Driver(std::uint64_t seed) : random_(seed, kDriver) {}
+    double follow(double now, double speed_rpm) {
+        if (now >= next_s_) {
+            from_nm_ = at(now);
+            from_s_ = now;
+            to_nm_ = speed_rpm > 2900   ? -15 + 5 * random_.uniform()
+                     : speed_rpm < 1300 ? 40 + 40 * random_.uniform()
+                                        : -15 + 75 * random_.uniform();
+            ramp_s_ = 0.05 + 0.25 * random_.uniform();
+            next_s_ = now + 0.6 + 2.4 * random_.uniform();
+        }
+        return at(now);
+    }
+
+  private:
+    double at(double now) const { return from_nm_ + std::clamp((now - from_s_) / ramp_s_, 0.0, 1.0) * (to_nm_ - from_nm_); }
+    RandomStream random_;
+    double from_nm_ = 15, to_nm_ = 15, from_s_ = 0, ramp_s_ = 1, next_s_ = 3;
+};
+
+ToothedWheel crank_wheel(const DriveCase &c) {
+    ToothedWheel wheel;
+    wheel.jitter_rad = c.jitter_deg * kRadPerDeg;
+    RandomStream place(c.seed, kPattern);
+    for (int i = 0; i < wheel.positions && c.pattern_deg > 0; ++i) wheel.pattern_rad.push_back(c.pattern_deg * kRadPerDeg * place.normal());
+    return wheel;
+}
+
+ToothedWheel road_wheel(const DriveCase &c) { return {c.belief.wheel_positions, 0, c.wheel_jitter_deg * kRadPerDeg, {}}; }
+
+void fill_delays(std::vector<double> delays, DriveFigures &figures) {
+    if (delays.empty()) return;
+    double sum = 0, squares = 0;
+    for (double &d : delays) {
+        sum += d;
+        squares += d * d;
+        d = std::abs(d);
+    }
+    std::sort(delays.begin(), delays.end());
+    figures.delay_mean_s = sum / double(delays.size());
+    figures.delay_rms_s = std::sqrt(squares / double(delays.size()));
+    figures.delay_p95_s = delays[std::size_t(0.95 * double(delays.size() - 1))];
+}
+
+} // namespace
+
+DriveCase usual_drive() {
+    DriveCase drive;
+    drive.real.rolling_nm = 48;   // 0.012 of 1300 kg at 0.316 m
+    drive.real.drag_nms2 = 0.012; // 0.65 m2
+    drive.believed = drive.real;
+    return drive;
+}
+
+DriveRig::DriveRig(const DriveCase &c)
+    : drive_(c), car_(c.real, [this](double, double angle) { return input_nm_ + drive_.ripple_nm * std::sin(2 * angle); }),
+      wheel_(crank_wheel(c)), crank_teeth_(wheel_, RandomStream(c.seed, kJitter)),
+      wheel_teeth_(road_wheel(c), RandomStream(c.seed, kWheelJitter)),
+      tables_(guard_tables(c.believed, c.belief, wheel_.positions, 1 / kTickHz, c.guard)) {
+    sd_driveline_guard_init(&filter_, &tables_);
+    car_.set_extra_load(c.slope_nm);
+}
+
+void DriveRig::step(const DriverInput &input, double until_s) {
+    input_nm_ = input.torque_nm;
+    car_.set_clutch(input.clutch_nm);
+    if (input.gear != car_.gear()) car_.set_gear(input.gear);
+    const std::size_t changes = car_.changes().size();
+    car_.step(until_s);
+    const VehicleState &from = car_.before(), &to = car_.state();
+    const double h = to.time_s - from.time_s;
+    torque_sum_ += input.torque_nm * h;
+    torque_s_ += h;
+    const bool counts = to.time_s > count_from_s_, told = out_.status.health != SD_INVALID;
+    if (counts && told && car_.changes().size() > changes) real_.push_back(car_.changes().back());
+    if (counts) {
+        all_s_ += h;
+        (told ? counted_s_ : invalid_s_) += h;
+        if (told && estimate_ != car_.location()) wrong_s_ += h;
+    }
+    edges_.clear();
+    wheel_edges_.clear();
+    crank_teeth_.pass({from.time_s, from.angle_rad, from.speed_radps}, {to.time_s, to.angle_rad, to.speed_radps}, edges_);
+    if (drive_.wheel_jitter_deg > 0) {
+        wheel_teeth_.pass({from.time_s, from.wheel_rad, from.wheel_radps}, {to.time_s, to.wheel_rad, to.wheel_radps}, wheel_edges_);
+    }
+    for (const ToothEdge &edge : edges_) tooth(edge, input);
+    for (const ToothEdge &edge : wheel_edges_) {
+        const double since = std::max(0.0, edge.time_s - last_edge_s_);
+        sd_driveline_guard_wheel(&filter_, &tables_, std::uint32_t(since * kTickHz), std::uint16_t(edge.advance));
+    }
+}
+
+void DriveRig::tooth(const ToothEdge &edge, const DriverInput &input) {
+    const std::int64_t ticks = std::llround(edge.time_s * kTickHz) - std::llround(last_edge_s_ * kTickHz);
+    last_edge_s_ = edge.time_s;
+    sd_driveline_tooth_t tooth{};
+    tooth.period_ticks = std::uint32_t(ticks);
+    tooth.advance = std::uint16_t(edge.advance);
+    tooth.health = SD_VALID;
+    tooth.gear = input.clutch_nm >= kClutchHoldsNm ? std::uint8_t(car_.gear() + 1) : 0;
+    tooth.torque_nm = float(torque_sum_ / torque_s_ + drive_.torque_error_nm);
+    if (drive_.pattern_known && drive_.pattern_deg > 0) tooth.place_rad = float(wheel_.pattern_rad[std::size_t(edge.position)]);
+    torque_sum_ = torque_s_ = 0;
+    sd_driveline_guard_step(&filter_, &tables_, &tooth, &out_);
+    const Location before = estimate_;
+    estimate_ = out_.location;
+    if (edge.time_s < count_from_s_ || out_.status.health == SD_INVALID) return;
+    if (estimate_ != before) found_.push_back({edge.time_s, before, estimate_});
+    const double weight = double(ticks) / kTickHz;
+    const double twist = out_.twist_rad - car_.state().twist_rad, shaft = out_.shaft_nm - car_.ratio() * car_.shaft_nm();
+    twist_squares_ += twist * twist * weight;
+    shaft_squares_ += shaft * shaft * weight;
+    bias_sum_ += out_.bias_nm * weight;
+    teeth_s_ += weight;
+}
+
+// Both what was there and what was found are in order of time.
+DriveFigures DriveRig::figures() const {
+    DriveFigures figures;
+    std::vector<double> delays;
+    std::vector<bool> used(found_.size(), false);
+    std::size_t first = 0;
+    for (const LocationChange &change : real_) {
+        figures.transitions++;
+        while (first < found_.size() && found_[first].time_s < change.time_s - kMatchS) first++;
+        std::size_t best = found_.size();
+        const auto distance = [&](std::size_t i) { return std::abs(found_[i].time_s - change.time_s); };
+        for (std::size_t i = first; i < found_.size() && found_[i].time_s < change.time_s + kMatchS; ++i) {
+            if (!used[i] && found_[i].to == change.to && (best == found_.size() || distance(i) < distance(best))) best = i;
+        }
+        if (best == found_.size()) {
+            figures.missed++;
+            continue;
+        }
+        used[best] = true;
+        delays.push_back(found_[best].time_s - change.time_s);
+    }
+    for (const bool each : used) figures.extra += !each;
+    fill_delays(std::move(delays), figures);
+    figures.wrong_percent = 100 * wrong_s_ / counted_s_;
+    figures.told_percent = 100 * (1 - invalid_s_ / all_s_);
+    figures.twist_rms_rad = std::sqrt(twist_squares_ / teeth_s_);
+    figures.shaft_rms_nm = std::sqrt(shaft_squares_ / teeth_s_);
+    figures.bias_mean_nm = bias_sum_ / teeth_s_;
+    figures.rejected = filter_.rejected;
+    return figures;
+}
+
+DriveFigures run_drive(const DriveCase &drive) {
+    Driver driver(drive.seed);
+    DriveRig rig(drive);
+    rig.start(2000 * kRadpsPerRpm, 56);
+    while (rig.car().state().time_s < drive.duration_s) {
+        DriverInput input;
+        input.torque_nm = driver.follow(rig.car().state().time_s, rig.car().state().speed_radps / kRadpsPerRpm);
+        rig.step(input, drive.duration_s);
+    }
+    return rig.figures();
+}
+
+} // namespace sixdeg

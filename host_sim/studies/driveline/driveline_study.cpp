@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: MIT
+#include "studies/driveline/driveline_study.hpp"
+
+#include <filesystem>
+#include <fmt/format.h>
+
+#include "common/files.hpp"
+#include "plant/engine/units.hpp"
+#include "studies/driveline/figure_six.hpp"
+#include "studies/driveline/manoeuvres.hpp"
+
+namespace sixdeg {
+namespace {
+
+struct Options {
+    double seconds;
+    unsigned seed;
+    std::string folder;
+};
+
+// ---- Figure 6 ------------------------------------------------------------------------------------------------------
+
+void print_figure(const char *name, const FigureSixCase &c, const std::string &csv) {
+    const FigureSix figure = run_figure_six(c);
+    const Delays found = delays(figure);
+    fmt::print("\nFigure 6, {}: threshold {} rpm, left after {:.0f} ms at the latest\n", name, c.belief.threshold_rpm,
+               1e3 * c.belief.hold_s);
+    for (std::size_t i = 0; i < figure.real.size(); ++i) {
+        const LocationChange &real = figure.real[i];
+        const std::string late = found.late_s[i] < 0 ? "not before the next" : fmt::format("{:.1f} ms later", 1e3 * found.late_s[i]);
+        fmt::print("  {:.4f} s  {} -> {}   found {}\n", real.time_s, real.from, real.to, late);
+    }
+    fmt::print("  found and not there: {}; wrong {:.1f} % of the time from 2 s on; torsion off by {:.4f} rad at most\n", found.false_ones,
+               figure.wrong_percent, figure.largest_error_rad);
+    if (!csv.empty()) write_file(csv, figure_six_csv(figure));
+}
+
+void print_bounds(const char *name, const FigureSixCase &c) {
+    const HybridBelief &b = c.belief;
+    const double ratio = c.driveline.ratios[0];
+    const Eigen::Vector3d push(0, -ratio / c.driveline.engine_inertia_kgm2, 1 / c.driveline.vehicle_inertia_kgm2);
+    fmt::print("\npropositions, {}\n", name);
+    std::vector<Eigen::Matrix3d> f;
+    for (Location q : {3, 2}) {
+        const LocationModel m = location_model(c.driveline, ratio, b.equilibrium_rad, q);
+        for (const Eigen::Vector3d &poles : {b.residual_poles, Eigen::Vector3d(-360, -420, -480)}) {
+            const ResidualSpeed s = residual_speed(m.a - observer_gain(m, poles) * m.c, m.c, 0.05, 1, 0.1);
+            fmt::print("  3.1.1, location {}, poles {:g}: largest real part {:.0f}, needed {:.0f} for 0.1 rpm in 50 ms ({}); k {:.0f}\n",
+                       q, poles(0),
+                       s.abscissa, s.needed, s.holds() ? "holds" : "does not hold", s.condition);
+        }
+        const LocationModel other = location_model(c.driveline, ratio, b.equilibrium_rad, 5 - q);
+        const std::optional<int> order = hiding_order(m, other, observer_gain(other, b.residual_poles));
+        fmt::print("  3.1.3, in location {} believed {}: the document's condition does not hold; an input reaches the residual at order "
+                   "{}\n", q, 5 - q,
+                   order.value_or(0));
+        f.push_back(m.a - observer_gain(m, b.observer_poles) * m.c);
+        const double drive = push.norm() * 25;
+        const ErrorBound bound = error_bound(f.back(), 0.08, 0.02, drive);
+        fmt::print("  3.3.1, location {}, changes 80 ms apart found within 20 ms, 25 N m: n k exp(a D) {:.3g}, so {}; as printed {:.3g}\n",
+                   q,
+                   bound.contraction, bound.bound ? fmt::format("{:.3g}", *bound.bound) : "no bound follows",
+                       printed_bound(f.back(), 0.08, 0.02, drive));
+    }
+}
+
+void figure_6(const Options &options) {
+    if (!options.folder.empty()) std::filesystem::create_directories(options.folder);
+    const auto csv = [&](const char *name) { return options.folder.empty() ? "" : options.folder + "/" + name; };
+    FigureSixCase at_once = canonical_figure();
+    at_once.belief.hold_s = 0;
+    print_figure("canonical driveline", canonical_figure(), csv("figure_6.csv"));
+    print_figure("canonical driveline, a location may be left at once", at_once, "");
+    print_figure("a driveline that visits location 1 too", three_location_figure(), csv("figure_6_three.csv"));
+    print_bounds("canonical driveline", canonical_figure());
+}
+
+// ---- locations 1 and 3 -----------------------------------------------------------------------------------------------
+
+void ambiguity(const Options &) {
+    fmt::print("\nlocations 1 and 3: what their residual generators hold after 1.9 s in location 3\n");
+    for (const auto &[name, figure] : {std::pair{"canonical", canonical_figure()}, {"three locations", three_location_figure()}}) {
+        FigureSixCase c = figure;
+        c.duration_s = 1.9;
+        const FigureSixRow last = run_figure_six(c).rows.back();
+        const Driveline &d = c.driveline;
+        fmt::print("  {:<16} r1 {:.5f}, r3 {:.5f} rpm; torsion of 1 less that of 3 {:.4f} rad, -2 (k1 - k) theta1 / k1 = {:.4f}\n", name,
+                   last.residual_rpm[0], last.residual_rpm[2], last.generator_rad[0] - last.generator_rad[2],
+                   -2 * (d.stiff_nmprad - d.soft_nmprad) * d.kink_rad / d.stiff_nmprad);
+    }
+}
+
+// ---- the published bank on teeth ----------------------------------------------------------------------------------------
+
+void teeth(const Options &) {
+    fmt::print("\nthe published bank on the speed of the last tooth (60-2), Figure 6's four changes in 10 s\n"
+               "  {:>10} {:>8} {:>14} {:>8} {:>8} {:>10} {:>14}\n", "jitter deg", "poles", "threshold rpm", "missed", "false", "wrong %",
+                   "torsion rad");
+    for (const double jitter : {0.0, 0.02}) {
+        for (const double scale : {1.0, 0.5, 0.25}) {
+            for (const double threshold : {0.02, 0.2, 2.0, 20.0}) {
+                FigureSixCase c = canonical_figure();
+                c.jitter_deg = jitter;
+                c.belief.residual_poles *= scale;
+                c.belief.threshold_rpm = threshold;
+                c.duration_s = 10;
+                const FigureSix figure = run_figure_six(c);
+                const Delays found = delays(figure);
+                fmt::print("  {:>10} {:>8.0f} {:>14} {:>8} {:>8} {:>10.1f} {:>14.4f}\n", jitter, c.belief.residual_poles(0), threshold,
+                           found.missed,
+                           found.false_ones, figure.wrong_percent, figure.largest_error_rad);
+            }
+        }
+    }
+}
+
+// ---- the guard filter ----------------------------------------------------------------------------------------------------
+
+void header(const char *title) {
+    fmt::print("\n{:<46}{:>8}{:>8}{:>7}{:>8}{:>8}{:>8}{:>9}{:>10}{:>8}{:>8}{:>8}\n", title, "changes", "missed", "extra", "mean", "rms",
+               "p95", "wrong %",
+               "torsion", "shaft", "bias", "told %");
+}
+
+void print(const std::string &name, const DriveFigures &f) {
+    fmt::print("{:<46}{:>8}{:>8}{:>7}{:>8.2f}{:>8.2f}{:>8.2f}{:>9.3f}{:>10.1e}{:>8.3f}{:>8.2f}{:>8.1f}\n", name, f.transitions, f.missed,
+               f.extra,
+               1e3 * f.delay_mean_s, 1e3 * f.delay_rms_s, 1e3 * f.delay_p95_s, f.wrong_percent, f.twist_rms_rad, f.shaft_rms_nm,
+                   f.bias_mean_nm,
+               f.told_percent);
+}
+
+struct Row {
+    std::string name;
+    std::function<void(DriveCase &)> change;
+};
+
+void stiffen(DriveCase &c, double factor, bool same_torque) {
+    c.real.soft_nmprad *= factor;
+    c.real.stiff_nmprad *= factor;
+    if (same_torque) c.real.kink_rad /= factor;
+}
+
+std::vector<Row> common_rows() {
+    std::vector<Row> rows{{"nominal", [](DriveCase &) {}},
+                          {"torque told 3 N m too high", [](DriveCase &c) { c.torque_error_nm = 3; }},
+                          {"damping +30 %", [](DriveCase &c) { c.real.damping_nms *= 1.3; }}};
+    for (const double percent : {-10, 10, -25, 25}) {
+        rows.push_back({fmt::format("stiffness {:+g} %, kink at the same torsion", percent),
+                        [percent](DriveCase &c) { stiffen(c, 1 + percent / 100, false); }});
+        if (percent < 0) {
+            rows.push_back({fmt::format("stiffness {:+g} %, kink at the same torque", percent),
+                            [percent](DriveCase &c) { stiffen(c, 1 + percent / 100, true); }});
+        }
+    }
+    rows.push_back({"a slope of 50 N m that nobody knows of", [](DriveCase &c) { c.slope_nm = 50; }});
+    return rows;
+}
+
+void drive(const Options &options) {
+    std::vector<Row> wheel_faults{{"firing ripple 60 N m", [](DriveCase &c) { c.ripple_nm = 60; }},
+                                  {"tooth pattern 0.1 deg, not learned", [](DriveCase &c) { c.pattern_deg = 0.1; }},
+                                  {"tooth pattern 0.1 deg, learned", [](DriveCase &c) { c.pattern_deg = 0.1, c.pattern_known = true; }}};
+    const auto table = [&](const char *title, const std::vector<Row> &rows, const std::function<void(DriveCase &)> &all) {
+        header(title);
+        for (const Row &row : rows) {
+            DriveCase c = usual_drive();
+            c.duration_s = options.seconds;
+            c.seed = options.seed;
+            all(c);
+            row.change(c);
+            print(row.name, run_drive(c));
+        }
+    };
+    fmt::print("\n{:.0f} s of driving; delays in ms, torsion in rad rms, torque of the shaft and bias at the crank in N m\n",
+               options.seconds);
+    std::vector<Row> rows = common_rows();
+    rows.insert(rows.end(), wheel_faults.begin(), wheel_faults.end());
+    table("guard in angle", rows, [](DriveCase &) {});
+    table("guard in torque", common_rows(), [](DriveCase &c) { c.guard = SD_GUARD_TORQUE; });
+    table("guard in angle, and 48 wheel teeth of 0.05 deg", common_rows(), [](DriveCase &c) {
+        c.wheel_jitter_deg = 0.05;
+        c.belief.wheel_jitter_rad = 0.05 * kRadPerDeg;
+        c.belief.twist_walk_rad = 1e-3;
+    });
+}
+
+void print_manoeuvres(const Options &options) {
+    header("manoeuvres, guard in angle");
+    for (const Manoeuvre &m : manoeuvres()) {
+        DriveCase c = usual_drive();
+        c.seed = options.seed;
+        print(m.name, run_manoeuvre(m, c));
+    }
+}
+
+struct Part {
+    const char *name;
+    void (*print)(const Options &);
+};
+constexpr Part kParts[] = {{"figure-6", figure_6}, {"ambiguity", ambiguity}, {"teeth", teeth}, {"drive", drive},
+                           {"manoeuvres", print_manoeuvres}};
+
+} // namespace
+
+std::vector<std::string> driveline_study_parts() {
+    std::vector<std::string> names;
+    for (const Part &part : kParts) names.push_back(part.name);
+    return names;
+}
+
+void print_driveline_study(const std::string &part, double seconds, unsigned seed, const std::string &folder) {
+    for (const Part &p : kParts) {
+        if (part.empty() || part == p.name) p.print({seconds, seed, folder});
+    }
+}
+
+} // namespace sixdeg

@@ -19,7 +19,9 @@ static bool is_steady(sd_ecu_t *self) {
     const bool moves = changed(speed, self->last_speed_radps, STEADY_SPEED) || changed(fuel_mg, self->last_fuel_mg, STEADY_FUEL);
     self->last_speed_radps = speed;
     self->last_fuel_mg = fuel_mg;
-    return !moves && (sd_bits_order(fuel_mg) > 0);
+    const bool burned = self->misfired == 0u; /* what has not burned is no mixture to be trimmed */
+    self->misfired = 0;
+    return !moves && burned && (sd_bits_order(fuel_mg) > 0);
 }
 
 static bool above_half(float x) { return sd_bits_order(x) > sd_bits_order(0.5f); }

@@ -23,6 +23,7 @@ void sd_fixed_begin_work(sd_ecu_t *self, const sd_calibration_t *page, const sd_
 
 /* sd_fixed_say.c: values of the stages into signals. */
 void sd_fixed_say_torque(sd_publish_t *say, const sd_fourier_q31_t *torque);
+void sd_fixed_say_verdict(sd_ecu_t *self, const sd_calibration_t *page, const sd_wheel_verdict_q31_t *verdict);
 void sd_fixed_say_mixture(sd_ecu_t *self, const sd_calibration_t *page);
 void sd_fixed_say_trims(sd_ecu_t *self, const sd_calibration_t *page);
 

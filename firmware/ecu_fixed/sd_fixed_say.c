@@ -60,6 +60,28 @@ void sd_fixed_say_torque(sd_publish_t *say, const sd_fourier_q31_t *torque) {
     say->signals.torque_innovation_j = to_nm(torque->innovation, torque->energy_base_j);
 }
 
+static float scaled_by(sd_q31_t x, int32_t exponent) {
+    sd_scaled_t a = sd_scaled_q31(x);
+    a.exponent += exponent;
+    return sd_scaled_to_float(a);
+}
+
+void sd_fixed_say_verdict(sd_ecu_t *self, const sd_calibration_t *page, const sd_wheel_verdict_q31_t *v) {
+    sd_signals_t *s = &self->say.signals;
+    const float cylinder = sd_float_int(page->firing_order[v->firing]);
+    s->firing_cylinder = cylinder;
+    s->misfire_monitor = sd_float_int(SD_NOT_JUDGED);
+    s->misfire_acceleration_radps2 = scaled_by(v->accel, page->wheel.accel_exponent);
+    s->misfire_residual_radps2 = scaled_by(v->residual, page->wheel.accel_exponent);
+    s->misfire_index = scaled_by(v->index, SD_WHEEL_INDEX_BITS);
+    s->misfire_limit = (v->inhibit == 0u) ? sd_float_q31(self->misfire.wheel.config.definition) : 0.0f;
+    s->misfire_verdict = sd_float_int(v->verdict);
+    s->misfire_inhibit = sd_float_int(v->inhibit);
+    s->misfire_firing = sd_float_int(v->firing);
+    s->misfire_cylinder = cylinder;
+    s->misfire_count = sd_float_int((int32_t)self->misfire.misfires);
+}
+
 void sd_fixed_say_mixture(sd_ecu_t *self, const sd_calibration_t *page) {
     sd_signals_t *s = &self->say.signals;
     sd_publish_judge(&self->say, SD_OWNER_AFR, &self->work.mixture_status);

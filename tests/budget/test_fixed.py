@@ -9,6 +9,7 @@ import sys
 import tempfile
 import tomllib
 import unittest
+import warnings
 
 import numpy
 
@@ -19,8 +20,14 @@ ROOT = budget.ROOT
 CORE = "cortex-m3-fixed"
 # AEABI names of float and double arithmetic, comparisons and conversions, and libgcc's own names for them.
 FLOATING = re.compile(r"^__aeabi_(c?[fd]|u?[il]2[fd])\w*$|^__(\w+)[sd]f[23]$|^__(float|fix)\w+$|^__\w*(sf|df)\w*$")
-EDGE, CYCLE = ["crank.edge_class", "crank.tooth", "crank.angle", "crank.phase_known", "crank.speed", "torque.mass", "torque.innovation"], [
-    "cycle.speed", "cycle.cylinder_torque", "cycle.cylinder_sd", "afr.cylinder_burned"]
+# How far the two may be apart, in the signals' units: of an edge, of a firing and of a cycle.
+BOUNDS = {"crank.edge_class": 0, "crank.tooth": 0, "crank.angle": 1e-4, "crank.phase_known": 0, "crank.speed": 1e-3, "crank.acceleration": 1e-2,
+          "torque.mass": 1e-3, "torque.innovation": 1e-4,
+          "misfire.verdict": 0, "misfire.inhibit": 0, "misfire.cylinder": 0, "misfire.index": 1e-3, "misfire.residual": 0.1,
+          "cycle.speed": 1e-3, "cycle.cylinder_torque": 1e-2, "cycle.cylinder_sd": 1e-4,
+          # A new operating point takes effect some teeth earlier, since there are fewer pieces before it; trims have a simpler law.
+          "afr.cylinder_burned": 2e-3, "afr.cylinder_sd": 2e-3, "balance.trim": 0.02}
+USUAL = {"afr.cylinder_burned": 1e-6, "afr.cylinder_sd": 1e-4, "balance.trim": 1e-3}  # and the median of that
 
 
 def floating(image):
@@ -79,20 +86,20 @@ class Fixed(unittest.TestCase):
             self.assertIn(name, found)
 
     def test_it_says_what_the_usual_ecu_says_in_q31(self):
-        for name, bound in (("crank.edge_class", 0), ("crank.tooth", 0), ("crank.angle", 1e-4), ("crank.phase_known", 0), ("crank.speed", 1e-3),
-                            ("crank.acceleration", 1e-2), ("torque.mass", 1e-3), ("torque.innovation", 1e-4), ("cycle.speed", 1e-3),
-                            ("cycle.cylinder_torque", 1e-2), ("cycle.cylinder_sd", 1e-4), ("afr.cylinder_burned", 1e-4), ("afr.cylinder_sd", 1e-4)):
+        for name, bound in BOUNDS.items():
             pairs = self.pairs(name)
-            self.assertGreater(len(pairs), 90, name)
-            self.assertLessEqual(numpy.abs(pairs[:, 0] - pairs[:, 1]).max(), bound, name)
+            self.assertGreater(len(pairs), 30, name)
+            apart = numpy.abs(pairs[:, 0] - pairs[:, 1])
+            self.assertLessEqual(apart.max(), bound, name)
+            self.assertLessEqual(numpy.median(apart), USUAL.get(name, bound), name)
         moved = self.pairs("torque.mass")[:, 0]
         self.assertGreater(moved.max() - moved.min(), 100, "the comparison must be about something")
 
     def test_what_is_not_built_says_so(self):
-        for name in ("firing.waveform", "misfire.count"):
-            flags = self.fixed[self.rows[name][0]]["flags"]
-            self.assertEqual(set((flags & 0xff).tolist()), {2}, name)
-            self.assertTrue(all(int(why) >> 8 & 512 for why in flags), name)
+        said = self.fixed[self.rows["firing.waveform"][0]]
+        self.assertEqual(set((said["flags"] & 0xff).tolist()), {2}, "invalid")
+        self.assertTrue(all(int(flags) >> 8 & 512 for flags in said["flags"]), "not built")
+        self.assertEqual(set(self.fixed[self.rows["misfire.monitor"][0]]["value"].tolist()), {3}, "the monitor judges nothing")
 
     def test_trims_balance_the_cylinders(self):
         """The golden run's injectors are even until 19 s, so that trims stay small; but they move."""
@@ -101,7 +108,9 @@ class Fixed(unittest.TestCase):
         self.assertLess(numpy.abs(trims).max(), 0.2)
 
     def test_the_target_says_the_same_bits_and_a_tooth_is_cheap(self):
-        run = budget.Run("fixed", CORE)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", ResourceWarning)
+            run = budget.Run("fixed", CORE)
         self.assertTrue(run.same, "host and Cortex-M3 say the same")
         average = run.figure({"group": "event", "classes": "settled"})
         worst = run.figure({"group": "event", "classes": "placed", "worst": True})

@@ -4,9 +4,10 @@
 #include "sd_math.h"
 
 #define TORQUE_MOST_NM 20000.0f
+#define MEAN_TEETH     16.0f
 #define STRIKES_MOST   8u /* teeth left out in a row: the filter begins anew */
 
-_Static_assert(sizeof(sd_driveline_guard_t) == 72, "without pointers, the same size on every target");
+_Static_assert(sizeof(sd_driveline_guard_t) == 76, "without pointers, the same size on every target");
 
 static bool in_range(const sd_driveline_tables_t *t) {
     bool ok = sd_above_to(t->tick_s, 0.0f, 1e-3f) && sd_above_to(t->pitch_rad, 0.0f, 0.6f) && sd_within(t->wheel_pitch_rad, 0.0f, 3.2f) &&
@@ -15,6 +16,7 @@ static bool in_range(const sd_driveline_tables_t *t) {
               sd_above_to(t->per_vehicle, 0.0f, 1e4f) && sd_within(t->soft_nmprad, 0.0f, 1e7f) && sd_within(t->stiff_nmprad, 1.0f, 1e7f) &&
               sd_within(t->damping_nms, 0.0f, 1e6f) && sd_above_to(t->kink_rad, 0.0f, 1.0f) && sd_within(t->rolling_nm, 0.0f, 1e5f) &&
               sd_within(t->drag_nms2, 0.0f, 1e4f) && sd_above_to(t->reject_rad, 0.0f, 1.0f) && sd_within(t->per_reject, 1.0f, 1e9f) &&
+              sd_above_to(t->doubt_rad, 0.0f, 1.0f) &&
                   sd_within(t->settle_s, 0.0f, 100.0f) &&
               sd_within(t->moving_radps, 0.0f, 1e6f) && sd_within(t->moving_hold_s, 0.0f, 100.0f) &&
               (t->gears <= SD_DRIVELINE_GEARS_MAX) && (t->guard <= (uint8_t)SD_GUARD_TORQUE);
@@ -114,7 +116,7 @@ static void begin(sd_driveline_guard_t *self, const sd_driveline_tables_t *t, co
     self->location = location;
     self->settled_s = self->still_s = 0.0f;
     self->strikes = 0;
-    self->gain_s = 0.0f;
+    self->gain_s = self->mean_late_rad = 0.0f;
 }
 
 static void judge(sd_driveline_guard_t *self, const sd_driveline_tables_t *t, const sd_driveline_tooth_t *tooth, bool taken,
@@ -181,7 +183,13 @@ void sd_driveline_guard_step(sd_driveline_guard_t *self, const sd_driveline_tabl
         late = tooth->place_rad - self->x[SD_DRIVELINE_PHASE];
         const bool near = sd_within(late, -t->reject_rad, t->reject_rad);
         taken = near && (tooth->health == (uint8_t)SD_VALID);
-        if (taken) { correct_by_tooth(self, t, gear, step, late); }
+        if (taken) {
+            correct_by_tooth(self, t, gear, step, late);
+            self->mean_late_rad += (late - self->mean_late_rad) * (1.0f / MEAN_TEETH);
+        }
+        if (!sd_within(self->mean_late_rad, -t->doubt_rad, t->doubt_rad)) {
+            self->settled_s = self->mean_late_rad = 0.0f; /* it is not where it believes to be */
+        }
         self->strikes = (uint8_t)(near ? 0u : self->strikes + 1u);
         if (self->settled_s < t->settle_s) { self->settled_s += step; }
     }

@@ -7,7 +7,7 @@
 
 enum { PHASE_VOTES = 2 }; /* cam edges that must agree */
 
-_Static_assert(sizeof(sd_crank_t) == 944, "without pointers, the same size on every target");
+_Static_assert(sizeof(sd_crank_t) == 948, "without pointers, the same size on every target");
 
 static bool stall_in_range(uint32_t ticks) { return (ticks >= 256u) && (ticks <= (uint32_t)STALL_TICKS_MAX); }
 
@@ -121,16 +121,14 @@ sd_result_t sd_crank_set_stall(sd_crank_t *self, uint32_t stall_ticks) {
     return SD_OK;
 }
 
-float sd_crank_speed_radps(const sd_crank_t *self, const sd_tooth_t *tooth, float tick_hz) {
-    if (tooth->period_ticks == 0u) { return 0.0f; }
+sd_crank_motion_t sd_crank_motion_of(const sd_crank_t *self, const sd_tooth_t *tooth, float tick_hz) {
+    sd_crank_motion_t motion = { 0.0f, 0.0f };
+    if (tooth->period_ticks == 0u) { return motion; }
     const float turns = (float)tooth->span_spacings / (float)self->turn_spacings;
-    return 6.2831853f * turns * tick_hz / (float)tooth->period_ticks;
-}
-
-float sd_crank_acceleration_radps2(const sd_crank_t *self, const sd_tooth_t *tooth, float tick_hz) {
-    const float speed_radps = sd_crank_speed_radps(self, tooth, tick_hz);
+    motion.speed_radps = 6.2831853f * turns * tick_hz / (float)tooth->period_ticks;
     const sd_crank_clock_t *lead = leading(self);
-    if ((speed_radps <= 0.0f) || (lead->period <= 0)) { return 0.0f; }
+    if ((motion.speed_radps <= 0.0f) || (lead->period <= 0)) { return motion; }
     const float period_s = (float)lead->period / (64.0f * tick_hz);
-    return -speed_radps * ((float)lead->change / (float)lead->period) / period_s;
+    motion.acceleration_radps2 = -motion.speed_radps * ((float)lead->change / (float)lead->period) / period_s;
+    return motion;
 }

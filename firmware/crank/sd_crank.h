@@ -145,6 +145,7 @@ typedef struct sd_crank {
     int32_t  mark_travel;                   ///< Travel at the tooth before the mark being voted on.
     int32_t  mark_late;                     ///< How late the tooth after that mark was, Q12.
     int32_t  witness[SD_CRANK_WITNESSES];   ///< Travel at the last edges of any kind.
+    uint32_t mark_at;                       ///< First missing position of mark m in byte m from the lowest on; 255: no such mark.
     sd_crank_sight_t sight[SD_CRANK_SIGHTS];
     uint8_t  witness_next;
     uint8_t  mark_count, mark_first[SD_CRANK_MARKS_MAX], mark_run[SD_CRANK_MARKS_MAX]; ///< First missing position, run.
@@ -196,11 +197,22 @@ void sd_crank_lose_sync(sd_crank_t *self);
 /// Changes config.stall_ticks; the angle stays. SD_OK, or SD_ERR_CONFIG with the state untouched.
 sd_result_t sd_crank_set_stall(sd_crank_t *self, uint32_t stall_ticks);
 
-/// Speed over tooth->period_ticks, rad/s; 0 when there is no period. tick_hz: capture ticks a second, > 0.
-float sd_crank_speed_radps(const sd_crank_t *self, const sd_tooth_t *tooth, float tick_hz);
+/// How the crank turns.
+typedef struct sd_crank_motion {
+    float speed_radps;         ///< Over tooth->period_ticks; 0 when there is no period.
+    float acceleration_radps2; ///< From the leading clock; 0 when there is no period.
+} sd_crank_motion_t;
 
-/// Angular acceleration from the leading clock, rad/s^2; 0 when there is no period.
-float sd_crank_acceleration_radps2(const sd_crank_t *self, const sd_tooth_t *tooth, float tick_hz);
+/// At the last decoded edge, which *tooth is of. tick_hz: capture ticks a second, > 0.
+sd_crank_motion_t sd_crank_motion_of(const sd_crank_t *self, const sd_tooth_t *tooth, float tick_hz);
+
+/// One of them alone.
+static inline float sd_crank_speed_radps(const sd_crank_t *self, const sd_tooth_t *tooth, float tick_hz) {
+    return sd_crank_motion_of(self, tooth, tick_hz).speed_radps;
+}
+static inline float sd_crank_acceleration_radps2(const sd_crank_t *self, const sd_tooth_t *tooth, float tick_hz) {
+    return sd_crank_motion_of(self, tooth, tick_hz).acceleration_radps2;
+}
 
 #ifdef __cplusplus
 }

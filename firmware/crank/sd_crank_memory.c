@@ -49,18 +49,25 @@ static void begin_level(sd_crank_t *self) {
     level(self, LEVEL_FIRST);
 }
 
+/* Teeth from here to the next mark. */
+static uint32_t teeth_to_mark(const sd_crank_t *self, uint32_t *mark) {
+    uint32_t m = 0;
+    while (self->mark_first[m] <= self->position) { m++; } /* the last position of a wheel is missing */
+    *mark = m;
+    return self->mark_first[m] - self->position - 1u;
+}
+
 /* Means of the next two and of the next eight intervals, marks left out. */
 static void means_ahead(const sd_crank_t *self, int32_t *two, int32_t *eight) {
-    uint32_t slot = self->slot, position = self->position, sum = 0, first_two = 0;
-    for (uint32_t taken = 0; taken < LEVEL_FIRST;) {
-        const uint32_t mark = sd_wheel_mark_after(self, position);
+    uint32_t mark, clear = teeth_to_mark(self, &mark), slot = self->slot, sum = 0, first_two = 0;
+    for (uint32_t taken = 1; taken <= LEVEL_FIRST; ++taken) {
         slot = next_slot(self, slot);
-        if (mark < SD_CRANK_MARKS_MAX) {
-            position = sd_wheel_first_after(self, mark);
-            continue;
+        if (clear == 0u) { /* the interval across the mark */
+            clear = self->mark_teeth[mark] - 1u;
+            mark = (mark + 1u < self->mark_count) ? mark + 1u : 0u;
+            slot = next_slot(self, slot);
         }
-        position++;
-        taken++;
+        clear--;
         sum += self->memory[slot] >> 3; /* so that eight fit */
         if (taken == 2u) { first_two = sum; }
     }

@@ -96,12 +96,11 @@ void sd_memory_fill(sd_crank_t *self, uint32_t steps, uint32_t period_ticks);
 /* ---- sd_crank_wheel.c: the teeth and the marks between them ---- */
 
 bool sd_wheel_init(sd_crank_t *self);
-/* The mark that begins right after `position`, or SD_CRANK_MARKS_MAX. */
+/* The mark that begins right after `position`, or SD_CRANK_MARKS_MAX: which byte of mark_at is position + 1, all four compared at
+ * once. The lowest byte that differs from it in nothing is the one at which subtracting 1 first borrows. */
 static inline uint32_t sd_wheel_mark_after(const sd_crank_t *self, uint32_t position) {
-    for (uint32_t m = 0; m < self->mark_count; ++m) {
-        if (self->mark_first[m] == position + 1u) { return m; }
-    }
-    return SD_CRANK_MARKS_MAX;
+    const uint32_t off = self->mark_at ^ ((position + 1u) * 0x01010101u), hit = (off - 0x01010101u) & ~off & 0x80808080u;
+    return (hit == 0u) ? SD_CRANK_MARKS_MAX : (uint32_t)__builtin_ctz(hit) >> 3;
 }
 uint32_t sd_wheel_first_after(const sd_crank_t *self, uint32_t mark);
 uint32_t sd_wheel_step(const sd_crank_t *self, uint32_t position, int32_t teeth);

@@ -168,10 +168,25 @@ static bool has_rival(const sd_crank_t *self, const sd_crank_sight_t *own, uint3
 
 /* ---- sync ------------------------------------------------------------------------------------------------------ */
 
-/* The newest edge is the tooth `beyond` the first after `mark`. */
-static void sync(sd_crank_t *self, uint32_t tick, uint32_t mark, uint32_t beyond, const sd_crank_sight_t *s, uint32_t clean) {
-    const uint32_t *q = self->raw_period;
-    const bool whole = (clean >= self->mark_count) && (self->unlearned == 0u);
+/* The newest edge is the tooth `beyond` the first after `mark`, 0 or 1. */
+typedef struct sd_found {
+    uint32_t mark, beyond;
+    uint32_t clean; /* gaps in a row without a fault on the way */
+    uint32_t width; /* of the mark's gap, Q8 */
+} sd_found_t;
+
+/* The tooth before it is known as well, and lies before the mark where this is the first after it. */
+static void describe(const sd_crank_t *self, const sd_found_t *found, sd_tooth_t *tooth) {
+    const bool first = found->beyond == 0u;
+    tooth->edge_class = SD_EDGE_TOOTH;
+    tooth->period_ticks = self->raw_period[0];
+    tooth->span_spacings = (uint32_t)(first ? self->mark_spacings[found->mark] : ONE);
+    tooth->advance = (uint8_t)(first ? self->mark_run[found->mark] + 1u : 1u);
+}
+
+static void sync(sd_crank_t *self, uint32_t tick, const sd_found_t *found) {
+    const uint32_t *q = self->raw_period, mark = found->mark, beyond = found->beyond;
+    const bool whole = (found->clean >= self->mark_count) && (self->unlearned == 0u);
     sd_track_begin(self, tick, sd_wheel_first_after(self, mark) + beyond);
     if (whole) {
         const bool quiet = !noisy(self, q[2]);
@@ -183,7 +198,7 @@ static void sync(sd_crank_t *self, uint32_t tick, uint32_t mark, uint32_t beyond
     self->unsure = 1;
     self->provisional = 1;
     self->strain = ONE;
-    const int32_t width = (int32_t)((uint32_t)s->width << 4);
+    const int32_t width = (int32_t)(found->width << 4);
     sd_wheel_set_width(self, mark, width);
     self->unlearned = self->teeth;
     const int32_t grown = ((int32_t)q[0] - (int32_t)q[2]) * 64;
@@ -191,7 +206,7 @@ static void sync(sd_crank_t *self, uint32_t tick, uint32_t mark, uint32_t beyond
 }
 
 /* Where edges are quiet, and nothing else on the way looked like a mark, the first tooth after it gives the angle. */
-static bool sync_early(sd_crank_t *self, uint32_t tick) {
+static bool find_early(const sd_crank_t *self, sd_found_t *found) {
     const uint32_t *q = self->raw_period;
     if (!stands_out(q[0], q[1])) { return false; }
     for (uint32_t i = 0; i < SD_CRANK_SIGHTS; ++i) {
@@ -201,30 +216,20 @@ static bool sync_early(sd_crank_t *self, uint32_t tick) {
         const uint32_t down = (q[0] >= (1u << 22)) ? 3u : 0u;
         const uint32_t side = ((q[0] >> down) * Q8) / ((q[1] >> down) + 1u);
         if (within(side, s->side, (12 * Q8) / 10) && !noisy(self, q[1]) && !has_rival(self, s, s->hits + 1u, false)) {
-            sync(self, tick, mark_after(self, s->mark), 0u, s, s->clean + 1u);
+            *found = (sd_found_t){ mark_after(self, s->mark), 0u, s->clean + 1u, s->width };
             return true;
         }
     }
     return false;
 }
 
-/* The newest edge as a tooth: the one before it is known as well. */
-static void describe(const sd_crank_t *self, sd_tooth_t *tooth) {
-    const uint32_t before = sd_wheel_step(self, self->position, -1);
-    const uint32_t mark = sd_wheel_mark_after(self, before);
-    tooth->edge_class = SD_EDGE_TOOTH;
-    tooth->period_ticks = self->raw_period[0];
-    tooth->span_spacings = (uint32_t)((mark < SD_CRANK_MARKS_MAX) ? self->mark_spacings[mark] : ONE);
-    tooth->advance = (uint8_t)((mark < SD_CRANK_MARKS_MAX) ? self->mark_run[mark] + 1u : 1u);
-}
-
-static bool find_mark(sd_crank_t *self, uint32_t tick) {
+static bool find_mark(sd_crank_t *self, sd_found_t *found) {
     record(self);
     count_on(self);
     const sd_gap_t gap = gap_before_last(self);
     if (!gap.seen) {
         listen(self);
-        return sync_early(self, tick);
+        return find_early(self, found);
     }
     self->gap_age = 0;
     gap_seen(self, &gap);
@@ -232,7 +237,7 @@ static bool find_mark(sd_crank_t *self, uint32_t tick) {
         sd_crank_sight_t *s = &self->sight[i];
         if ((s->raw != 1u) || (s->hits < 2u)) { continue; }
         if ((s->hits > self->mark_count) && !has_rival(self, s, s->hits, gap.noisy)) {
-            sync(self, tick, s->mark, 1u, s, s->clean);
+            *found = (sd_found_t){ s->mark, 1u, s->clean, s->width };
             return true;
         }
         s->strange = 0;
@@ -243,7 +248,9 @@ static bool find_mark(sd_crank_t *self, uint32_t tick) {
 bool sd_search_edge(sd_crank_t *self, uint32_t tick, uint32_t period, sd_tooth_t *tooth) {
     for (uint32_t i = 3; i > 0u; --i) { self->raw_period[i] = self->raw_period[i - 1u]; }
     self->raw_period[0] = period;
-    const bool found = find_mark(self, tick);
-    if (found) { describe(self, tooth); }
-    return found;
+    sd_found_t found;
+    if (!find_mark(self, &found)) { return false; }
+    sync(self, tick, &found);
+    describe(self, &found, tooth);
+    return true;
 }

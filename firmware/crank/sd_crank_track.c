@@ -35,7 +35,6 @@ void sd_track_begin(sd_crank_t *self, uint32_t tick, uint32_t position) {
     self->travel = 0;
     for (uint32_t i = 0; i < SD_CRANK_WITNESSES; ++i) { self->witness[i] = INT32_MIN; } /* no edge, and far from any mark */
     self->last_tick = tick;
-    sd_wheel_reset_widths(self);
 }
 
 /* The first tooth after a mark comes as its width says, give or take twice the scatter seen so far, but less than a
@@ -51,6 +50,18 @@ static void excuse(const sd_crank_t *self, sd_place_t *place) {
         place->excused = (place->late < 0) ? -most : most;
         place->late -= (place->late < 0) ? -part : part;
     }
+}
+
+/* The place of the last placed edge, field by field: a zeroed struct would cost more than the rest. */
+static inline void place_here(const sd_crank_t *self, sd_place_t *place) {
+    place->way.spacings = place->way.last = 0;
+    place->way.recalled = place->way.recalled_last = 0u;
+    place->excused = place->to_mark = 0;
+    place->advance = place->coasted = 0u;
+    place->position = self->position;
+    place->slot = self->slot;
+    place->mark = SD_CRANK_MARKS_MAX;
+    place->found = false;
 }
 
 /* Goes on to the next tooth, across `mark` if there is one. */
@@ -75,13 +86,14 @@ static inline void step_on(const sd_crank_t *self, sd_place_t *place, uint32_t m
 }
 
 /* The tooth position that `elapsed` comes nearest to. */
-static sd_place_t nearest_place(const sd_crank_t *self, int32_t elapsed) {
+static void nearest_place(const sd_crank_t *self, int32_t elapsed, sd_place_t *best) {
     const sd_crank_clocks_t *clocks = &self->clocks[self->now];
-    sd_place_t best = { .position = self->position, .slot = self->slot, .mark = SD_CRANK_MARKS_MAX, .late = elapsed,
-                        .period = clocks->clock[clocks->leader].period };
-    sd_place_t next = best;
+    place_here(self, best);
+    best->late = elapsed;
+    best->period = clocks->clock[clocks->leader].period;
+    sd_place_t next = *best;
     for (uint32_t step = 0; step <= SD_CRANK_COAST_MAX; ++step) {
-        if (best.late < best.period / 4) { best.found = true; return best; }
+        if (best->late < best->period / 4) { best->found = true; return; }
         const uint32_t mark = sd_wheel_mark_after(self, next.position);
         step_on(self, &next, mark);
         const sd_forecast_t ahead = sd_clock_forecast(clocks, clocks->leader, &next.way);
@@ -90,10 +102,9 @@ static sd_place_t nearest_place(const sd_crank_t *self, int32_t elapsed) {
         next.late = elapsed - ahead.time;
         next.excused = 0;
         if ((mark < SD_CRANK_MARKS_MAX) && (clocks->leader != MEMORY)) { excuse(self, &next); }
-        if (abs32(next.late) > abs32(best.late)) { best.found = true; return best; }
-        best = next;
+        if (abs32(next.late) > abs32(best->late)) { best->found = true; return; }
+        *best = next;
     }
-    return best;
 }
 
 /* The usual edge: the next tooth, and no mark before it. Returns false where it is not. */
@@ -228,7 +239,9 @@ static void reseat(sd_crank_t *self, uint32_t tick, uint32_t period) {
 static void ask_another(sd_crank_t *self, uint32_t tick, sd_place_t *place) {
     sd_crank_clocks_t *clocks = &self->clocks[self->now];
     const uint32_t other = sd_clock_best(clocks, MEMORY);
-    sd_place_t next = { .position = self->position, .slot = self->slot, .mark = SD_CRANK_MARKS_MAX, .found = true };
+    sd_place_t next;
+    place_here(self, &next);
+    next.found = true;
     step_on(self, &next, sd_wheel_mark_after(self, self->position));
     const sd_forecast_t ahead = sd_clock_forecast(clocks, other, &next.way);
     next.period = ahead.period;
@@ -244,7 +257,7 @@ bool sd_track_edge(sd_crank_t *self, uint32_t tick, uint32_t raw_period, sd_toot
     sd_place_t place;
     const bool usual = next_place(self, elapsed, &place);
     if (!usual) {
-        place = nearest_place(self, elapsed);
+        nearest_place(self, elapsed, &place);
         const bool next = (place.advance > 0u) && (place.coasted == 0u) && (abs32(place.late) <= scale12(place.period, LOOSE));
         if ((self->clocks[self->now].leader == MEMORY) && !next) { ask_another(self, tick, &place); }
     }

@@ -64,6 +64,7 @@ void sd_wheel_learn(sd_crank_t *self, uint32_t mark, int32_t late) {
  * odd, with their bend taken out: mean(2) + 1.2 (mean(2) - mean(3)). Under jitter all three on either side, as they are. */
 static int32_t spacing_at(const sd_crank_t *self, uint32_t slot, bool quiet) {
     uint32_t after = slot, before = slot, pair[3]; /* an eighth of each interval, so that sums fit */
+    _Pragma("GCC unroll 3")
     for (uint32_t i = 0; i < 3u; ++i) {
         after = next_slot(self, after);
         before = (before > 0u) ? before - 1u : self->teeth - 1u;
@@ -115,7 +116,9 @@ static bool marks_stand_apart(sd_crank_t *self) {
 /* Fills what follows from the configuration. Returns false where the marks are too many, too wide or too near. */
 bool sd_wheel_init(sd_crank_t *self) {
     self->teeth = (uint8_t)(self->config.positions - self->config.missing_count);
-    const bool good = collect_marks(self) && marks_stand_apart(self);
-    if (good) { sd_wheel_reset_widths(self); }
-    return good;
+    if (!collect_marks(self) || !marks_stand_apart(self)) { return false; }
+    self->mark_at = 0xffffffffu;
+    for (uint32_t m = 0; m < self->mark_count; ++m) { self->mark_at ^= (0xffu ^ self->mark_first[m]) << (8u * m); }
+    sd_wheel_reset_widths(self);
+    return true;
 }

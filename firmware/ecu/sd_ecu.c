@@ -41,7 +41,7 @@ static void restart_firings(sd_ecu_t *self) {
     if (self->firings.enabled == 0u) { return; }
     sd_firings_restart(&self->firings);
     sd_misfire_start(&self->misfire.monitor);
-    self->say.status[SD_OWNER_MISFIRE] = (sd_status_t){ .health = SD_INVALID, .why = SD_WHY_CONVERGING };
+    sd_publish_judge(&self->say, SD_OWNER_MISFIRE, &(sd_status_t){ .health = SD_INVALID, .why = SD_WHY_CONVERGING });
 }
 
 static void jump(sd_ecu_t *self, sd_course_jump_t jump) {
@@ -76,14 +76,14 @@ static void judge_firing(sd_ecu_t *self, const sd_firings_out_t *firings) {
     const sd_misfire_verdict_t verdict = sd_stage_misfire_firing(&self->misfire, &in);
     sd_stage_trims_firing(&self->trims, &firings->firing, firings->status.health, verdict.verdict == (uint8_t)SD_MISFIRE);
     sd_say_verdict(&self->say, &verdict);
-    sd_status_t *status = &self->say.status[SD_OWNER_MISFIRE];
-    *status = sd_misfire_status(&self->misfire.monitor);
-    sd_status_worst_of(status, firings->status.health, firings->status.why);
-    sd_inputs_judge(&self->inputs, SD_OWNER_MISFIRE, status);
+    sd_status_t status = sd_misfire_status(&self->misfire.monitor);
+    sd_status_worst_of(&status, firings->status.health, firings->status.why);
+    sd_inputs_judge(&self->inputs, SD_OWNER_MISFIRE, &status);
+    sd_publish_judge(&self->say, SD_OWNER_MISFIRE, &status);
 }
 
 /* Returns true when a firing was read. */
-static bool step_firings(sd_ecu_t *self, const sd_calibration_t *page, const sd_port_t *port, const sd_tooth_t *tooth) {
+static bool step_firings(sd_ecu_t *self, const sd_calibration_t *page, const sd_port_t *port, const sd_tooth_t *tooth, float speed_radps) {
     const sd_inputs_t *inputs = &self->inputs;
     const bool fuel_known = sd_inputs_fresh(inputs, SD_INPUT_FUEL_INJECTED);
     const float fuel_mg = fuel_known ? sd_inputs_value(inputs, SD_INPUT_FUEL_INJECTED) : SD_FUEL_UNKNOWN;
@@ -96,14 +96,14 @@ static bool step_firings(sd_ecu_t *self, const sd_calibration_t *page, const sd_
                                       .intake_known = sd_inputs_fresh(inputs, SD_INPUT_AIR_INTAKE_PRESSURE) ? 1u : 0u,
                                       .fuel_cut = (fuel_known && (fuel_mg <= 0.0f)) ? 1u : 0u,
                                       .intake_bar = sd_inputs_value(inputs, SD_INPUT_AIR_INTAKE_PRESSURE),
-                                      .speed_radps = sd_crank_speed_radps(&self->crank, tooth, page->tick_hz) };
+                                      .speed_radps = speed_radps };
     sd_firings_out_t out;
     sd_firings_step(&self->firings, &page->kalman, &seen, &out);
     sd_inputs_judge(inputs, SD_OWNER_FIRING, &out.status);
-    self->say.status[SD_OWNER_FIRING] = out.status;
+    sd_publish_judge(&self->say, SD_OWNER_FIRING, &out.status);
     self->say.signals.firing_waveform_nm = out.waveform_nm;
     if (self->firings.enabled == 0u) {
-        self->say.status[SD_OWNER_MISFIRE] = out.status;
+        sd_publish_judge(&self->say, SD_OWNER_MISFIRE, &out.status);
         return false;
     }
     sd_stage_misfire_tooth(&self->misfire, page, tooth, fuel_mg);
@@ -116,13 +116,13 @@ static bool step_firings(sd_ecu_t *self, const sd_calibration_t *page, const sd_
     return true;
 }
 
-static void on_tooth(sd_ecu_t *self, const sd_calibration_t *page, const sd_port_t *port, const sd_tooth_t *tooth) {
+static void on_tooth(sd_ecu_t *self, const sd_calibration_t *page, const sd_port_t *port, const sd_tooth_t *tooth, float speed_radps) {
     sd_cycle_t cycle;
     const sd_course_jump_t moved = sd_course_follow(&self->course, tooth, page->positions);
     if (moved != SD_COURSE_NONE) { jump(self, moved); }
     if (sd_course_ended(&self->course, tooth, page->positions, page->tick_hz, &cycle)) { end_cycle(self, page, port, &cycle); }
     step_torque(self, page, tooth);
-    const bool firing_read = step_firings(self, page, port, tooth);
+    const bool firing_read = step_firings(self, page, port, tooth, speed_radps);
     /* A tooth has one burden beside its own position: positions passed without an edge, a firing, mixture that waits, or a piece. */
     const bool burdened = firing_read || (tooth->advance > 1u);
     const bool catches_up = sd_stage_mixture_tooth(&self->mixture, page, tooth, burdened ? 0u : SD_MIXTURE_STEPS);
@@ -135,20 +135,20 @@ static void lose_angle(sd_ecu_t *self, uint16_t why) {
     sd_course_lose(&self->course);
     sd_stage_mixture_restart(&self->mixture);
     self->say.signals.torque_mass_nm = 0.0f;
-    sd_status_worst_of(&self->say.status[SD_OWNER_TORQUE], SD_INVALID, why);
-    sd_status_worst_of(&self->say.status[SD_OWNER_FIRING], SD_INVALID, why);
+    sd_publish_worst_of(&self->say, SD_OWNER_TORQUE, SD_INVALID, why);
+    sd_publish_worst_of(&self->say, SD_OWNER_FIRING, SD_INVALID, why);
 }
 
 static void on_crank_edge(sd_ecu_t *self, const sd_calibration_t *page, const sd_port_t *port, uint32_t tick) {
     sd_tooth_t tooth;
     sd_crank_edge(&self->crank, tick, &tooth);
-    self->say.status[SD_OWNER_CRANK] = (sd_status_t){ .health = tooth.health, .why = tooth.why };
-    sd_say_tooth(&self->say, page, &self->crank, &tooth);
+    const sd_crank_motion_t motion = sd_crank_motion_of(&self->crank, &tooth, page->tick_hz);
+    sd_say_tooth(&self->say, page, &tooth, &motion);
     if (tooth.edge_class == (uint8_t)SD_EDGE_UNSYNCED) {
         lose_angle(self, SD_WHY_NO_SYNC);
         sd_ecu_do_piece(self, page, port);
     } else if (tooth.edge_class != (uint8_t)SD_EDGE_SPURIOUS) {
-        on_tooth(self, page, port, &tooth);
+        on_tooth(self, page, port, &tooth, motion.speed_radps);
     } else {
         sd_firings_spurious(&self->firings, &page->kalman);
     }

@@ -37,20 +37,20 @@ static sd_trims_wish_t wish_of(const sd_ecu_t *self, const sd_calibration_t *pag
 
 static void read_cylinders(sd_ecu_t *self, const sd_calibration_t *page) {
     const sd_cycle_t *cycle = &self->work.cycle;
-    sd_status_t *status = &self->say.status[SD_OWNER_CYLINDER];
+    sd_status_t status = self->work.torque;
     sd_cylinders_out_t cylinders;
     sd_stage_torque_cylinders(&self->torque, page, &self->working, cycle->speed_radps,
                               sd_inputs_value(&self->inputs, SD_INPUT_AIR_INTAKE_PRESSURE), &cylinders);
-    *status = self->work.torque;
-    if (!cycle->phase_known) { sd_status_worst_of(status, SD_INVALID, SD_WHY_NO_PHASE); }
-    if (!cycle->whole) { sd_status_worst_of(status, SD_INVALID, SD_WHY_NO_SYNC); }
-    if (!cycle->clean) { sd_status_worst_of(status, SD_DEGRADED, SD_WHY_FAULT); }
+    if (!cycle->phase_known) { sd_status_worst_of(&status, SD_INVALID, SD_WHY_NO_PHASE); }
+    if (!cycle->whole) { sd_status_worst_of(&status, SD_INVALID, SD_WHY_NO_SYNC); }
+    if (!cycle->clean) { sd_status_worst_of(&status, SD_DEGRADED, SD_WHY_FAULT); }
     if (cylinders.known == 0u) {
-        sd_status_worst_of(status, SD_INVALID, SD_WHY_UNCALIBRATED);
-        return;
+        sd_status_worst_of(&status, SD_INVALID, SD_WHY_UNCALIBRATED);
+    } else {
+        sd_inputs_judge(&self->inputs, SD_OWNER_CYLINDER, &status);
+        sd_say_cylinders(&self->say, page, &cylinders);
     }
-    sd_inputs_judge(&self->inputs, SD_OWNER_CYLINDER, status);
-    sd_say_cylinders(&self->say, page, &cylinders);
+    sd_publish_judge(&self->say, SD_OWNER_CYLINDER, &status);
 }
 
 static void learn_delay(sd_ecu_t *self, const sd_calibration_t *page) {
@@ -89,8 +89,10 @@ static void command_trims(sd_ecu_t *self, const sd_calibration_t *page) {
     float probe[SD_BALANCE_CYLINDERS_MAX];
     sd_stage_mixture_probe(&self->mixture, self->working.afr_probe, probe);
     sd_stage_trims_command(&self->trims, probe, self->working.balance_limit);
+    sd_status_t status = sd_balance_status(&self->trims.balance);
+    sd_inputs_judge(&self->inputs, SD_OWNER_BALANCE, &status);
+    sd_publish_judge(&self->say, SD_OWNER_BALANCE, &status);
     sd_say_trims(&self->say, page, &self->trims);
-    sd_inputs_judge(&self->inputs, SD_OWNER_BALANCE, &self->say.status[SD_OWNER_BALANCE]);
 }
 
 /* True when the row is complete. */
@@ -121,7 +123,7 @@ void sd_ecu_do_piece(sd_ecu_t *self, const sd_calibration_t *page, const sd_port
 void sd_ecu_begin_work(sd_ecu_t *self, const sd_calibration_t *page, const sd_port_t *port, const sd_cycle_t *cycle) {
     while (self->work.piece < (uint8_t)SD_PIECE_NONE) { sd_ecu_do_piece(self, page, port); }
     self->work.cycle = *cycle;
-    self->work.torque = self->say.status[SD_OWNER_TORQUE];
+    self->work.torque = sd_publish_judged(&self->say, SD_OWNER_TORQUE);
     self->work.said = 0;
     self->work.piece = SD_PIECE_CYLINDERS;
     self->say.signals.cycle_speed_rpm = cycle->speed_radps * SD_RPM_PER_RADPS;

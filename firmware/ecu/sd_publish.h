@@ -19,13 +19,30 @@ extern "C" {
 
 typedef struct sd_publish {
     sd_signals_t signals;                ///< Present values.
-    sd_status_t  status[SD_OWNER_COUNT]; ///< Health of each owner's signals.
-    uint32_t     row_flags[SD_OWNER_COUNT]; ///< Health and reasons as they were when the row in parts that is under way began.
+    uint32_t     flags[SD_OWNER_COUNT];  ///< Of each owner's signals, as an event has them: health | why << 8.
+    uint32_t     row_flags[SD_OWNER_COUNT]; ///< The same when the row in parts that is under way began.
     uint32_t     unsent;                 ///< Events that the port had no room for, wraps.
 } sd_publish_t;
 
 /// Every owner begins invalid, without sync.
 void sd_publish_init(sd_publish_t *self);
+
+/// What an owner's signals are worth from now on.
+static inline void sd_publish_judge(sd_publish_t *self, sd_owner_t owner, const sd_status_t *status) {
+    self->flags[owner] = status->health | ((uint32_t)status->why << 8);
+}
+
+/// That is no better than `health` from now on, and `why` says more of it.
+static inline void sd_publish_worst_of(sd_publish_t *self, sd_owner_t owner, uint8_t health, uint16_t why) {
+    const uint32_t flags = self->flags[owner], before = flags & 0xffu;
+    self->flags[owner] = (flags & ~0xffu) | ((uint32_t)why << 8) | ((health > before) ? health : before);
+}
+
+/// What they are worth now: health and why, the rest is 0.
+static inline sd_status_t sd_publish_judged(const sd_publish_t *self, sd_owner_t owner) {
+    return (sd_status_t){ .why = (uint16_t)(self->flags[owner] >> 8), .rejected = 0, .health = (uint8_t)self->flags[owner],
+                          .innovation = 0.0f, .test_ratio = 0.0f };
+}
 
 /// Sends a part of the row of a rate, from its signal number `from` on; returns the number of the next one, or 0 when the row is
 /// complete. The health of its owners is that of its first part: a bus carries it once a row. One row of several parts may be

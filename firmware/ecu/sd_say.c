@@ -5,22 +5,23 @@
 
 static uint32_t physical(const sd_calibration_t *page, uint32_t firing) { return page->firing_order[firing] - 1u; }
 
-void sd_say_tooth(sd_publish_t *say, const sd_calibration_t *page, const sd_crank_t *crank, const sd_tooth_t *tooth) {
+void sd_say_tooth(sd_publish_t *say, const sd_calibration_t *page, const sd_tooth_t *tooth, const sd_crank_motion_t *motion) {
     sd_signals_t *s = &say->signals;
+    say->flags[SD_OWNER_CRANK] = tooth->health | ((uint32_t)tooth->why << 8);
     const float angle_deg = page->position_0_deg + (float)tooth->cycle_position * (360.0f / (float)page->positions);
     s->crank_edge_class = (float)tooth->edge_class;
     s->crank_tooth = (float)tooth->position;
     s->crank_angle_deg = (angle_deg >= 720.0f) ? angle_deg - 720.0f : angle_deg;
     s->crank_phase_known = (float)tooth->phase_known;
     if (tooth->period_ticks > 0u) {
-        s->crank_speed_rpm = sd_crank_speed_radps(crank, tooth, page->tick_hz) * SD_RPM_PER_RADPS;
-        s->crank_acceleration_radps2 = sd_crank_acceleration_radps2(crank, tooth, page->tick_hz);
+        s->crank_speed_rpm = motion->speed_radps * SD_RPM_PER_RADPS;
+        s->crank_acceleration_radps2 = motion->acceleration_radps2;
     }
 }
 
 void sd_say_lost_angle(sd_publish_t *say, uint8_t health, uint16_t why) {
     sd_signals_t *s = &say->signals;
-    say->status[SD_OWNER_CRANK] = (sd_status_t){ .health = health, .why = why };
+    sd_publish_judge(say, SD_OWNER_CRANK, &(sd_status_t){ .health = health, .why = why });
     s->crank_edge_class = (float)SD_EDGE_UNSYNCED;
     s->crank_phase_known = 0.0f;
     s->crank_speed_rpm = 0.0f;
@@ -35,13 +36,13 @@ void sd_say_inputs(sd_publish_t *say, const sd_inputs_t *inputs) {
         say->signals.inputs_stale[i] = (float)((stale >> (16u * i)) & 0xffffu);
         say->signals.inputs_missing[i] = (float)((missing >> (16u * i)) & 0xffffu);
     }
-    say->status[SD_OWNER_INPUTS] = (sd_status_t){ .health = SD_VALID };
+    sd_publish_judge(say, SD_OWNER_INPUTS, &(sd_status_t){ .health = SD_VALID });
 }
 
 void sd_say_torque(sd_publish_t *say, const sd_torque_out_t *torque) {
     say->signals.torque_mass_nm = torque->mass_nm;
     say->signals.torque_innovation_j = torque->status.innovation;
-    say->status[SD_OWNER_TORQUE] = torque->status;
+    sd_publish_judge(say, SD_OWNER_TORQUE, &torque->status);
 }
 
 void sd_say_cylinders(sd_publish_t *say, const sd_calibration_t *page, const sd_cylinders_out_t *cylinders) {
@@ -95,7 +96,7 @@ void sd_say_misfires(sd_publish_t *say, const sd_calibration_t *page, const sd_m
 
 void sd_say_mixture(sd_publish_t *say, const sd_calibration_t *page, const sd_mixture_out_t *out, const sd_stage_mixture_t *mixture) {
     sd_signals_t *s = &say->signals;
-    say->status[SD_OWNER_AFR] = out->status;
+    sd_publish_judge(say, SD_OWNER_AFR, &out->status);
     for (uint32_t i = 0; i < page->cylinders; ++i) {
         s->afr_cylinder_burned[physical(page, i)] = out->burned[i];
         s->afr_cylinder_sd[physical(page, i)] = out->deviations.sd[i];
@@ -109,6 +110,5 @@ void sd_say_mixture(sd_publish_t *say, const sd_calibration_t *page, const sd_mi
 }
 
 void sd_say_trims(sd_publish_t *say, const sd_calibration_t *page, const sd_stage_trims_t *trims) {
-    say->status[SD_OWNER_BALANCE] = sd_balance_status(&trims->balance);
     for (uint32_t i = 0; i < trims->balance.config.cylinders; ++i) { say->signals.balance_trim[physical(page, i)] = trims->trim[i]; }
 }

@@ -12,8 +12,8 @@
 extern "C" {
 #endif
 
-/// Angle, speed and class of an edge. Speed and acceleration stay when the tooth has no period.
-void sd_say_tooth(sd_publish_t *say, const sd_calibration_t *page, const sd_crank_t *crank, const sd_tooth_t *tooth);
+/// Angle, speed, class and health of an edge. Speed and acceleration stay when the tooth has no period.
+void sd_say_tooth(sd_publish_t *say, const sd_calibration_t *page, const sd_tooth_t *tooth, const sd_crank_motion_t *motion);
 /// The angle is lost: what depends on it is 0.
 void sd_say_lost_angle(sd_publish_t *say, uint8_t health, uint16_t why);
 /// Which inputs are missing or stale, bit by bit.

@@ -18,12 +18,21 @@ sd_result_t sd_stage_misfire_configure(sd_stage_misfire_t *self, const sd_calibr
 }
 
 void sd_stage_misfire_tooth(sd_stage_misfire_t *self, const sd_calibration_t *page, const sd_tooth_t *tooth, float fuel_mg) {
-    const uint32_t cycle = 2u * page->positions;
+    const uint32_t cycle = 2u * page->positions, at = (uint32_t)self->position + tooth->advance;
+    const bool follows = tooth->cycle_position == ((at >= cycle) ? at - cycle : at);
+    self->position = tooth->cycle_position;
+    if (follows && (tooth->advance < self->until_tdc)) {
+        self->until_tdc = (uint16_t)(self->until_tdc - tooth->advance);
+        return;
+    }
+    uint32_t until = cycle;
     for (uint32_t i = 0; i < page->cylinders; ++i) {
         const uint32_t tdc = page->firing_position[i];
         const uint32_t since = (tooth->cycle_position >= tdc) ? tooth->cycle_position - tdc : tooth->cycle_position + cycle - tdc;
         if (since < tooth->advance) { self->fuel_mg[i] = fuel_mg; }
+        if (cycle - since < until) { until = cycle - since; }
     }
+    self->until_tdc = (uint16_t)until;
 }
 
 /* What forbids to judge the firing, beyond what the monitor sees itself. */

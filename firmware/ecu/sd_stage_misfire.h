@@ -16,6 +16,8 @@ typedef struct sd_stage_misfire {
     sd_misfire_t monitor;
     float fuel_mg[SD_CYLINDERS_MAX]; ///< Commanded at the last TDC of each firing; SD_FUEL_UNKNOWN where no command was fresh.
     float fuel_level_min_percent;
+    uint16_t position;               ///< Cycle position of the last placed tooth,
+    uint16_t until_tdc;              ///< and positions from there to the next TDC of a firing; 0: not known.
 } sd_stage_misfire_t;
 
 /// A firing that was read, and what is known beside it.

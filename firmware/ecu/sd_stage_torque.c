@@ -36,7 +36,8 @@ void sd_stage_torque_tooth(sd_stage_torque_t *self, const sd_calibration_t *page
 }
 
 void sd_stage_torque_end_cycle(sd_stage_torque_t *self) {
-    if (self->fixed_point != 0u) { sd_fourier_read_q31(&self->observer.q31, &self->ended); } else { sd_fourier_read_f32(&self->observer.f32, &self->ended); }
+    self->ended = self->observer;
+    self->ended_fixed_point = self->fixed_point;
 }
 
 void sd_stage_torque_cylinders(const sd_stage_torque_t *self, const sd_calibration_t *page, const sd_parameters_t *p, float speed_radps,
@@ -45,10 +46,16 @@ void sd_stage_torque_cylinders(const sd_stage_torque_t *self, const sd_calibrati
     const sd_fourier_config_t config = sd_calibration_torque(page, p);
     out->known = sd_cylinders_fit(map, &config) ? 1u : 0u;
     if (out->known == 0u) { return; }
+    sd_fourier_estimate_t ended;
+    if (self->ended_fixed_point != 0u) {
+        sd_fourier_read_q31(&self->ended.q31, &ended);
+    } else {
+        sd_fourier_read_f32(&self->ended.f32, &ended);
+    }
     const float spacing = p->torque_tooth_sd_deg * SD_RAD_PER_DEG, timer = speed_radps * TIMER_SD_TICKS / page->tick_hz;
     const float tooth_error = sd_root(spacing * spacing + timer * timer);
     for (uint32_t i = 0; i < map->cylinders; ++i) {
-        out->torque_nm[i] = sd_cylinders_torque(map, &self->ended, intake_bar, i);
+        out->torque_nm[i] = sd_cylinders_torque(map, &ended, intake_bar, i);
         out->sd_nm[i] = sd_cylinders_sd(map, i, speed_radps, tooth_error);
     }
 }

@@ -10,14 +10,18 @@
 extern "C" {
 #endif
 
+/// The observer, in one number type or the other.
+typedef union sd_torque_observer {
+    sd_fourier_f32_t f32;
+    sd_fourier_q31_t q31;
+} sd_torque_observer_t;
+
 /// Owned by the stage.
 typedef struct sd_stage_torque {
-    union {
-        sd_fourier_f32_t f32;
-        sd_fourier_q31_t q31;
-    } observer;                  /* which one: fixed_point */
-    sd_fourier_estimate_t ended; ///< The estimate at the end of the last cycle, from which cylinders are read.
-    uint8_t fixed_point;         ///< 1: q31 runs.
+    sd_torque_observer_t observer; ///< Which type: fixed_point.
+    sd_torque_observer_t ended;    ///< As it was at the end of the last cycle, from which cylinders are read.
+    uint8_t fixed_point;           ///< 1: q31 runs.
+    uint8_t ended_fixed_point;     ///< 1: q31 ran in the cycle that ended.
 } sd_stage_torque_t;
 
 /// What the stage says at a tooth.
@@ -39,7 +43,7 @@ sd_result_t sd_stage_torque_init(sd_stage_torque_t *self, const sd_calibration_t
 void sd_stage_torque_jump(sd_stage_torque_t *self, sd_course_jump_t jump);
 /// A placed tooth.
 void sd_stage_torque_tooth(sd_stage_torque_t *self, const sd_calibration_t *page, const sd_tooth_t *tooth, sd_torque_out_t *out);
-/// The cycle has ended: its estimate is kept for sd_stage_torque_cylinders.
+/// The cycle has ended: the observer is put aside for sd_stage_torque_cylinders.
 void sd_stage_torque_end_cycle(sd_stage_torque_t *self);
 /// Reads the cylinders of the cycle that ended at its mean speed, rad/s; intake pressure in bar.
 void sd_stage_torque_cylinders(const sd_stage_torque_t *self, const sd_calibration_t *page, const sd_parameters_t *p, float speed_radps,

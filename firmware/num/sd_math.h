@@ -20,8 +20,8 @@ static inline bool sd_within(float x, float low, float high) { return (x >= low)
 static inline bool sd_above_to(float x, float above, float to) { return (x > above) && (x <= to); }
 /// x cut to [low, high]; NaN stays NaN.
 static inline float sd_clamp(float x, float low, float high) { return (x < low) ? low : (x > high) ? high : x; }
-/// Square root within 3e-7 of it; 0 for anything that is not above 1e-30 (negative numbers and NaN too).
-static inline float sd_root(float x) { return (x > 1e-30f) ? x * sd_rsqrt_f32(x) : 0.0f; }
+/// Square root, rounded once; 0 for anything that is not above 1e-30 (negative numbers and NaN too).
+static inline float sd_root(float x) { return (x > 1e-30f) ? sd_sqrt_f32(x) : 0.0f; }
 /// 1 - exp(-x) for x >= 0: what a first-order lag moves by in x of its time constants. The Pade approximant of order (2, 2),
 /// whose denominator cannot vanish; 5.4e-4 too small at x = 1.
 static inline float sd_lag_move(float x) { return x / (1.0f + 0.5f * x + x * x * (1.0f / 12.0f)); }

@@ -11,6 +11,9 @@
 #ifdef __ARM_FEATURE_DSP
 #include <arm_acle.h>
 #endif
+#ifdef __SSE2__
+#include <xmmintrin.h>
+#endif
 
 #ifdef __cplusplus
 extern "C" {
@@ -99,16 +102,28 @@ static inline sd_gain_q31_t sd_gain_of_q31(float value) {
     return (sd_gain_q31_t){ sd_from_float_q31(value), exponent };
 }
 
-/* 1 / sqrt(x) for a normal x > 0, within 3e-7 of it, with the same bits on every target and no libm: the start is half
- * the exponent, and each of Newton's steps squares the error (3.5e-2, 1.8e-3, 4.7e-6, rounding). */
-static inline float sd_rsqrt_f32(float x) {
-    union { float f; uint32_t u; } start = { x };
-    start.u = 0x5f3759dfu - (start.u >> 1);
-    float y = start.f;
-    _Pragma("GCC unroll 3")
-    for (int i = 0; i < 3; ++i) { y = y * (1.5f - 0.5f * x * y * y); }
-    return y;
+/* The square root of a normal x > 0, rounded as IEEE 754 has it, so that a core with an instruction for it, one without and the
+ * host say the same bits, and nobody needs a libm. By whole numbers, a bit of the result after the other: */
+static inline float sd_sqrt_by_bits_f32(float x) {
+    union { float f; int32_t i; } both = { x };
+    const int32_t odd = (both.i >> 23) - 127;
+    int32_t left = ((both.i & 0x7fffff) | 0x800000) << (1 + (odd & 1)), root = 0, sum = 0;
+    for (int32_t bit = 0x1000000; bit != 0; bit >>= 1) {
+        const int32_t next = sum + bit;
+        if (next <= left) { sum = next + bit; left -= next; root += bit; }
+        left += left;
+    }
+    root += (left != 0) ? root & 1 : 0; /* never a tie: no such root has 25 bits */
+    both.i = (root >> 1) + 0x3f000000 + (int32_t)((uint32_t)(odd >> 1) << 23);
+    return both.f;
 }
+#if defined(__arm__) && defined(__ARM_FP) && (__ARM_FP & 4)
+static inline float sd_sqrt_f32(float x) { float root; __asm("vsqrt.f32 %0, %1" : "=t"(root) : "t"(x)); return root; }
+#elif defined(__SSE2__)
+static inline float sd_sqrt_f32(float x) { return _mm_cvtss_f32(_mm_sqrt_ss(_mm_set_ss(x))); }
+#else
+static inline float sd_sqrt_f32(float x) { return sd_sqrt_by_bits_f32(x); }
+#endif
 
 /* Inside the range, not at its ends, where q31 saturates; false for NaN. */
 static inline bool sd_in_unit_f32(float x)    { return __builtin_fabsf(x) < 1.0f; }

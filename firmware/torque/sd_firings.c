@@ -122,7 +122,10 @@ static void watch_teeth(sd_firings_t *self, const sd_kalman_tables_t *tables, co
 void sd_firings_spurious(sd_firings_t *self, const sd_kalman_tables_t *tables) { self->doubt = (uint16_t)(4u * tables->positions); }
 
 static sd_status_t judge(const sd_firings_t *self, const sd_firings_tooth_t *tooth) {
-    sd_status_t status = sd_kalman_status(&self->kalman, self->kalman.believed);
+    const sd_kalman_filter_t *filter = believed(self);
+    sd_status_t status = { .health = sd_kalman_health(&self->kalman, self->kalman.believed), .rejected = filter->rejected,
+                           .innovation = filter->innovation_rad };
+    status.why = (uint16_t)sd_kalman_why(&self->kalman, self->kalman.believed);
     if (tooth->phase_known == 0u) { sd_status_worst_of(&status, SD_INVALID, SD_WHY_NO_PHASE); }
     if (self->doubt > 0u) { sd_status_worst_of(&status, SD_DEGRADED, SD_WHY_FAULT); }
     if (tooth->intake_known == 0u) { sd_status_worst_of(&status, SD_DEGRADED, SD_WHY_NO_INPUT); }

@@ -52,7 +52,8 @@ typedef struct sd_firings_out {
     uint8_t     restarted;   ///< 1: a filter began anew at this tooth, so that what follows has no past.
     uint8_t     learned;     ///< 1: the tooth pattern changed: sums.cycles and sd_rad of `pattern` have new values.
     sd_firing_t firing;      ///< Torque and deviation of one firing.
-    sd_status_t status;      ///< Of the block; innovation in rad. Invalid and uncalibrated while it rests.
+    sd_status_t status;      ///< Of the block; innovation in rad, test_ratio 0: sd_kalman_status gives it to who asks. Invalid and
+                             ///< uncalibrated while it rests.
     float       waveform_nm; ///< Torque of the whole engine at the tooth, N m, friction and load taken off; 0 while resting.
     float       energy_j;    ///< Kinetic energy at the tooth, J; 0 while no filter runs.
     float       speed_radps; ///< Speed that belongs to it by the mean inertia, rad/s; set with a firing, as `firing` is.

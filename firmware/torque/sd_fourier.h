@@ -94,7 +94,7 @@ typedef struct sd_fourier_estimate {
     /* Estimated torque at any cycle position, Nm. */                                                                  \
     float sd_fourier_torque_at_##N(const sd_fourier_##N##_t *self, const sd_fourier_tables_t *tables,                  \
                                    uint32_t cycle_position);                                                           \
-    /* Health and innovation in J, for every tooth. */                                                                 \
+    /* Health and innovation in J, for every tooth; test_ratio 0. */                                                               \
     sd_status_t sd_fourier_status_##N(const sd_fourier_##N##_t *self);                                                 \
     /* All that is known, for the end of a cycle. */                                                                   \
     void sd_fourier_read_##N(const sd_fourier_##N##_t *self, sd_fourier_estimate_t *estimate);

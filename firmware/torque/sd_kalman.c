@@ -12,28 +12,31 @@
 #define JITTER_SQUARE 64.0f   /* a settled filter takes teeth up to 8 times the innovation as met */
 
 #if SD_CYLINDERS_MAX == 8
-_Static_assert(sizeof(sd_kalman_t) == 1080, "without pointers, the same size on every target");
+_Static_assert(sizeof(sd_kalman_t) == 1072, "without pointers, the same size on every target");
 #endif
 
 enum { REJECTED_IN_ROW_MAX = 12 }; /* teeth left out in a row after which the estimate itself must be wrong */
 
 /* ---- correction ------------------------------------------------------------------------------------------------ */
 
-/* How late a tooth may be: jitter, and what a torque that nobody expects does over a mark. Once settled, both are known: the
- * innovation as met, and a firing that comes or fails; its peak is some 4 times its mean. Without a root: the part that a
- * torque does not explain is squared. */
-static bool plausible(sd_kalman_filter_t *f, const sd_kalman_tables_t *t, const sd_kalman_choice_t *choice, bool settled,
-                      float expected, float scale) {
-    float torque = choice->torque_base_nm, jitter = choice->reject_rad * choice->reject_rad;
-    if (settled) {
-        jitter = JITTER_SQUARE * expected * expected * f->noise_ratio;
-        torque *= 0.05f;
-        torque = (6.0f * f->peak_nm > torque) ? 6.0f * f->peak_nm : torque;
-    }
-    const float size = __builtin_fabsf(f->innovation_rad);
+/* Lateness that a torque explains, rad: over a mark, at an energy scale J w^2. Once settled it is known: a firing comes or fails, and
+ * its peak is some 4 times its mean. */
+static float explained_by_torque(const sd_kalman_filter_t *f, const sd_kalman_tables_t *t, const sd_kalman_choice_t *choice, bool settled,
+                                 float scale) {
+    const float least = 0.05f * choice->torque_base_nm, met = 6.0f * f->peak_nm;
+    const float torque = !settled ? choice->torque_base_nm : (met > least) ? met : least;
+    return MARK_SQUARE * t->pitch_rad * t->pitch_rad * torque / scale;
+}
+
+/* How late a tooth may be: jitter, once settled by the innovation as met, and what a torque that nobody expects does over a mark,
+ * which is asked only where jitter is not enough. Without a root: the part that a torque does not explain is squared. */
+static inline bool plausible(sd_kalman_filter_t *f, const sd_kalman_tables_t *t, const sd_kalman_choice_t *choice, bool settled,
+                             float expected, float scale) {
+    const float size = __builtin_fabsf(f->innovation_rad), reject = choice->reject_rad;
+    const float jitter = settled ? JITTER_SQUARE * expected * expected * f->noise_ratio : reject * reject;
     f->jitter_square = jitter;
-    f->torque_rad = MARK_SQUARE * t->pitch_rad * t->pitch_rad * torque / scale;
-    const float beyond = size - f->torque_rad;
+    if (size * size <= jitter) { f->rejected_in_row = 0; return true; }
+    const float beyond = size - explained_by_torque(f, t, choice, settled, scale);
     if (!(beyond > 0.0f) || (beyond * beyond <= jitter)) { f->rejected_in_row = 0; return true; }
     if (f->rejected < UINT16_MAX) { f->rejected++; }
     f->rejected_in_row++;
@@ -78,13 +81,13 @@ static float peak_of(const float *x, uint32_t count) {
 }
 
 /* Adds the gains times the innovation r; push is r s. */
-static void take_in(sd_kalman_t *self, const sd_kalman_tables_t *t, uint32_t which, const sd_mix_t *m, bool settled, float slowness,
+static void take_in(sd_kalman_t *self, const sd_kalman_tables_t *t, uint32_t which, const sd_mix_t *m, bool settled, float speed,
                     float push) {
     sd_kalman_filter_t *f = &self->filter[which];
     const float *scale = t->gain_scale[which];
     const float r = f->innovation_rad, pull = scale[3] * push;
     float *x = f->motion.coefficient_nm;
-    f->motion.lateness_s += mix(m, 0) * (scale[0] * r * slowness);
+    f->motion.lateness_s += mix(m, 0) * (scale[0] * r / speed);
     f->motion.energy_j += mix(m, 1) * (scale[1] * push);
     x[0] += mix(m, 2) * (scale[2] * push);
     const uint32_t count = t->coefficients;
@@ -99,9 +102,9 @@ static void take_in(sd_kalman_t *self, const sd_kalman_tables_t *t, uint32_t whi
 static void correct(sd_kalman_t *self, const sd_kalman_tables_t *t, uint32_t which, const sd_kalman_tooth_t *tooth,
                     const sd_kalman_word_t *word) {
     sd_kalman_filter_t *f = &self->filter[which];
-    const float square = f->motion.energy_j * word[SD_ROW_TOOTH].value, slowness = sd_rsqrt_f32(square), speed = square * slowness;
+    const float square = f->motion.energy_j * word[SD_ROW_TOOTH].value, speed = sd_sqrt_f32(square);
     const float scale = t->inertia_mean_kgm2 * square;
-    f->innovation_rad = sd_motion_late(&f->motion, t, speed, slowness, &self->tuning) - tooth->late_rad;
+    f->innovation_rad = sd_motion_late(&f->motion, t, speed, &self->tuning) - tooth->late_rad;
     /* Without modes the normalised map is the same at every speed, so every table is stable at any. That of half the speed
      * trusts the state less, which is right while there is little to trust. */
     const bool settled = f->teeth >= self->choice.settle_teeth;
@@ -116,7 +119,7 @@ static void correct(sd_kalman_t *self, const sd_kalman_tables_t *t, uint32_t whi
     const int32_t high = (int32_t)(at.share * WEIGHT);
     const sd_mix_t m = { word[t->gains_at].gain + which * t->speeds * sd_motion_columns(t) + at.at, t->speeds,
                          { { (int16_t)((int32_t)WEIGHT - high), (int16_t)high } } };
-    take_in(self, t, which, &m, settled, slowness, f->innovation_rad * scale);
+    take_in(self, t, which, &m, settled, speed, f->innovation_rad * scale);
 }
 
 /* ---- a tooth --------------------------------------------------------------------------------------------------- */
@@ -149,22 +152,64 @@ static bool in_range(const sd_kalman_filter_t *f, const sd_kalman_tables_t *t, f
         (__builtin_fabsf(f->motion.lateness_s) < 1.0f));
 }
 
-/* Every filter of *moving over one interval: those that stand still leave it. Returns those that completed a firing. */
-static uint32_t advance(sd_kalman_t *self, const sd_kalman_tables_t *t, uint32_t k, float pattern_rad, uint32_t *moving,
-                        sd_firing_t *firing) {
+/* Reads the firing that is due at a row, unless the filter began within its pulse. Returns true when it did. */
+static bool read_due(sd_kalman_t *self, const sd_kalman_tables_t *t, uint32_t which, const sd_kalman_word_t *word, float pattern_rad,
+                     sd_firing_t *firing) {
+    const uint32_t read = word[SD_ROW_AT].at.read;
+    if ((read == 0u) || (self->filter[which].teeth < t->positions)) { return false; }
+    sd_kalman_read_firing(self, t, which, read - 1u, pattern_rad, &firing[which]);
+    return true;
+}
+
+/* Every running filter over one interval at whose end no tooth came: those that stand still in it stop. Returns those that completed
+ * a firing. */
+static uint32_t coast(sd_kalman_t *self, const sd_kalman_tables_t *t, uint32_t k, float pattern_rad, sd_firing_t *firing) {
     sd_motion_row_t row;
     uint32_t complete = 0;
     sd_motion_sum_known(t, k, &self->charge, &row);
+    sd_motion_close_valves(&self->charge, row.word);
     for (uint32_t i = 0; i < self->filters; ++i) {
-        if (((*moving >> i) & 1u) == 0u) { continue; }
-        if (!sd_motion_move(&self->filter[i].motion, t, &row, self->shape, &self->tuning)) { *moving &= ~(1u << i); }
+        sd_kalman_filter_t *f = &self->filter[i];
+        if (f->running == 0u) { continue; }
+        if (!sd_motion_predict(&f->motion, t, &row, self->shape, &self->tuning)) {
+            restart(f);
+        } else if (read_due(self, t, i, row.word, pattern_rad, firing)) {
+            complete |= 1u << i;
+        }
     }
-    if (row.word[SD_ROW_AT].at.close != 0u) { sd_motion_close_valves(&self->charge, row.word); }
-    if (row.word[SD_ROW_AT].at.read == 0u) { return 0u; }
-    for (uint32_t i = 0; i < self->filters; ++i) {
-        if ((((*moving >> i) & 1u) == 0u) || (self->filter[i].teeth < t->positions)) { continue; } /* its whole pulse was seen */
-        sd_kalman_read_firing(self, t, i, row.word[SD_ROW_AT].at.read - 1u, pattern_rad, &firing[i]);
-        complete |= 1u << i;
+    return complete;
+}
+
+/* What all filters take at a tooth. */
+typedef struct sd_at_tooth {
+    const sd_kalman_tooth_t *tooth;
+    sd_motion_row_t row; /* of the interval before it */
+    float period_s, shape;
+} sd_at_tooth_t;
+
+/* One filter over the last interval and its correction by the tooth, in one pass. Returns bit `which` when it completed a firing. */
+static inline uint32_t take_tooth(sd_kalman_t *self, const sd_kalman_tables_t *t, uint32_t which, const sd_at_tooth_t *at,
+                                  sd_firing_t *firing) {
+    sd_kalman_filter_t *f = &self->filter[which];
+    bool good = sd_motion_move(&f->motion, t, &at->row, at->shape, &self->tuning);
+    uint32_t complete = 0;
+    if (good && read_due(self, t, which, at->row.word, at->tooth->pattern_rad, firing)) { complete = 1u << which; }
+    f->motion.lateness_s -= at->period_s;
+    if (good && (at->tooth->trusted != 0u)) { correct(self, t, which, at->tooth, at->row.word); }
+    good = good && in_range(f, t, self->choice.torque_base_nm);
+    if (!good) { restart(f); return 0u; }
+    if (f->teeth < UINT16_MAX) { f->teeth++; }
+    return complete;
+}
+
+/* Positions between two placed teeth. */
+static uint32_t coast_to(sd_kalman_t *self, const sd_kalman_tables_t *t, const sd_kalman_tooth_t *tooth, sd_firing_t *firing) {
+    const uint32_t cycle = 2u * t->positions;
+    uint32_t complete = 0, k = tooth->cycle_position + cycle - tooth->advance;
+    if (k >= cycle) { k -= cycle; }
+    for (uint32_t left = tooth->advance; left > 1u; --left) {
+        k = (k + 1u < cycle) ? k + 1u : 0u;
+        complete |= coast(self, t, k, tooth->pattern_rad, firing);
     }
     return complete;
 }
@@ -173,32 +218,22 @@ uint32_t sd_kalman_step(sd_kalman_t *self, const sd_kalman_tables_t *t, const sd
     const uint32_t cycle = 2u * t->positions;
     if ((tooth->cycle_position >= cycle) || (tooth->advance < 1u) || (tooth->advance > cycle)) { return 0u; }
     sd_motion_take_intake(&self->charge, tooth->intake_bar);
-    uint32_t running = 0, complete = 0;
-    for (uint32_t i = 0; i < self->filters; ++i) { running |= (uint32_t)self->filter[i].running << i; }
-    if (running == 0u) { sd_motion_fill(&self->charge, self->charge.intake_bar); }
-    uint32_t moving = running, k = tooth->cycle_position + cycle - tooth->advance;
-    if (k >= cycle) { k -= cycle; }
-    for (uint32_t left = tooth->advance; (left > 0u) && (moving != 0u); --left) {
-        k = (k + 1u < cycle) ? k + 1u : 0u;
-        complete |= advance(self, t, k, tooth->pattern_rad, &moving, firing);
-    }
-    const sd_kalman_word_t *word = sd_motion_word(t, tooth->cycle_position);
-    const float period_s = (float)tooth->period_ticks / t->tick_hz;
+    const bool begins = (tooth->advance == 1u) && (tooth->trusted != 0u) && (tooth->period_ticks > 0u);
+    const bool none_runs = (self->filter[0].running | self->filter[SD_KALMAN_SETS_MAX - 1].running) == 0u;
+    uint32_t complete = 0;
+    if (none_runs) { sd_motion_fill(&self->charge, self->charge.intake_bar); }
+    if (tooth->advance > 1u) { complete = coast_to(self, t, tooth, firing); }
+    sd_at_tooth_t at = { .tooth = tooth, .period_s = (float)tooth->period_ticks / t->tick_hz, .shape = self->shape };
+    sd_motion_sum_known(t, tooth->cycle_position, &self->charge, &at.row);
+    if ((at.row.word[SD_ROW_AT].at.close != 0u) && !none_runs) { sd_motion_close_valves(&self->charge, at.row.word); }
     for (uint32_t i = 0; i < self->filters; ++i) {
         sd_kalman_filter_t *f = &self->filter[i];
-        if (((running >> i) & 1u) == 0u) {
-            if ((tooth->advance == 1u) && (tooth->trusted != 0u) && (tooth->period_ticks > 0u)) { begin(f, t, tooth); }
-            continue;
+        if (f->running != 0u) {
+            complete |= take_tooth(self, t, i, &at, firing);
+        } else if (begins) {
+            begin(f, t, tooth);
         }
-        f->motion.lateness_s -= period_s;
-        const bool moves = ((moving >> i) & 1u) != 0u;
-        if (moves && (tooth->trusted != 0u)) { correct(self, t, i, tooth, word); }
-        if (!moves || !in_range(f, t, self->choice.torque_base_nm)) {
-            restart(f);
-            complete &= ~(1u << i);
-        } else if (f->teeth < UINT16_MAX) {
-            f->teeth++;
-        }
+        if (f->running == 0u) { complete &= ~(1u << i); }
     }
     return complete;
 }
@@ -214,23 +249,14 @@ float sd_kalman_torque(const sd_kalman_t *self, const sd_kalman_tables_t *t, uin
 
 /* ---- status ---------------------------------------------------------------------------------------------------- */
 
-static uint32_t why(const sd_kalman_t *self, const sd_kalman_filter_t *f) {
-    const bool converging = (f->running == 0u) || (f->teeth < self->choice.settle_teeth);
-    const bool rejected = (f->rejected_in_row > 0u) || (self->charge.held != 0u);
-    return (converging ? (uint32_t)SD_WHY_CONVERGING : 0u) | ((rejected && (f->running != 0u)) ? (uint32_t)SD_WHY_REJECTED : 0u);
-}
-
-uint8_t sd_kalman_health(const sd_kalman_t *self, uint32_t which) {
+sd_status_t sd_kalman_status(const sd_kalman_t *self, const sd_kalman_tables_t *t, uint32_t which) {
     const sd_kalman_filter_t *f = &self->filter[which];
-    return (uint8_t)((f->running == 0u) ? SD_INVALID : (why(self, f) != 0u) ? SD_DEGRADED : SD_VALID);
-}
-
-sd_status_t sd_kalman_status(const sd_kalman_t *self, uint32_t which) {
-    const sd_kalman_filter_t *f = &self->filter[which];
-    const float limit = f->torque_rad + sd_root(f->jitter_square), size = __builtin_fabsf(f->innovation_rad);
-    sd_status_t status = { .health = sd_kalman_health(self, which), .rejected = f->rejected, .innovation = f->innovation_rad,
-                           .test_ratio = (limit > 0.0f) ? size / limit : 0.0f };
-    status.why = (uint16_t)why(self, f);
+    sd_status_t status = { .health = sd_kalman_health(self, which), .rejected = f->rejected, .innovation = f->innovation_rad };
+    status.why = (uint16_t)sd_kalman_why(self, which);
+    if (f->running == 0u) { return status; }
+    const bool settled = f->teeth >= self->choice.settle_teeth;
+    const float limit = explained_by_torque(f, t, &self->choice, settled, 2.0f * f->motion.energy_j) + sd_root(f->jitter_square);
+    status.test_ratio = __builtin_fabsf(f->innovation_rad) / limit;
     return status;
 }
 

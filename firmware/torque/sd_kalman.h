@@ -79,8 +79,7 @@ typedef struct sd_firing {
 typedef struct sd_kalman_filter {
     sd_motion_t motion;      ///< The estimate.
     float    innovation_rad; ///< Lateness of the last corrected tooth against its prediction.
-    float    jitter_square;  ///< Square of the lateness that jitter explains, rad^2,
-    float    torque_rad;     ///< and lateness that a torque explains: together the limit that the innovation was held against.
+    float    jitter_square;  ///< Square of the lateness that jitter explains, rad^2: the innovation was held against that first.
     float    noise_ratio;    ///< Running mean square of the innovation over its expectation.
     float    peak_nm;        ///< Largest |coefficient|, looked up every fourth tooth.
     float    ring_nm[SD_KALMAN_FIRINGS_MAX][SD_KALMAN_MEAN]; ///< Last torques of each cylinder.
@@ -123,11 +122,23 @@ uint32_t sd_kalman_step(sd_kalman_t *self, const sd_kalman_tables_t *tables, con
 /// spring takes away.
 float sd_kalman_torque(const sd_kalman_t *self, const sd_kalman_tables_t *tables, uint32_t which, uint32_t cycle_position);
 
-/// sd_health_t of filter `which`, without the rest of its status.
-uint8_t sd_kalman_health(const sd_kalman_t *self, uint32_t which);
+/// Why filter `which` is not valid, sd_why_t bits.
+static inline uint32_t sd_kalman_why(const sd_kalman_t *self, uint32_t which) {
+    const sd_kalman_filter_t *f = &self->filter[which];
+    if ((f->running == 0u) || (f->teeth < self->choice.settle_teeth)) {
+        const bool rejected = (f->running != 0u) && ((f->rejected_in_row > 0u) || (self->charge.held != 0u));
+        return (uint32_t)SD_WHY_CONVERGING | (rejected ? (uint32_t)SD_WHY_REJECTED : 0u);
+    }
+    return ((f->rejected_in_row > 0u) || (self->charge.held != 0u)) ? (uint32_t)SD_WHY_REJECTED : 0u;
+}
 
-/// innovation in rad; health invalid while not running, degraded until settled.
-sd_status_t sd_kalman_status(const sd_kalman_t *self, uint32_t which);
+/// sd_health_t of filter `which`: invalid while not running, degraded until settled.
+static inline uint8_t sd_kalman_health(const sd_kalman_t *self, uint32_t which) {
+    return (uint8_t)((self->filter[which].running == 0u) ? SD_INVALID : (sd_kalman_why(self, which) != 0u) ? SD_DEGRADED : SD_VALID);
+}
+
+/// All of it: innovation in rad; test_ratio against the limit as it stands, 0 while not running. It divides and takes a root.
+sd_status_t sd_kalman_status(const sd_kalman_t *self, const sd_kalman_tables_t *tables, uint32_t which);
 
 #ifdef __cplusplus
 }

@@ -20,11 +20,6 @@ void sd_motion_fill(sd_motion_charge_t *charge, float intake_bar) {
     for (uint32_t i = 0; i < SD_KALMAN_FIRINGS_MAX; ++i) { charge->charge_bar[i] = intake_bar; }
 }
 
-void sd_motion_take_intake(sd_motion_charge_t *charge, float intake_bar) {
-    charge->held = sd_within(intake_bar, 0.0f, 10.0f) ? (uint8_t)0 : (uint8_t)1;
-    if (charge->held == 0u) { charge->intake_bar = intake_bar; }
-}
-
 void sd_motion_close_valves(sd_motion_charge_t *charge, const sd_kalman_word_t *word) {
     uint32_t closing = word[SD_ROW_AT].at.close;
     for (uint32_t i = 0; closing != 0u; ++i, closing >>= 1) {
@@ -102,13 +97,13 @@ bool sd_motion_predict(sd_motion_t *self, const sd_kalman_tables_t *t, const sd_
     return sd_motion_move(self, t, row, shape, tuning);
 }
 
-float sd_motion_ahead(const sd_motion_t *self, const sd_kalman_tables_t *t, float slowness, const sd_motion_tuning_t *tuning) {
+float sd_motion_ahead(const sd_motion_t *self, const sd_kalman_tables_t *t, float speed, const sd_motion_tuning_t *tuning) {
     float twist = 0.0f, rate = 0.0f;
     for (uint32_t m = 0; m < t->modes; ++m) {
         twist += self->twist_rad[m];
         rate += self->swing_rad[m] * (tuning->frequency * t->mode[m].frequency_radps);
     }
-    return twist * (1.0f - rate * slowness);
+    return twist * (1.0f - rate / speed);
 }
 
 /* What a dual-mass flywheel takes from the crank beyond the constant torque. */
@@ -125,7 +120,9 @@ float sd_motion_torque(const sd_motion_t *self, const sd_kalman_tables_t *t, uin
                        const sd_motion_tuning_t *tuning) {
     const sd_kalman_word_t *word = sd_motion_word(t, k), *motored = word + SD_ROW_MOTORED, *pulse = pulses_of(t, word);
     float sum = word[SD_ROW_KNOWN + POINT].value + self->coefficient_nm[0];
-    for (uint32_t i = 0; i < t->cylinders; ++i, motored += 3) { sum += motored[POINT].value * charge->charge_bar[i]; }
+    const float *bar = charge->charge_bar;
+    _Pragma("GCC unroll 4")
+    for (uint32_t left = t->cylinders; left > 0u; --left, motored += 3, ++bar) { sum += motored[POINT].value * *bar; }
     uint32_t j = 1u + word[SD_ROW_AT].at.first;
     for (uint32_t left = t->window; left > 0u; --left, pulse += PULSE_WORDS) {
         sum += (pulse[POINT].value + shape * pulse[BEND + POINT].value) * self->coefficient_nm[j];

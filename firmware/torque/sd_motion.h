@@ -157,7 +157,11 @@ static inline float sd_motion_energy_min(const sd_kalman_tables_t *t) { return 1
 void sd_motion_fill(sd_motion_charge_t *charge, float intake_bar);
 
 /// Takes an intake pressure; anything but [0, 10], NaN included, is held off.
-void sd_motion_take_intake(sd_motion_charge_t *charge, float intake_bar);
+static inline void sd_motion_take_intake(sd_motion_charge_t *charge, float intake_bar) {
+    const bool good = sd_within(intake_bar, 0.0f, 10.0f);
+    charge->held = good ? (uint8_t)0 : (uint8_t)1;
+    if (good) { charge->intake_bar = intake_bar; }
+}
 
 /// The cylinders whose intake valve closes at a row keep the pressure.
 void sd_motion_close_valves(sd_motion_charge_t *charge, const sd_kalman_word_t *word);
@@ -169,15 +173,13 @@ void sd_motion_known(const sd_kalman_tables_t *t, uint32_t k, const sd_motion_ch
 bool sd_motion_predict(sd_motion_t *self, const sd_kalman_tables_t *t, const sd_motion_row_t *row, float shape,
                        const sd_motion_tuning_t *tuning);
 
-/// How far the modes have the wheel ahead of the rigid crank at a tooth, rad: a wheel twisted ahead by q and turning faster
-/// by q' comes q / (w + q') early. 0 without modes.
-float sd_motion_ahead(const sd_motion_t *self, const sd_kalman_tables_t *t, float slowness, const sd_motion_tuning_t *tuning);
+/// How far the modes have the wheel ahead of the rigid crank at a tooth, rad, at a speed w of the rigid crank, rad/s: a wheel twisted
+/// ahead by q and turning faster by q' comes q / (w + q') early. 0 without modes.
+float sd_motion_ahead(const sd_motion_t *self, const sd_kalman_tables_t *t, float speed, const sd_motion_tuning_t *tuning);
 
-/// Lateness of the last tooth against the prediction, rad, its own error not taken out. `speed` and `slowness`, one over the
-/// other, are those of the rigid crank there.
-static inline float sd_motion_late(const sd_motion_t *self, const sd_kalman_tables_t *t, float speed, float slowness,
-                                   const sd_motion_tuning_t *tuning) {
-    const float ahead = (t->modes != 0u) ? sd_motion_ahead(self, t, slowness, tuning) : 0.0f;
+/// Lateness of the last tooth against the prediction, rad, its own error not taken out. speed: of the rigid crank there, rad/s.
+static inline float sd_motion_late(const sd_motion_t *self, const sd_kalman_tables_t *t, float speed, const sd_motion_tuning_t *tuning) {
+    const float ahead = (t->modes != 0u) ? sd_motion_ahead(self, t, speed, tuning) : 0.0f;
     return ahead - self->lateness_s * speed;
 }
 

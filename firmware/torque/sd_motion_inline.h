@@ -59,7 +59,7 @@ static inline bool sd_motion_move(sd_motion_t *self, const sd_kalman_tables_t *t
     const float pitch = t->pitch_rad, middle = self->energy_j + pitch * moment, least = sd_motion_energy_min(t);
     self->energy_j += pitch * mean;
     if (!(middle > least) || !(self->energy_j > least)) { return false; }
-    const float square = middle * row->word[SD_ROW_INTERVAL].value, dt = pitch * sd_rsqrt_f32(square);
+    const float square = middle * row->word[SD_ROW_INTERVAL].value, dt = pitch / sd_sqrt_f32(square);
     self->lateness_s += dt;
     return (t->modes == 0u) || sd_motion_swing(self, t, row, shape, tuning, dt, square);
 }

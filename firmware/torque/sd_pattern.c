@@ -162,8 +162,8 @@ static void begin_cycle(sd_pattern_t *self, const sd_kalman_tables_t *t, const s
     self->free.lateness_s = 0.0f;
     self->free.energy_j = self->energy_j;
     self->free.coefficient_nm[0] = self->constant_nm;
-    const float square = self->energy_j * two_over_j, slowness = sd_rsqrt_f32(square);
-    self->free.lateness_s = sd_motion_late(&self->free, t, square * slowness, slowness, &self->tuning) * slowness;
+    const float square = self->energy_j * two_over_j, speed = sd_sqrt_f32(square);
+    self->free.lateness_s = sd_motion_late(&self->free, t, speed, &self->tuning) / speed;
     sd_twist_begin(&self->twist, t, &self->free, &self->tuning);
     memset(&self->pairs, 0, sizeof self->pairs);
     self->ripple_square = 0.0f;
@@ -214,11 +214,11 @@ static void follow(sd_pattern_t *self, const sd_kalman_tables_t *t, const sd_kal
     if (!run_free(self, t, tooth)) { give_up(self); return; }
     const uint32_t k = tooth->cycle_position;
     const float period_s = (float)tooth->period_ticks / t->tick_hz;
-    const float square = self->free.energy_j * sd_motion_word(t, k)[SD_ROW_TOOTH].value, slowness = sd_rsqrt_f32(square);
+    const float square = self->free.energy_j * sd_motion_word(t, k)[SD_ROW_TOOTH].value, speed = sd_sqrt_f32(square);
     self->free.lateness_s -= period_s;
     self->teeth++;
     if (k == 0u) { return; } /* tooth 0 again: its lateness closes the cycle, but belongs to the next one */
-    const float late = sd_motion_late(&self->free, t, square * slowness, slowness, &self->tuning);
+    const float late = sd_motion_late(&self->free, t, speed, &self->tuning);
     if (!sd_within(late, -LATE_MAX, LATE_MAX)) { give_up(self); return; }
     const float d = (k >= t->positions) ? pair_up(self, t, k - t->positions, late) : 0.0f;
     self->cycle_rad[k] = late;

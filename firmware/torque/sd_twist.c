@@ -38,9 +38,9 @@ bool sd_twist_predict(sd_twist_t *self, const sd_kalman_tables_t *t, const sd_mo
 void sd_twist_follow(sd_twist_t *self, const sd_kalman_tables_t *t, uint32_t k, float period_s, float late_rad, float d,
                      sd_teeth_sums_t *pairs) {
     if (t->modes == 0u) { return; }
-    const float square = self->trial.energy_j * sd_motion_word(t, k)[SD_ROW_TOOTH].value, slowness = sd_rsqrt_f32(square);
+    const float square = self->trial.energy_j * sd_motion_word(t, k)[SD_ROW_TOOTH].value, speed = sd_sqrt_f32(square);
     self->trial.lateness_s -= period_s;
-    const float share = (sd_motion_late(&self->trial, t, square * slowness, slowness, &self->tuning) - late_rad) * (1.0f / STEP);
+    const float share = (sd_motion_late(&self->trial, t, speed, &self->tuning) - late_rad) * (1.0f / STEP);
     if (!sd_within(share, -SHARE_MAX, SHARE_MAX)) { memset(&self->trial, 0, sizeof self->trial); } /* and the cycle says so by its sums */
     if (k < t->positions) { self->sensitivity_rad[k] = share; return; }
     const uint32_t tooth = k - t->positions;

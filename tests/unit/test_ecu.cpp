@@ -179,7 +179,7 @@ TEST(Ecu, TurnsEdgesIntoTorqueThroughTheStream) {
                 }
                 if (event.channel == SD_SIGNAL_CYCLE_SPEED) {
                     ++cycles;
-                    cylinders_valid += ecu.ecu->say.status[SD_OWNER_CYLINDER].health == SD_VALID;
+                    cylinders_valid += sd_publish_judged(&ecu.ecu->say, SD_OWNER_CYLINDER).health == SD_VALID;
                     if (cycles > 5) { EXPECT_NEAR(120 / (times[std::size_t(k)] - times[std::size_t(k - 120)]), double(value_of(event)), 0.1); }
                 }
             }
@@ -228,8 +228,8 @@ TEST(Ecu, CylindersAreDegradedWithoutIntakePressureAndInvalidWithoutAMap) {
             if (position % 60 < 58) ecu.send(SD_EVENT_CRANK_EDGE, tick);
             if (position == 25) ecu.send(SD_EVENT_CAM_EDGE, tick + 10);
         }
-        EXPECT_EQ(health, ecu.ecu->say.status[SD_OWNER_CYLINDER].health);
-        EXPECT_EQ(why, ecu.ecu->say.status[SD_OWNER_CYLINDER].why);
+        EXPECT_EQ(health, sd_publish_judged(&ecu.ecu->say, SD_OWNER_CYLINDER).health);
+        EXPECT_EQ(why, sd_publish_judged(&ecu.ecu->say, SD_OWNER_CYLINDER).why);
     }
 }
 
@@ -243,7 +243,7 @@ TEST(Ecu, StallMakesEverythingInvalidAndARestartWorks) {
         }
     };
     turn(0);
-    EXPECT_EQ(SD_VALID, ecu.ecu->say.status[SD_OWNER_CRANK].health);
+    EXPECT_EQ(SD_VALID, sd_publish_judged(&ecu.ecu->say, SD_OWNER_CRANK).health);
     const auto last = std::uint32_t(std::llround(times.back() * 1e7));
     const auto answers = ecu.send(SD_EVENT_TIME, last + 20000000u);
     ASSERT_FALSE(answers.empty());
@@ -254,7 +254,7 @@ TEST(Ecu, StallMakesEverythingInvalidAndARestartWorks) {
         if (event.channel == SD_SIGNAL_CRANK_SPEED) { EXPECT_EQ(0.0f, value_of(event)); }
     }
     turn(last + 30000000u);
-    EXPECT_EQ(SD_VALID, ecu.ecu->say.status[SD_OWNER_CRANK].health);
+    EXPECT_EQ(SD_VALID, sd_publish_judged(&ecu.ecu->say, SD_OWNER_CRANK).health);
 }
 
 /// What the clock event at `tick` brings of inputs: 0 of those that are stale, 1 of those never read.
@@ -443,7 +443,7 @@ TEST(Ecu, TheWholePageIsRestoredAtOnceInWhateverOrderItsValuesDepend) {
 
 TEST(Ecu, NothingIsValidBeforeTheFirstTooth) {
     Ecu ecu(page());
-    for (const sd_status_t &status : ecu.ecu->say.status) EXPECT_EQ(SD_INVALID, status.health);
+    for (unsigned owner = 0; owner < SD_OWNER_COUNT; ++owner) EXPECT_EQ(SD_INVALID, sd_publish_judged(&ecu.ecu->say, sd_owner_t(owner)).health);
 }
 
 TEST(Ecu, AfterAGapTheAngleIsSoughtAfresh) {
@@ -456,12 +456,12 @@ TEST(Ecu, AfterAGapTheAngleIsSoughtAfresh) {
         }
     };
     turn(0, 300);
-    EXPECT_EQ(SD_VALID, ecu.ecu->say.status[SD_OWNER_CRANK].health);
+    EXPECT_EQ(SD_VALID, sd_publish_judged(&ecu.ecu->say, SD_OWNER_CRANK).health);
     for (const sd_event_t &event : ecu.send(SD_EVENT_GAP, 0)) EXPECT_EQ(SD_INVALID, event.flags & 0xff) << event.channel;
     turn(310, 312);
-    EXPECT_EQ(SD_INVALID, ecu.ecu->say.status[SD_OWNER_CRANK].health);
+    EXPECT_EQ(SD_INVALID, sd_publish_judged(&ecu.ecu->say, SD_OWNER_CRANK).health);
     turn(312, 600);
-    EXPECT_EQ(SD_VALID, ecu.ecu->say.status[SD_OWNER_CRANK].health);
+    EXPECT_EQ(SD_VALID, sd_publish_judged(&ecu.ecu->say, SD_OWNER_CRANK).health);
     EXPECT_EQ(57.0f, ecu.ecu->say.signals.crank_tooth) << "the right tooth, not the one ten before";
     EXPECT_EQ(1u, ecu.ecu->crank.counts.sync_losses);
 }

@@ -2,13 +2,13 @@
 /* One block at a time, with plausible numbers: those that a replay of the ecu does not reach. After each step the plugin is
  * told which block it was; 0 is what does not count: starts, and steps before a block has settled. */
 #include "board.h"
-#include "budget_driveline.h"
+#include "budget_blocks.h"
 #include "sd_afr_chain.h"
 #include "sd_afr_joint.h"
 #include "sd_input_observer.h"
 #include "sd_switched.h"
 
-enum { NOT_COUNTED, FOLSMO, FOSMO, ROO, INPUT, OSCILLATORS, FOURIER_LAW, FIXED_GAINS, GUARD, BANK }; /* block_classes of budget.toml */
+enum { NOT_COUNTED, FOLSMO, FOSMO, ROO, INPUT, OSCILLATORS, FOURIER_LAW, FIXED_GAINS, GUARD, BANK, CRANK }; /* block_classes of budget.toml */
 enum { CYCLE_POSITIONS = 120, CYLINDERS = 4 };
 #define STEP_S 6.67e-4f
 
@@ -168,6 +168,7 @@ int main(void) {
     count_chain(OSCILLATORS);
     count_chain(FOURIER_LAW);
     count_fixed_gains();
-    failed |= count_driveline(NOT_COUNTED, GUARD, BANK);
+    failed |= budget_count_driveline(NOT_COUNTED, GUARD, BANK);
+    budget_count_crank(CRANK);
     return (int)failed;
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The driveline's two observers, of the canonical driveline at 2000 rpm with torque up and down, so that every location is met. */
 #include "board.h"
-#include "budget_driveline.h"
+#include "budget_blocks.h"
 #include "sd_driveline_guard.h"
 #include "sd_driveline_hybrid.h"
 
@@ -51,6 +51,6 @@ static uint32_t count_bank(uint32_t not_counted, uint32_t step) {
     return 0u;
 }
 
-uint32_t count_driveline(uint32_t not_counted, uint32_t guard, uint32_t bank) {
+uint32_t budget_count_driveline(uint32_t not_counted, uint32_t guard, uint32_t bank) {
     return count_guard(not_counted, guard) | count_bank(not_counted, bank);
 }

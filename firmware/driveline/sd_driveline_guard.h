@@ -61,6 +61,7 @@ typedef struct sd_driveline_guard {
     uint16_t rejected;     ///< Teeth left out since init, saturating.
     uint8_t  gear;         ///< Of the last step; 0: it does not run.
     uint8_t  location;
+    uint8_t  by_angle;     ///< Location that the torsion stands in.
     uint8_t  table;        ///< from which gains: 1: stiff, and 2: of the start.
     uint8_t  strikes;      ///< Teeth left out in a row.
 } sd_driveline_guard_t;

@@ -38,10 +38,11 @@ sd_result_t sd_ecu_resume(sd_ecu_t *self, const sd_calibration_t *page, const sd
 /* ---- a tooth --------------------------------------------------------------------------------------------------- */
 
 static void restart_firings(sd_ecu_t *self) {
-    if (self->firings.enabled == 0u) { return; }
-    sd_firings_restart(&self->firings);
-    sd_misfire_start(&self->misfire.monitor);
-    sd_publish_judge(&self->say, SD_OWNER_MISFIRE, &(sd_status_t){ .health = SD_INVALID, .why = SD_WHY_CONVERGING });
+    const bool filters = self->firings.enabled != 0u;
+    if (filters) { sd_firings_restart(&self->firings); }
+    if (!filters && !sd_stage_misfire_observes(&self->misfire)) { return; }
+    sd_stage_misfire_restart(&self->misfire);
+    sd_publish_judge(&self->say, SD_OWNER_MISFIRE, &self->misfire.status);
 }
 
 static void jump(sd_ecu_t *self, sd_course_jump_t jump) {
@@ -65,19 +66,26 @@ static void step_torque(sd_ecu_t *self, const sd_calibration_t *page, const sd_t
     sd_course_add(&self->course, tooth, good);
 }
 
-static void judge_firing(sd_ecu_t *self, const sd_firings_out_t *firings) {
-    const sd_stage_misfire_in_t in = { .firing = &firings->firing,
-                                       .estimate = firings->status,
-                                       .energy_j = firings->energy_j,
-                                       .speed_radps = firings->speed_radps,
-                                       .shifting = sd_inputs_value(&self->inputs, SD_INPUT_DRIVELINE_SHIFT) > 0.5f,
-                                       .level_known = sd_inputs_fresh(&self->inputs, SD_INPUT_FUEL_LEVEL),
-                                       .fuel_level_percent = sd_inputs_value(&self->inputs, SD_INPUT_FUEL_LEVEL) };
-    const sd_misfire_verdict_t verdict = sd_stage_misfire_firing(&self->misfire, &in);
-    sd_stage_trims_firing(&self->trims, &firings->firing, firings->status.health, verdict.verdict == (uint8_t)SD_MISFIRE);
-    sd_say_verdict(&self->say, &verdict);
-    sd_status_t status = sd_misfire_status(&self->misfire.monitor);
-    sd_status_worst_of(&status, firings->status.health, firings->status.why);
+/* firings: NULL where no filter runs, and document 000's observer judges alone. */
+static void judge_firing(sd_ecu_t *self, const sd_calibration_t *page, uint32_t firing, bool phase_known, const sd_firings_out_t *firings) {
+    sd_stage_misfire_in_t in = { .firing = firing,
+                                 .phase_known = phase_known,
+                                 .shifting = sd_inputs_value(&self->inputs, SD_INPUT_DRIVELINE_SHIFT) > 0.5f,
+                                 .level_known = sd_inputs_fresh(&self->inputs, SD_INPUT_FUEL_LEVEL),
+                                 .fuel_level_percent = sd_inputs_value(&self->inputs, SD_INPUT_FUEL_LEVEL) };
+    if (firings != NULL) {
+        in.read = &firings->firing;
+        in.estimate = firings->status;
+        in.energy_j = firings->energy_j;
+        in.speed_radps = firings->speed_radps;
+    }
+    sd_stage_misfire_out_t out;
+    sd_stage_misfire_firing(&self->misfire, page, &in, &out);
+    if (firings != NULL) {
+        sd_stage_trims_firing(&self->trims, &firings->firing, firings->status.health, out.verdict.verdict == (uint8_t)SD_MISFIRE);
+    }
+    sd_say_verdict(&self->say, &out);
+    sd_status_t status = self->misfire.status;
     sd_inputs_judge(&self->inputs, SD_OWNER_MISFIRE, &status);
     sd_publish_judge(&self->say, SD_OWNER_MISFIRE, &status);
 }
@@ -102,16 +110,23 @@ static bool step_firings(sd_ecu_t *self, const sd_calibration_t *page, const sd_
     sd_inputs_judge(inputs, SD_OWNER_FIRING, &out.status);
     sd_publish_judge(&self->say, SD_OWNER_FIRING, &out.status);
     self->say.signals.firing_waveform_nm = out.waveform_nm;
-    if (self->firings.enabled == 0u) {
+    const bool observed = sd_stage_misfire_observes(&self->misfire);
+    if ((self->firings.enabled == 0u) && !observed) {
         sd_publish_judge(&self->say, SD_OWNER_MISFIRE, &out.status);
         return false;
     }
-    sd_stage_misfire_tooth(&self->misfire, page, tooth, fuel_mg);
+    const uint32_t read = sd_stage_misfire_tooth(&self->misfire, page, tooth, fuel_mg);
     if (out.restarted != 0u) { sd_misfire_start(&self->misfire.monitor); }
     if (out.learned != 0u) { sd_say_pattern(&self->say, &self->firings.pattern); }
-    if (out.complete == 0u) { return false; }
-    sd_say_firing(&self->say, page, &out);
-    judge_firing(self, &out);
+    if (out.complete != 0u) {
+        sd_say_firing(&self->say, page, &out);
+        judge_firing(self, page, out.firing.index, tooth->phase_known != 0u, &out);
+    } else if ((self->firings.enabled == 0u) && (read != 0u)) {
+        self->say.signals.firing_cylinder = (float)page->firing_order[read - 1u];
+        judge_firing(self, page, read - 1u, tooth->phase_known != 0u, NULL);
+    } else {
+        return false;
+    }
     sd_publish_row(&self->say, port, tooth->tick, SD_RATE_FIRING);
     return true;
 }
@@ -151,6 +166,7 @@ static void on_crank_edge(sd_ecu_t *self, const sd_calibration_t *page, const sd
         on_tooth(self, page, port, &tooth, motion.speed_radps);
     } else {
         sd_firings_spurious(&self->firings, &page->kalman);
+        sd_stage_misfire_spurious(&self->misfire, page);
     }
     self->edge_seen = 1;
     sd_publish_row(&self->say, port, tick, SD_RATE_EDGE);

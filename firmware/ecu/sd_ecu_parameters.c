@@ -35,7 +35,7 @@ static sd_result_t apply_firing(sd_ecu_t *self, const sd_calibration_t *page) {
     const bool rested = self->firings.enabled == 0u, wanted = self->working.firing_enabled > 0.5f;
     if ((page->kalman.positions == 0u) && wanted) { return SD_ERR_CONFIG; }
     if (configure_firings(self, page) != SD_OK) { return SD_ERR_CONFIG; }
-    if (rested && wanted) { sd_misfire_start(&self->misfire.monitor); }
+    if (rested && wanted) { sd_misfire_start(&self->misfire.monitor); } /* document 000's observer goes on */
     return SD_OK;
 }
 

@@ -26,6 +26,8 @@ _Static_assert((-1 >> 1) == -1, "q31 needs an arithmetic right shift");
 
 typedef struct { float factor; } sd_gain_f32_t;
 typedef struct { sd_q31_t mantissa; int8_t exponent; } sd_gain_q31_t; /* value = mantissa 2^(exponent - 31) */
+typedef struct { float factor[4]; } sd_row_f32_t;
+typedef struct { sd_q31_t mantissa[4]; } sd_row_q31_t;                   /* value = mantissa 2^(SD_ROW_BITS - 31) */
 typedef float   sd_acc_f32_t;
 typedef int64_t sd_acc_q31_t;
 
@@ -77,6 +79,35 @@ static inline sd_q31_t sd_gain_q31(sd_gain_q31_t g, sd_q31_t x) {
     return sd_sat_q31(((int64_t)g.mantissa * x) >> (31 - g.exponent));
 }
 
+/* One row of a matrix, up to four columns: sums of products with one rounding at the end. Its values add up to less than
+ * 2^SD_ROW_BITS, signs left out, so no sum of products overflows; see sd_row_fits_q31. */
+#define SD_ROW_BITS 3
+static inline float sd_row_f32(const sd_row_f32_t *row, float a, float b, float c, float d) {
+    return (row->factor[0] * a + row->factor[1] * b) + (row->factor[2] * c + row->factor[3] * d);
+}
+static inline sd_q31_t sd_row_q31(const sd_row_q31_t *row, sd_q31_t a, sd_q31_t b, sd_q31_t c, sd_q31_t d) {
+    const sd_q31_t *m = row->mantissa;
+    return sd_sat_q31(((int64_t)m[0] * a + (int64_t)m[1] * b + (int64_t)m[2] * c + (int64_t)m[3] * d) >> (31 - SD_ROW_BITS));
+}
+static inline bool sd_row_fits_f32(const sd_row_f32_t *row) {
+    float sum = 0.0f;
+    for (int i = 0; i < 4; ++i) { sum += __builtin_fabsf(row->factor[i]); }
+    return sum < (float)(1 << SD_ROW_BITS); /* false for NaN */
+}
+static inline bool sd_row_fits_q31(const sd_row_q31_t *row) {
+    int64_t sum = 0;
+    for (int i = 0; i < 4; ++i) { sum += (row->mantissa[i] < 0) ? -(int64_t)row->mantissa[i] : row->mantissa[i]; }
+    return sum <= INT32_MAX;
+}
+
+/* size with the sign of `like`; that of 0 is positive. */
+static inline float    sd_signed_f32(float size, float like)       { return __builtin_copysignf(size, like); }
+static inline sd_q31_t sd_signed_q31(sd_q31_t size, sd_q31_t like) { return (size ^ (like >> 31)) - (like >> 31); }
+
+/* x / 2^n, q31 rounds down; 0 <= n < 31. */
+static inline float    sd_shift_f32(float x, int n)    { return x * (1.0f / (float)(1u << n)); }
+static inline sd_q31_t sd_shift_q31(sd_q31_t x, int n) { return x >> n; }
+
 /* acc + a b */
 static inline sd_acc_f32_t sd_mac_f32(sd_acc_f32_t acc, float a, float b)       { return acc + a * b; }
 static inline sd_acc_q31_t sd_mac_q31(sd_acc_q31_t acc, sd_q31_t a, sd_q31_t b) { return acc + (((int64_t)a * b) >> 31); }
@@ -84,6 +115,10 @@ static inline sd_acc_f32_t sd_acc_f32(float x)                 { return x; }
 static inline sd_acc_q31_t sd_acc_q31(sd_q31_t x)              { return x; }
 static inline float        sd_settle_f32(sd_acc_f32_t acc)     { return acc; }
 static inline sd_q31_t     sd_settle_q31(sd_acc_q31_t acc)     { return sd_sat_q31(acc); }
+
+/* Inside [-limit, limit], limit >= 0. */
+static inline float    sd_within_f32(float x, float limit)       { return (x < -limit) ? -limit : (x > limit) ? limit : x; }
+static inline sd_q31_t sd_within_q31(sd_q31_t x, sd_q31_t limit) { return (x < -limit) ? -limit : (x > limit) ? limit : x; }
 
 /* Conversions, for init and read only. */
 static inline float    sd_from_float_f32(float x)    { return x; }
@@ -124,6 +159,14 @@ static inline float sd_sqrt_f32(float x) { return _mm_cvtss_f32(_mm_sqrt_ss(_mm_
 #else
 static inline float sd_sqrt_f32(float x) { return sd_sqrt_by_bits_f32(x); }
 #endif
+
+/* A row of four values as above. */
+static inline sd_row_f32_t sd_row_of_f32(const float *value) { return (sd_row_f32_t){ { value[0], value[1], value[2], value[3] } }; }
+static inline sd_row_q31_t sd_row_of_q31(const float *value) {
+    sd_row_q31_t row;
+    for (int i = 0; i < 4; ++i) { row.mantissa[i] = sd_from_float_q31(value[i] * (1.0f / (float)(1 << SD_ROW_BITS))); }
+    return row;
+}
 
 /* Inside the range, not at its ends, where q31 saturates; false for NaN. */
 static inline bool sd_in_unit_f32(float x)    { return __builtin_fabsf(x) < 1.0f; }

@@ -50,10 +50,16 @@ static bool cylinders_ok(const sd_calibration_t *page) {
     return ok;
 }
 
+static bool wheel_ok(const sd_calibration_t *page) {
+    const sd_wheel_tables_t *w = &page->wheel;
+    const bool bases = (w->accel_exponent >= 0) && (w->accel_exponent <= 30) && (w->work_exponent >= 0) && (w->work_exponent <= 30);
+    return bases && ((w->positions == 0u) || ((w->positions == page->positions) && (w->cylinders == page->cylinders)));
+}
+
 bool sd_calibration_in_range(const sd_calibration_t *page) {
     const float *parameter = (const float *)&page->parameters;
     bool ok = within(page->position_0_deg, 0.0f, 360.0f) && within(page->tick_hz, 1e5f, 2e8f) && cylinders_ok(page) &&
-              ((page->kalman.positions == 0u) || (page->kalman.positions == page->positions));
+              ((page->kalman.positions == 0u) || (page->kalman.positions == page->positions)) && wheel_ok(page);
     for (uint32_t i = 0; ok && (i < SD_PARAMETER_COUNT); ++i) {
         ok = within(parameter[i], sd_parameter_infos[i].low, sd_parameter_infos[i].high);
     }
@@ -107,4 +113,21 @@ sd_misfire_config_t sd_calibration_misfire(const sd_calibration_t *page, const s
                                    .catalyst_exceedances = (uint16_t)p->misfire_catalyst_windows };
     memcpy(config.firing_order, page->firing_order, sizeof config.firing_order);
     return config;
+}
+
+float sd_calibration_work(const sd_calibration_t *page, const sd_parameters_t *p) {
+    return p->misfire_work_per_fuel_jpmg / (float)(1u << (uint32_t)page->wheel.work_exponent);
+}
+
+static float clamp(float x, float low, float high) { return (x < low) ? low : (x > high) ? high : x; }
+
+sd_wheel_config_f32_t sd_calibration_wheel(const sd_calibration_t *page, const sd_parameters_t *p, sd_wheel_kind_t kind) {
+    const float cylinders = (float)page->cylinders, of_torque_mg = p->misfire_torque_min_nm * 3.14159265f / p->misfire_work_per_fuel_jpmg;
+    const float fuel_min_mg = (p->misfire_fuel_min_mg > of_torque_mg) ? p->misfire_fuel_min_mg : of_torque_mg;
+    return (sd_wheel_config_f32_t){ .definition = p->misfire_definition,
+                                    .work_min = clamp(fuel_min_mg * sd_calibration_work(page, p), 1e-6f, 0.999f),
+                                    .speed_change = clamp(2.0f * p->misfire_speed_change, 1e-3f, 0.999f), /* of the square */
+                                    .start_firings = (uint16_t)(p->misfire_start_cycles * cylinders),
+                                    .hold_firings = (uint16_t)(p->misfire_hold_cycles * cylinders),
+                                    .kind = (uint8_t)kind };
 }

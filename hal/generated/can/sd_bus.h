@@ -56,8 +56,9 @@ extern "C" {
 #define SD_BUS_CYCLE_4_FRAME_ID (0xb4u)
 #define SD_BUS_CYCLE_5_FRAME_ID (0xb5u)
 #define SD_BUS_CYCLE_6_FRAME_ID (0xb6u)
-#define SD_BUS_FIRING_FRAME_ID (0xb7u)
-#define SD_BUS_TASK_FRAME_ID (0xb8u)
+#define SD_BUS_FIRING_1_FRAME_ID (0xb7u)
+#define SD_BUS_FIRING_2_FRAME_ID (0xb8u)
+#define SD_BUS_TASK_FRAME_ID (0xb9u)
 #define SD_BUS_PARAMETER_REQUEST_FRAME_ID (0xc0u)
 #define SD_BUS_PARAMETER_FRAME_ID (0xc1u)
 #define SD_BUS_CLAIM_FRAME_ID (0xc2u)
@@ -83,7 +84,8 @@ extern "C" {
 #define SD_BUS_CYCLE_4_LENGTH (64u)
 #define SD_BUS_CYCLE_5_LENGTH (64u)
 #define SD_BUS_CYCLE_6_LENGTH (24u)
-#define SD_BUS_FIRING_LENGTH (64u)
+#define SD_BUS_FIRING_1_LENGTH (64u)
+#define SD_BUS_FIRING_2_LENGTH (16u)
 #define SD_BUS_TASK_LENGTH (24u)
 #define SD_BUS_PARAMETER_REQUEST_LENGTH (8u)
 #define SD_BUS_PARAMETER_LENGTH (8u)
@@ -110,7 +112,8 @@ extern "C" {
 #define SD_BUS_CYCLE_4_IS_EXTENDED (0)
 #define SD_BUS_CYCLE_5_IS_EXTENDED (0)
 #define SD_BUS_CYCLE_6_IS_EXTENDED (0)
-#define SD_BUS_FIRING_IS_EXTENDED (0)
+#define SD_BUS_FIRING_1_IS_EXTENDED (0)
+#define SD_BUS_FIRING_2_IS_EXTENDED (0)
 #define SD_BUS_TASK_IS_EXTENDED (0)
 #define SD_BUS_PARAMETER_REQUEST_IS_EXTENDED (0)
 #define SD_BUS_PARAMETER_IS_EXTENDED (0)
@@ -416,13 +419,17 @@ extern "C" {
 #define SD_BUS_CYCLE_6_MISFIRE_HEALTH_DEGRADED_CHOICE (1u)
 #define SD_BUS_CYCLE_6_MISFIRE_HEALTH_INVALID_CHOICE (2u)
 
-#define SD_BUS_FIRING_FIRING_HEALTH_VALID_CHOICE (0u)
-#define SD_BUS_FIRING_FIRING_HEALTH_DEGRADED_CHOICE (1u)
-#define SD_BUS_FIRING_FIRING_HEALTH_INVALID_CHOICE (2u)
+#define SD_BUS_FIRING_1_FIRING_HEALTH_VALID_CHOICE (0u)
+#define SD_BUS_FIRING_1_FIRING_HEALTH_DEGRADED_CHOICE (1u)
+#define SD_BUS_FIRING_1_FIRING_HEALTH_INVALID_CHOICE (2u)
 
-#define SD_BUS_FIRING_MISFIRE_HEALTH_VALID_CHOICE (0u)
-#define SD_BUS_FIRING_MISFIRE_HEALTH_DEGRADED_CHOICE (1u)
-#define SD_BUS_FIRING_MISFIRE_HEALTH_INVALID_CHOICE (2u)
+#define SD_BUS_FIRING_1_MISFIRE_HEALTH_VALID_CHOICE (0u)
+#define SD_BUS_FIRING_1_MISFIRE_HEALTH_DEGRADED_CHOICE (1u)
+#define SD_BUS_FIRING_1_MISFIRE_HEALTH_INVALID_CHOICE (2u)
+
+#define SD_BUS_FIRING_2_MISFIRE_HEALTH_VALID_CHOICE (0u)
+#define SD_BUS_FIRING_2_MISFIRE_HEALTH_DEGRADED_CHOICE (1u)
+#define SD_BUS_FIRING_2_MISFIRE_HEALTH_INVALID_CHOICE (2u)
 
 #define SD_BUS_TASK_INPUTS_HEALTH_VALID_CHOICE (0u)
 #define SD_BUS_TASK_INPUTS_HEALTH_DEGRADED_CHOICE (1u)
@@ -471,27 +478,29 @@ extern "C" {
 #define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_CATALYST_CHOICE (35u)
 #define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_EMISSION_WINDOWS_CHOICE (36u)
 #define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_CATALYST_WINDOWS_CHOICE (37u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_METHOD_CHOICE (38u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_GAIN_AIR_CHOICE (39u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_GAIN_CYLINDER_CHOICE (40u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_INVERSION_GAIN_CHOICE (41u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_INVERSION_FLOOR_CHOICE (42u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_NOISE_CHOICE (43u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_DRIFT_CHOICE (44u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_JUMP_CHOICE (45u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_DRIFT_SLOW_CHOICE (46u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_SLOW_ABOVE_CHOICE (47u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_STOICHIOMETRIC_CHOICE (48u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_IDENTIFY_CHOICE (49u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_PROBE_CHOICE (50u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_LATE_ERROR_CHOICE (51u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_LAG_ERROR_CHOICE (52u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_SOURCE_CHOICE (53u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_GAIN_CHOICE (54u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_RATE_CHOICE (55u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_LIMIT_CHOICE (56u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_SD_MAX_CHOICE (57u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_HOLD_CHOICE (58u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_METHOD_CHOICE (38u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_ARITHMETIC_CHOICE (39u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_METHOD_CHOICE (40u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_GAIN_AIR_CHOICE (41u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_GAIN_CYLINDER_CHOICE (42u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_INVERSION_GAIN_CHOICE (43u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_INVERSION_FLOOR_CHOICE (44u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_NOISE_CHOICE (45u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_DRIFT_CHOICE (46u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_JUMP_CHOICE (47u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_DRIFT_SLOW_CHOICE (48u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_SLOW_ABOVE_CHOICE (49u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_STOICHIOMETRIC_CHOICE (50u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_IDENTIFY_CHOICE (51u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_PROBE_CHOICE (52u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_LATE_ERROR_CHOICE (53u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_LAG_ERROR_CHOICE (54u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_SOURCE_CHOICE (55u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_GAIN_CHOICE (56u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_RATE_CHOICE (57u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_LIMIT_CHOICE (58u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_SD_MAX_CHOICE (59u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_HOLD_CHOICE (60u)
 #define SD_BUS_PARAMETER_REQUEST_INDEX_ALL_CHOICE (255u)
 
 #define SD_BUS_PARAMETER_COMMAND_READ_CHOICE (0u)
@@ -537,27 +546,29 @@ extern "C" {
 #define SD_BUS_PARAMETER_INDEX_MISFIRE_CATALYST_CHOICE (35u)
 #define SD_BUS_PARAMETER_INDEX_MISFIRE_EMISSION_WINDOWS_CHOICE (36u)
 #define SD_BUS_PARAMETER_INDEX_MISFIRE_CATALYST_WINDOWS_CHOICE (37u)
-#define SD_BUS_PARAMETER_INDEX_AFR_METHOD_CHOICE (38u)
-#define SD_BUS_PARAMETER_INDEX_AFR_GAIN_AIR_CHOICE (39u)
-#define SD_BUS_PARAMETER_INDEX_AFR_GAIN_CYLINDER_CHOICE (40u)
-#define SD_BUS_PARAMETER_INDEX_AFR_INVERSION_GAIN_CHOICE (41u)
-#define SD_BUS_PARAMETER_INDEX_AFR_INVERSION_FLOOR_CHOICE (42u)
-#define SD_BUS_PARAMETER_INDEX_AFR_NOISE_CHOICE (43u)
-#define SD_BUS_PARAMETER_INDEX_AFR_DRIFT_CHOICE (44u)
-#define SD_BUS_PARAMETER_INDEX_AFR_JUMP_CHOICE (45u)
-#define SD_BUS_PARAMETER_INDEX_AFR_DRIFT_SLOW_CHOICE (46u)
-#define SD_BUS_PARAMETER_INDEX_AFR_SLOW_ABOVE_CHOICE (47u)
-#define SD_BUS_PARAMETER_INDEX_AFR_STOICHIOMETRIC_CHOICE (48u)
-#define SD_BUS_PARAMETER_INDEX_AFR_IDENTIFY_CHOICE (49u)
-#define SD_BUS_PARAMETER_INDEX_AFR_PROBE_CHOICE (50u)
-#define SD_BUS_PARAMETER_INDEX_AFR_LATE_ERROR_CHOICE (51u)
-#define SD_BUS_PARAMETER_INDEX_AFR_LAG_ERROR_CHOICE (52u)
-#define SD_BUS_PARAMETER_INDEX_BALANCE_SOURCE_CHOICE (53u)
-#define SD_BUS_PARAMETER_INDEX_BALANCE_GAIN_CHOICE (54u)
-#define SD_BUS_PARAMETER_INDEX_BALANCE_RATE_CHOICE (55u)
-#define SD_BUS_PARAMETER_INDEX_BALANCE_LIMIT_CHOICE (56u)
-#define SD_BUS_PARAMETER_INDEX_BALANCE_SD_MAX_CHOICE (57u)
-#define SD_BUS_PARAMETER_INDEX_BALANCE_HOLD_CHOICE (58u)
+#define SD_BUS_PARAMETER_INDEX_MISFIRE_METHOD_CHOICE (38u)
+#define SD_BUS_PARAMETER_INDEX_MISFIRE_ARITHMETIC_CHOICE (39u)
+#define SD_BUS_PARAMETER_INDEX_AFR_METHOD_CHOICE (40u)
+#define SD_BUS_PARAMETER_INDEX_AFR_GAIN_AIR_CHOICE (41u)
+#define SD_BUS_PARAMETER_INDEX_AFR_GAIN_CYLINDER_CHOICE (42u)
+#define SD_BUS_PARAMETER_INDEX_AFR_INVERSION_GAIN_CHOICE (43u)
+#define SD_BUS_PARAMETER_INDEX_AFR_INVERSION_FLOOR_CHOICE (44u)
+#define SD_BUS_PARAMETER_INDEX_AFR_NOISE_CHOICE (45u)
+#define SD_BUS_PARAMETER_INDEX_AFR_DRIFT_CHOICE (46u)
+#define SD_BUS_PARAMETER_INDEX_AFR_JUMP_CHOICE (47u)
+#define SD_BUS_PARAMETER_INDEX_AFR_DRIFT_SLOW_CHOICE (48u)
+#define SD_BUS_PARAMETER_INDEX_AFR_SLOW_ABOVE_CHOICE (49u)
+#define SD_BUS_PARAMETER_INDEX_AFR_STOICHIOMETRIC_CHOICE (50u)
+#define SD_BUS_PARAMETER_INDEX_AFR_IDENTIFY_CHOICE (51u)
+#define SD_BUS_PARAMETER_INDEX_AFR_PROBE_CHOICE (52u)
+#define SD_BUS_PARAMETER_INDEX_AFR_LATE_ERROR_CHOICE (53u)
+#define SD_BUS_PARAMETER_INDEX_AFR_LAG_ERROR_CHOICE (54u)
+#define SD_BUS_PARAMETER_INDEX_BALANCE_SOURCE_CHOICE (55u)
+#define SD_BUS_PARAMETER_INDEX_BALANCE_GAIN_CHOICE (56u)
+#define SD_BUS_PARAMETER_INDEX_BALANCE_RATE_CHOICE (57u)
+#define SD_BUS_PARAMETER_INDEX_BALANCE_LIMIT_CHOICE (58u)
+#define SD_BUS_PARAMETER_INDEX_BALANCE_SD_MAX_CHOICE (59u)
+#define SD_BUS_PARAMETER_INDEX_BALANCE_HOLD_CHOICE (60u)
 #define SD_BUS_PARAMETER_INDEX_ALL_CHOICE (255u)
 
 #define SD_BUS_PARAMETER_RESULT_OK_CHOICE (0u)
@@ -576,7 +587,8 @@ extern "C" {
 #define SD_BUS_CYCLE_4_NAME "cycle_4"
 #define SD_BUS_CYCLE_5_NAME "cycle_5"
 #define SD_BUS_CYCLE_6_NAME "cycle_6"
-#define SD_BUS_FIRING_NAME "firing"
+#define SD_BUS_FIRING_1_NAME "firing_1"
+#define SD_BUS_FIRING_2_NAME "firing_2"
 #define SD_BUS_TASK_NAME "task"
 #define SD_BUS_PARAMETER_REQUEST_NAME "parameter_request"
 #define SD_BUS_PARAMETER_NAME "parameter"
@@ -739,23 +751,29 @@ extern "C" {
 #define SD_BUS_CYCLE_6_MISFIRE_LAMP_NAME "misfire_lamp"
 #define SD_BUS_CYCLE_6_MISFIRE_COUNT_NAME "misfire_count"
 #define SD_BUS_CYCLE_6_MISFIRE_PARTIAL_BURNS_NAME "misfire_partial_burns"
-#define SD_BUS_FIRING_TICK_NAME "tick"
-#define SD_BUS_FIRING_FIRING_HEALTH_NAME "firing_health"
-#define SD_BUS_FIRING_FIRING_WHY_NAME "firing_why"
-#define SD_BUS_FIRING_MISFIRE_HEALTH_NAME "misfire_health"
-#define SD_BUS_FIRING_MISFIRE_WHY_NAME "misfire_why"
-#define SD_BUS_FIRING_FIRING_CYLINDER_NAME "firing_cylinder"
-#define SD_BUS_FIRING_FIRING_TORQUE_NAME "firing_torque"
-#define SD_BUS_FIRING_FIRING_SD_NAME "firing_sd"
-#define SD_BUS_FIRING_FIRING_MEAN_NAME "firing_mean"
-#define SD_BUS_FIRING_FIRING_MEAN_SD_NAME "firing_mean_sd"
-#define SD_BUS_FIRING_FIRING_ROUGH_NAME "firing_rough"
-#define SD_BUS_FIRING_MISFIRE_INDEX_NAME "misfire_index"
-#define SD_BUS_FIRING_MISFIRE_LIMIT_NAME "misfire_limit"
-#define SD_BUS_FIRING_MISFIRE_VERDICT_NAME "misfire_verdict"
-#define SD_BUS_FIRING_MISFIRE_INHIBIT_NAME "misfire_inhibit"
-#define SD_BUS_FIRING_MISFIRE_FIRING_NAME "misfire_firing"
-#define SD_BUS_FIRING_MISFIRE_CYLINDER_NAME "misfire_cylinder"
+#define SD_BUS_FIRING_1_TICK_NAME "tick"
+#define SD_BUS_FIRING_1_FIRING_HEALTH_NAME "firing_health"
+#define SD_BUS_FIRING_1_FIRING_WHY_NAME "firing_why"
+#define SD_BUS_FIRING_1_MISFIRE_HEALTH_NAME "misfire_health"
+#define SD_BUS_FIRING_1_MISFIRE_WHY_NAME "misfire_why"
+#define SD_BUS_FIRING_1_FIRING_CYLINDER_NAME "firing_cylinder"
+#define SD_BUS_FIRING_1_FIRING_TORQUE_NAME "firing_torque"
+#define SD_BUS_FIRING_1_FIRING_SD_NAME "firing_sd"
+#define SD_BUS_FIRING_1_FIRING_MEAN_NAME "firing_mean"
+#define SD_BUS_FIRING_1_FIRING_MEAN_SD_NAME "firing_mean_sd"
+#define SD_BUS_FIRING_1_FIRING_ROUGH_NAME "firing_rough"
+#define SD_BUS_FIRING_1_MISFIRE_INDEX_NAME "misfire_index"
+#define SD_BUS_FIRING_1_MISFIRE_LIMIT_NAME "misfire_limit"
+#define SD_BUS_FIRING_1_MISFIRE_VERDICT_NAME "misfire_verdict"
+#define SD_BUS_FIRING_1_MISFIRE_INHIBIT_NAME "misfire_inhibit"
+#define SD_BUS_FIRING_1_MISFIRE_FIRING_NAME "misfire_firing"
+#define SD_BUS_FIRING_1_MISFIRE_CYLINDER_NAME "misfire_cylinder"
+#define SD_BUS_FIRING_1_MISFIRE_MONITOR_NAME "misfire_monitor"
+#define SD_BUS_FIRING_2_TICK_NAME "tick"
+#define SD_BUS_FIRING_2_MISFIRE_HEALTH_NAME "misfire_health"
+#define SD_BUS_FIRING_2_MISFIRE_WHY_NAME "misfire_why"
+#define SD_BUS_FIRING_2_MISFIRE_ACCELERATION_NAME "misfire_acceleration"
+#define SD_BUS_FIRING_2_MISFIRE_RESIDUAL_NAME "misfire_residual"
 #define SD_BUS_TASK_TICK_NAME "tick"
 #define SD_BUS_TASK_INPUTS_HEALTH_NAME "inputs_health"
 #define SD_BUS_TASK_INPUTS_WHY_NAME "inputs_why"
@@ -2167,13 +2185,13 @@ struct sd_bus_cycle_6_t {
 };
 
 /**
- * Signals in message firing.
+ * Signals in message firing_1.
  *
  * Signals of rate firing, one row a tick.
  *
  * All signal values are as on the CAN bus.
  */
-struct sd_bus_firing_t {
+struct sd_bus_firing_1_t {
     /**
      * Capture tick of the event that caused it.
      *
@@ -2274,7 +2292,7 @@ struct sd_bus_firing_t {
     float firing_rough;
 
     /**
-     * Work of the firing over the work expected of its fuel: 1 healthy, 0 a misfire; 0 when not judged.
+     * Work of the firing over the work expected of its fuel, by the method that judges: 1 healthy, 0 a misfire; 0 when not judged.
      *
      * Range: -10.0..10.0 (-10..10 -)
      * Scale: 1
@@ -2292,7 +2310,7 @@ struct sd_bus_firing_t {
     float misfire_limit;
 
     /**
-     * 0 healthy, 1 partial burn, 2 misfire, 3 not judged.
+     * 0 healthy, 1 partial burn (the monitor only), 2 misfire, 3 not judged; of the method that judges.
      *
      * Range: 0.0..3.0 (0..3 -)
      * Scale: 1
@@ -2326,6 +2344,69 @@ struct sd_bus_firing_t {
      * Offset: 0
      */
     float misfire_cylinder;
+
+    /**
+     * The monitor's own verdict, whatever misfire.method is; 3 where the filter on tooth times rests.
+     *
+     * Range: 0.0..3.0 (0..3 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    float misfire_monitor;
+};
+
+/**
+ * Signals in message firing_2.
+ *
+ * Signals of rate firing, one row a tick.
+ *
+ * All signal values are as on the CAN bus.
+ */
+struct sd_bus_firing_2_t {
+    /**
+     * Capture tick of the event that caused it.
+     *
+     * Range: 0..4294967295 (0..4294967295 tick)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint32_t tick;
+
+    /**
+     * How far the values of misfire may be trusted.
+     *
+     * Range: 0..2 (0..2 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t misfire_health;
+
+    /**
+     * Why not, bits: sd_why_t.
+     *
+     * Range: 0..65535 (0..65535 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint16_t misfire_why;
+
+    /**
+     * Angular acceleration of the crank by document 000's observer, mean from the firing's TDC to the next one; 0 when not judged, and with method 0.
+     *
+     * Range: -1000000.0..1000000.0 (-1000000..1000000 rad/s2)
+     * Scale: 1
+     * Offset: 0
+     */
+    float misfire_acceleration;
+
+    /**
+     * The same less what the commanded fuel should give against the load as learned: what the firing lacks.
+     *
+     * Range: -1000000.0..1000000.0 (-1000000..1000000 rad/s2)
+     * Scale: 1
+     * Offset: 0
+     */
+    float misfire_residual;
 };
 
 /**
@@ -9018,7 +9099,7 @@ bool sd_bus_cycle_6_misfire_partial_burns_is_in_range(float value);
 bool sd_bus_cycle_6_misfire_partial_burns_is_in_phys_range(double value);
 
 /**
- * Pack message firing.
+ * Pack message firing_1.
  *
  * @param[out] dst_p Buffer to pack the message into.
  * @param[in] src_p Data to pack.
@@ -9026,13 +9107,13 @@ bool sd_bus_cycle_6_misfire_partial_burns_is_in_phys_range(double value);
  *
  * @return Size of packed data, or negative error code.
  */
-int sd_bus_firing_pack(
+int sd_bus_firing_1_pack(
     uint8_t *dst_p,
-    const struct sd_bus_firing_t *src_p,
+    const struct sd_bus_firing_1_t *src_p,
     size_t size);
 
 /**
- * Unpack message firing.
+ * Unpack message firing_1.
  *
  * @param[out] dst_p Object to unpack the message into.
  * @param[in] src_p Message to unpack.
@@ -9040,19 +9121,19 @@ int sd_bus_firing_pack(
  *
  * @return zero(0) or negative error code.
  */
-int sd_bus_firing_unpack(
-    struct sd_bus_firing_t *dst_p,
+int sd_bus_firing_1_unpack(
+    struct sd_bus_firing_1_t *dst_p,
     const uint8_t *src_p,
     size_t size);
 
 /**
- * Init message fields to default values from firing.
+ * Init message fields to default values from firing_1.
  *
  * @param[in] msg_p Message to init.
  *
  * @return zero(0) on success or (-1) in case of nullptr argument.
  */
-int sd_bus_firing_init(struct sd_bus_firing_t *msg_p);
+int sd_bus_firing_1_init(struct sd_bus_firing_1_t *msg_p);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -9061,7 +9142,7 @@ int sd_bus_firing_init(struct sd_bus_firing_t *msg_p);
  *
  * @return Encoded signal.
  */
-uint32_t sd_bus_firing_tick_encode(double value);
+uint32_t sd_bus_firing_1_tick_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -9070,7 +9151,7 @@ uint32_t sd_bus_firing_tick_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_firing_tick_decode(uint32_t value);
+double sd_bus_firing_1_tick_decode(uint32_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -9079,7 +9160,7 @@ double sd_bus_firing_tick_decode(uint32_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_firing_tick_is_in_range(uint32_t value);
+bool sd_bus_firing_1_tick_is_in_range(uint32_t value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -9092,7 +9173,7 @@ bool sd_bus_firing_tick_is_in_range(uint32_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_firing_tick_is_in_phys_range(double value);
+bool sd_bus_firing_1_tick_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -9101,7 +9182,7 @@ bool sd_bus_firing_tick_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-uint8_t sd_bus_firing_firing_health_encode(double value);
+uint8_t sd_bus_firing_1_firing_health_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -9110,7 +9191,7 @@ uint8_t sd_bus_firing_firing_health_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_firing_firing_health_decode(uint8_t value);
+double sd_bus_firing_1_firing_health_decode(uint8_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -9119,7 +9200,7 @@ double sd_bus_firing_firing_health_decode(uint8_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_firing_firing_health_is_in_range(uint8_t value);
+bool sd_bus_firing_1_firing_health_is_in_range(uint8_t value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -9132,7 +9213,7 @@ bool sd_bus_firing_firing_health_is_in_range(uint8_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_firing_firing_health_is_in_phys_range(double value);
+bool sd_bus_firing_1_firing_health_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -9141,7 +9222,7 @@ bool sd_bus_firing_firing_health_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-uint16_t sd_bus_firing_firing_why_encode(double value);
+uint16_t sd_bus_firing_1_firing_why_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -9150,7 +9231,7 @@ uint16_t sd_bus_firing_firing_why_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_firing_firing_why_decode(uint16_t value);
+double sd_bus_firing_1_firing_why_decode(uint16_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -9159,7 +9240,7 @@ double sd_bus_firing_firing_why_decode(uint16_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_firing_firing_why_is_in_range(uint16_t value);
+bool sd_bus_firing_1_firing_why_is_in_range(uint16_t value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -9172,7 +9253,7 @@ bool sd_bus_firing_firing_why_is_in_range(uint16_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_firing_firing_why_is_in_phys_range(double value);
+bool sd_bus_firing_1_firing_why_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -9181,7 +9262,7 @@ bool sd_bus_firing_firing_why_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-uint8_t sd_bus_firing_misfire_health_encode(double value);
+uint8_t sd_bus_firing_1_misfire_health_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -9190,7 +9271,7 @@ uint8_t sd_bus_firing_misfire_health_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_firing_misfire_health_decode(uint8_t value);
+double sd_bus_firing_1_misfire_health_decode(uint8_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -9199,7 +9280,7 @@ double sd_bus_firing_misfire_health_decode(uint8_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_firing_misfire_health_is_in_range(uint8_t value);
+bool sd_bus_firing_1_misfire_health_is_in_range(uint8_t value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -9212,7 +9293,7 @@ bool sd_bus_firing_misfire_health_is_in_range(uint8_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_firing_misfire_health_is_in_phys_range(double value);
+bool sd_bus_firing_1_misfire_health_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -9221,7 +9302,7 @@ bool sd_bus_firing_misfire_health_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-uint16_t sd_bus_firing_misfire_why_encode(double value);
+uint16_t sd_bus_firing_1_misfire_why_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -9230,7 +9311,7 @@ uint16_t sd_bus_firing_misfire_why_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_firing_misfire_why_decode(uint16_t value);
+double sd_bus_firing_1_misfire_why_decode(uint16_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -9239,7 +9320,7 @@ double sd_bus_firing_misfire_why_decode(uint16_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_firing_misfire_why_is_in_range(uint16_t value);
+bool sd_bus_firing_1_misfire_why_is_in_range(uint16_t value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -9252,7 +9333,7 @@ bool sd_bus_firing_misfire_why_is_in_range(uint16_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_firing_misfire_why_is_in_phys_range(double value);
+bool sd_bus_firing_1_misfire_why_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -9261,7 +9342,7 @@ bool sd_bus_firing_misfire_why_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-float sd_bus_firing_firing_cylinder_encode(double value);
+float sd_bus_firing_1_firing_cylinder_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -9270,7 +9351,7 @@ float sd_bus_firing_firing_cylinder_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_firing_firing_cylinder_decode(float value);
+double sd_bus_firing_1_firing_cylinder_decode(float value);
 
 /**
  * Check that given signal is in allowed range.
@@ -9279,7 +9360,7 @@ double sd_bus_firing_firing_cylinder_decode(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_firing_firing_cylinder_is_in_range(float value);
+bool sd_bus_firing_1_firing_cylinder_is_in_range(float value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -9292,7 +9373,7 @@ bool sd_bus_firing_firing_cylinder_is_in_range(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_firing_firing_cylinder_is_in_phys_range(double value);
+bool sd_bus_firing_1_firing_cylinder_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -9301,7 +9382,7 @@ bool sd_bus_firing_firing_cylinder_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-float sd_bus_firing_firing_torque_encode(double value);
+float sd_bus_firing_1_firing_torque_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -9310,7 +9391,7 @@ float sd_bus_firing_firing_torque_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_firing_firing_torque_decode(float value);
+double sd_bus_firing_1_firing_torque_decode(float value);
 
 /**
  * Check that given signal is in allowed range.
@@ -9319,7 +9400,7 @@ double sd_bus_firing_firing_torque_decode(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_firing_firing_torque_is_in_range(float value);
+bool sd_bus_firing_1_firing_torque_is_in_range(float value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -9332,7 +9413,7 @@ bool sd_bus_firing_firing_torque_is_in_range(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_firing_firing_torque_is_in_phys_range(double value);
+bool sd_bus_firing_1_firing_torque_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -9341,7 +9422,7 @@ bool sd_bus_firing_firing_torque_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-float sd_bus_firing_firing_sd_encode(double value);
+float sd_bus_firing_1_firing_sd_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -9350,7 +9431,7 @@ float sd_bus_firing_firing_sd_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_firing_firing_sd_decode(float value);
+double sd_bus_firing_1_firing_sd_decode(float value);
 
 /**
  * Check that given signal is in allowed range.
@@ -9359,7 +9440,7 @@ double sd_bus_firing_firing_sd_decode(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_firing_firing_sd_is_in_range(float value);
+bool sd_bus_firing_1_firing_sd_is_in_range(float value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -9372,7 +9453,7 @@ bool sd_bus_firing_firing_sd_is_in_range(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_firing_firing_sd_is_in_phys_range(double value);
+bool sd_bus_firing_1_firing_sd_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -9381,7 +9462,7 @@ bool sd_bus_firing_firing_sd_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-float sd_bus_firing_firing_mean_encode(double value);
+float sd_bus_firing_1_firing_mean_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -9390,7 +9471,7 @@ float sd_bus_firing_firing_mean_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_firing_firing_mean_decode(float value);
+double sd_bus_firing_1_firing_mean_decode(float value);
 
 /**
  * Check that given signal is in allowed range.
@@ -9399,7 +9480,7 @@ double sd_bus_firing_firing_mean_decode(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_firing_firing_mean_is_in_range(float value);
+bool sd_bus_firing_1_firing_mean_is_in_range(float value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -9412,7 +9493,7 @@ bool sd_bus_firing_firing_mean_is_in_range(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_firing_firing_mean_is_in_phys_range(double value);
+bool sd_bus_firing_1_firing_mean_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -9421,7 +9502,7 @@ bool sd_bus_firing_firing_mean_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-float sd_bus_firing_firing_mean_sd_encode(double value);
+float sd_bus_firing_1_firing_mean_sd_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -9430,7 +9511,7 @@ float sd_bus_firing_firing_mean_sd_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_firing_firing_mean_sd_decode(float value);
+double sd_bus_firing_1_firing_mean_sd_decode(float value);
 
 /**
  * Check that given signal is in allowed range.
@@ -9439,7 +9520,7 @@ double sd_bus_firing_firing_mean_sd_decode(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_firing_firing_mean_sd_is_in_range(float value);
+bool sd_bus_firing_1_firing_mean_sd_is_in_range(float value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -9452,7 +9533,7 @@ bool sd_bus_firing_firing_mean_sd_is_in_range(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_firing_firing_mean_sd_is_in_phys_range(double value);
+bool sd_bus_firing_1_firing_mean_sd_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -9461,7 +9542,7 @@ bool sd_bus_firing_firing_mean_sd_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-float sd_bus_firing_firing_rough_encode(double value);
+float sd_bus_firing_1_firing_rough_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -9470,7 +9551,7 @@ float sd_bus_firing_firing_rough_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_firing_firing_rough_decode(float value);
+double sd_bus_firing_1_firing_rough_decode(float value);
 
 /**
  * Check that given signal is in allowed range.
@@ -9479,7 +9560,7 @@ double sd_bus_firing_firing_rough_decode(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_firing_firing_rough_is_in_range(float value);
+bool sd_bus_firing_1_firing_rough_is_in_range(float value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -9492,7 +9573,7 @@ bool sd_bus_firing_firing_rough_is_in_range(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_firing_firing_rough_is_in_phys_range(double value);
+bool sd_bus_firing_1_firing_rough_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -9501,7 +9582,7 @@ bool sd_bus_firing_firing_rough_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-float sd_bus_firing_misfire_index_encode(double value);
+float sd_bus_firing_1_misfire_index_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -9510,7 +9591,7 @@ float sd_bus_firing_misfire_index_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_firing_misfire_index_decode(float value);
+double sd_bus_firing_1_misfire_index_decode(float value);
 
 /**
  * Check that given signal is in allowed range.
@@ -9519,7 +9600,7 @@ double sd_bus_firing_misfire_index_decode(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_firing_misfire_index_is_in_range(float value);
+bool sd_bus_firing_1_misfire_index_is_in_range(float value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -9532,7 +9613,7 @@ bool sd_bus_firing_misfire_index_is_in_range(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_firing_misfire_index_is_in_phys_range(double value);
+bool sd_bus_firing_1_misfire_index_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -9541,7 +9622,7 @@ bool sd_bus_firing_misfire_index_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-float sd_bus_firing_misfire_limit_encode(double value);
+float sd_bus_firing_1_misfire_limit_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -9550,7 +9631,7 @@ float sd_bus_firing_misfire_limit_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_firing_misfire_limit_decode(float value);
+double sd_bus_firing_1_misfire_limit_decode(float value);
 
 /**
  * Check that given signal is in allowed range.
@@ -9559,7 +9640,7 @@ double sd_bus_firing_misfire_limit_decode(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_firing_misfire_limit_is_in_range(float value);
+bool sd_bus_firing_1_misfire_limit_is_in_range(float value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -9572,7 +9653,7 @@ bool sd_bus_firing_misfire_limit_is_in_range(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_firing_misfire_limit_is_in_phys_range(double value);
+bool sd_bus_firing_1_misfire_limit_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -9581,7 +9662,7 @@ bool sd_bus_firing_misfire_limit_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-float sd_bus_firing_misfire_verdict_encode(double value);
+float sd_bus_firing_1_misfire_verdict_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -9590,7 +9671,7 @@ float sd_bus_firing_misfire_verdict_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_firing_misfire_verdict_decode(float value);
+double sd_bus_firing_1_misfire_verdict_decode(float value);
 
 /**
  * Check that given signal is in allowed range.
@@ -9599,7 +9680,7 @@ double sd_bus_firing_misfire_verdict_decode(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_firing_misfire_verdict_is_in_range(float value);
+bool sd_bus_firing_1_misfire_verdict_is_in_range(float value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -9612,7 +9693,7 @@ bool sd_bus_firing_misfire_verdict_is_in_range(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_firing_misfire_verdict_is_in_phys_range(double value);
+bool sd_bus_firing_1_misfire_verdict_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -9621,7 +9702,7 @@ bool sd_bus_firing_misfire_verdict_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-float sd_bus_firing_misfire_inhibit_encode(double value);
+float sd_bus_firing_1_misfire_inhibit_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -9630,7 +9711,7 @@ float sd_bus_firing_misfire_inhibit_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_firing_misfire_inhibit_decode(float value);
+double sd_bus_firing_1_misfire_inhibit_decode(float value);
 
 /**
  * Check that given signal is in allowed range.
@@ -9639,7 +9720,7 @@ double sd_bus_firing_misfire_inhibit_decode(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_firing_misfire_inhibit_is_in_range(float value);
+bool sd_bus_firing_1_misfire_inhibit_is_in_range(float value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -9652,7 +9733,7 @@ bool sd_bus_firing_misfire_inhibit_is_in_range(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_firing_misfire_inhibit_is_in_phys_range(double value);
+bool sd_bus_firing_1_misfire_inhibit_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -9661,7 +9742,7 @@ bool sd_bus_firing_misfire_inhibit_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-float sd_bus_firing_misfire_firing_encode(double value);
+float sd_bus_firing_1_misfire_firing_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -9670,7 +9751,7 @@ float sd_bus_firing_misfire_firing_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_firing_misfire_firing_decode(float value);
+double sd_bus_firing_1_misfire_firing_decode(float value);
 
 /**
  * Check that given signal is in allowed range.
@@ -9679,7 +9760,7 @@ double sd_bus_firing_misfire_firing_decode(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_firing_misfire_firing_is_in_range(float value);
+bool sd_bus_firing_1_misfire_firing_is_in_range(float value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -9692,7 +9773,7 @@ bool sd_bus_firing_misfire_firing_is_in_range(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_firing_misfire_firing_is_in_phys_range(double value);
+bool sd_bus_firing_1_misfire_firing_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -9701,7 +9782,7 @@ bool sd_bus_firing_misfire_firing_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-float sd_bus_firing_misfire_cylinder_encode(double value);
+float sd_bus_firing_1_misfire_cylinder_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -9710,7 +9791,7 @@ float sd_bus_firing_misfire_cylinder_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_firing_misfire_cylinder_decode(float value);
+double sd_bus_firing_1_misfire_cylinder_decode(float value);
 
 /**
  * Check that given signal is in allowed range.
@@ -9719,7 +9800,7 @@ double sd_bus_firing_misfire_cylinder_decode(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_firing_misfire_cylinder_is_in_range(float value);
+bool sd_bus_firing_1_misfire_cylinder_is_in_range(float value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -9732,7 +9813,284 @@ bool sd_bus_firing_misfire_cylinder_is_in_range(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_firing_misfire_cylinder_is_in_phys_range(double value);
+bool sd_bus_firing_1_misfire_cylinder_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_firing_1_misfire_monitor_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_firing_1_misfire_monitor_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_firing_1_misfire_monitor_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_firing_1_misfire_monitor_is_in_phys_range(double value);
+
+/**
+ * Pack message firing_2.
+ *
+ * @param[out] dst_p Buffer to pack the message into.
+ * @param[in] src_p Data to pack.
+ * @param[in] size Size of dst_p.
+ *
+ * @return Size of packed data, or negative error code.
+ */
+int sd_bus_firing_2_pack(
+    uint8_t *dst_p,
+    const struct sd_bus_firing_2_t *src_p,
+    size_t size);
+
+/**
+ * Unpack message firing_2.
+ *
+ * @param[out] dst_p Object to unpack the message into.
+ * @param[in] src_p Message to unpack.
+ * @param[in] size Size of src_p.
+ *
+ * @return zero(0) or negative error code.
+ */
+int sd_bus_firing_2_unpack(
+    struct sd_bus_firing_2_t *dst_p,
+    const uint8_t *src_p,
+    size_t size);
+
+/**
+ * Init message fields to default values from firing_2.
+ *
+ * @param[in] msg_p Message to init.
+ *
+ * @return zero(0) on success or (-1) in case of nullptr argument.
+ */
+int sd_bus_firing_2_init(struct sd_bus_firing_2_t *msg_p);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint32_t sd_bus_firing_2_tick_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_firing_2_tick_decode(uint32_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_firing_2_tick_is_in_range(uint32_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_firing_2_tick_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint8_t sd_bus_firing_2_misfire_health_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_firing_2_misfire_health_decode(uint8_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_firing_2_misfire_health_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_firing_2_misfire_health_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint16_t sd_bus_firing_2_misfire_why_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_firing_2_misfire_why_decode(uint16_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_firing_2_misfire_why_is_in_range(uint16_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_firing_2_misfire_why_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_firing_2_misfire_acceleration_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_firing_2_misfire_acceleration_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_firing_2_misfire_acceleration_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_firing_2_misfire_acceleration_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_firing_2_misfire_residual_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_firing_2_misfire_residual_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_firing_2_misfire_residual_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_firing_2_misfire_residual_is_in_phys_range(double value);
 
 /**
  * Pack message task.

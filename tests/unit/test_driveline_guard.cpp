@@ -22,7 +22,7 @@ DriveCase drive_of(double seconds) {
 }
 
 /// Torque up and down every 1.5 s.
-DriverInput square(double t) { return {std::fmod(t, 3) < 1.5 ? 35.0 : -12.0}; }
+DriverInput square(double t) { return {std::fmod(t, 3) < 1.5 ? 47.0 : -12.0}; }
 
 sd_driveline_tables_t usual_tables() { return guard_tables(Driveline(), GuardBelief(), 60, 1e-6); }
 

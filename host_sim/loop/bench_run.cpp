@@ -75,7 +75,7 @@ class Run {
         result_.simulated_s = edge.time_s;
         const bool crank = edge.kind == EdgeKind::crank;
         ecu_.send({edge.tick, std::uint16_t(crank ? SD_EVENT_CRANK_EDGE : SD_EVENT_CAM_EDGE), 0, 0, 0});
-        for (const StepTruth &step : steps_) score_.step(step), waveform_.step(step);
+        score_.steps(steps_), waveform_.steps(steps_);
         steps_.clear();
         if (!crank) return;
         sent_.push_back({edge, unwrapped_deg(edge)});

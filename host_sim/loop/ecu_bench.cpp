@@ -21,10 +21,13 @@ bool EcuBench::exchange(const sd_event_t &event) {
     host_side_.send(host_side_.context, &event, 1);
     sd_ecu_run(&ecu_, page_.view(), &ecu_side_);
     bool cycle_ended = false;
-    sd_event_t answer;
-    while (host_side_.receive(host_side_.context, &answer, 1) == 1) {
-        cycle_ended |= said_.take(answer);
-        hear(answer);
+    sd_event_t answers[16];
+    std::uint32_t count;
+    while ((count = host_side_.receive(host_side_.context, answers, 16)) > 0) {
+        for (std::uint32_t i = 0; i < count; ++i) {
+            cycle_ended |= said_.take(answers[i]);
+            hear(answers[i]);
+        }
     }
     return cycle_ended;
 }

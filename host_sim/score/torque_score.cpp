@@ -10,13 +10,16 @@
 namespace sixdeg {
 namespace {
 
-/// 1, cos(a/2), sin(a/2), cos(a), sin(a) ...: the cycle's harmonics.
+/// 1, cos(a/2), sin(a/2), cos(a), sin(a) ...: the cycle's harmonics, each from the one before.
 Eigen::VectorXd basis(int harmonics, double angle_rad) {
     Eigen::VectorXd f(2 * harmonics + 1);
     f(0) = 1;
-    for (int h = 1; h <= harmonics; ++h) {
-        f(2 * h - 1) = std::cos(h * angle_rad / 2);
-        f(2 * h) = std::sin(h * angle_rad / 2);
+    const double c = std::cos(angle_rad / 2), s = std::sin(angle_rad / 2);
+    for (double h = 1, u = c, v = s; h <= harmonics; ++h) {
+        f(2 * int(h) - 1) = u;
+        f(2 * int(h)) = v;
+        const double next = u * c - v * s;
+        v = v * c + u * s, u = next;
     }
     return f;
 }
@@ -62,15 +65,15 @@ double shift_rad(int harmonics, const Eigen::VectorXd &early, const Eigen::Vecto
 
 } // namespace
 
-void TorqueScore::step(const StepTruth &truth) {
-    const double place = truth.angle_rad / (4 * kPi) * steps_;
-    if (!steps_into_ || !(place < next_cycle_)) {
-        const std::int64_t cycle = std::int64_t(std::floor(double(std::llround(place)) / steps_));
-        next_cycle_ = double((cycle + 1) * steps_) - 0.5;
-        steps_into_ = &steps_nm_[cycle];
-        steps_into_->reserve(std::size_t(steps_));
+void TorqueScore::steps(const std::vector<StepTruth> &truths) {
+    for (auto from = truths.begin(); from != truths.end();) {
+        const std::int64_t step = std::llround(from->angle_rad / (4 * kPi) * steps_);
+        const std::int64_t cycle = std::int64_t(std::floor(double(step) / steps_)), left = (cycle + 1) * steps_ - step;
+        const auto to = from + std::min(std::ptrdiff_t(left), truths.end() - from);
+        std::vector<double> &into = steps_nm_[cycle];
+        into.reserve(std::size_t(steps_));
+        for (; from != to; ++from) into.push_back(from->net_torque_nm);
     }
-    steps_into_->push_back(truth.net_torque_nm);
 }
 
 void TorqueScore::edge(double crank_deg, double true_nm, double estimate_nm, bool settled) {
@@ -95,7 +98,6 @@ void TorqueScore::close() {
     }
     current_ = {};
     steps_nm_.erase(steps_nm_.begin(), steps_nm_.upper_bound(cycle_));
-    steps_into_ = nullptr;
 }
 
 std::optional<TorqueFigures> TorqueScore::result() const {
@@ -112,7 +114,7 @@ std::optional<TorqueFigures> TorqueScore::result() const {
     for (const Cycle &cycle : kept_) {
         for (const Tooth &tooth : cycle.teeth) {
             const Eigen::VectorXd f = basis(harmonics_, tooth.angle_rad);
-            normal += f * f.transpose();
+            normal.selfadjointView<Eigen::Lower>().rankUpdate(f);
             right += f * tooth.estimate_nm;
             from_true += std::pow(tooth.estimate_nm - tooth.true_nm, 2);
             from_projection += std::pow(tooth.estimate_nm - truth.dot(f), 2);

@@ -2,7 +2,7 @@
 // The torque estimate against the plant's own torque, over the last settled cycles of a run.
 //
 //     TorqueScore score(harmonics, steps_a_cycle, 20);
-//     score.step(truth);                            // every step of the plant
+//     score.steps(truths);                          // every step of the plant
 //     score.edge(crank_deg, true_nm, nm, settled);  // every crank edge
 //     score.result();
 //
@@ -35,8 +35,8 @@ class TorqueScore {
     TorqueScore(int harmonics, int steps, std::size_t keep)
         : harmonics_(harmonics), steps_(steps), keep_(keep) {}
 
-    /// The net torque of every step, in order, ahead of the edges it holds.
-    void step(const StepTruth &truth);
+    /// The net torque of steps one after the other, all of the plant's, ahead of the edges they hold.
+    void steps(const std::vector<StepTruth> &truths);
     /// One crank edge at the true angle `crank_deg`, which never wraps. A cycle counts when every edge in it
     /// is `settled`: placed, and the estimate valid.
     void edge(double crank_deg, double true_nm, double estimate_nm, bool settled);
@@ -56,8 +56,6 @@ class TorqueScore {
     int harmonics_, steps_;
     std::size_t keep_;
     std::map<std::int64_t, std::vector<double>> steps_nm_; ///< Of cycles whose edges are still coming.
-    std::vector<double> *steps_into_ = nullptr; ///< Of those, the one that steps go to until they reach next_cycle_.
-    double next_cycle_ = 0;                     ///< In steps.
     std::int64_t cycle_ = INT64_MIN;
     bool settled_ = false;
     Cycle current_;

@@ -25,7 +25,7 @@ std::optional<TorqueFigures> figures(double late_deg, int cycles, int unsettled 
         StepTruth step;
         step.angle_rad = 4 * kPi * i / kSteps;
         step.net_torque_nm = wave(720.0 * i / kSteps, kBeyond);
-        score.step(step);
+        score.steps({step});
     }
     for (int k = 0; k < cycles * 120; ++k) {
         if (k % 60 >= 58) continue;

@@ -9,9 +9,10 @@
 // the combustion torque. Crank, in the form of kinetic energy E = J(a) w^2 / 2, which holds J' w^2/2 + J w'
 // exactly:
 //   dE/da = sum (p - p_crankcase) V' - T_friction(w) - T_load(t),   dt/da = 1/w
-// All of it is one state, stepped by the classical fourth-order Runge-Kutta rule; valve events fall on steps.
+// Valve events fall on steps. How a step is made: docs/plant.md, section Integration, and engine_step.cpp.
 #pragma once
 #include <array>
+#include <climits>
 #include <cstdint>
 #include <vector>
 
@@ -75,18 +76,34 @@ struct Event {
     EventKind kind;
 };
 
-/// The tables that depend on angle only: half a step apart, all cylinders of one angle side by side.
+/// What one cylinder's pressure needs at one angle. A shut cylinder is integrated as y = p V^k, k = kPolytropic, which compression
+/// and expansion hardly change.
+struct CylinderPoint {
+    double volume_slope; ///< V', m3/rad.
+    double push;         ///< V' V^-k: p V' over y.
+    double pressure;     ///< V^-k: p over y.
+    double warmth;       ///< V^(1 - k): T m R over y.
+    double rise;         ///< V^(k - 1) times the step.
+    double wall;         ///< Wall area times sqrt(V).
+};
+
+/// The tables that depend on angle only, half a step apart.
 struct StepTables {
+    static constexpr double kPolytropic = 1.36;
     StepTables(const PlantEngine &engine, const std::vector<CylinderSpread> &spread, double step_deg);
-    int steps; ///< A cycle.
+    /// All cylinders of one angle side by side.
+    const CylinderPoint *row(int half) const { return points.data() + std::size_t(half) * width; }
+    double volume_m3(int half, int lane) const { return volume[std::size_t(half) * width + std::size_t(lane)]; }
+    std::size_t width; ///< Cylinders.
+    int steps;         ///< A cycle.
     double step_rad;
-    int width; ///< Columns: cylinders.
-    std::vector<double> volume, volume_slope, wall; ///< [2 steps][width]; wall = area sqrt(volume).
-    std::vector<double> volume_slope_sum;           ///< [2 steps], over cylinders.
-    std::vector<double> inertia;                    ///< [2 steps], driveline included when it is rigid.
-    std::vector<double> two_over_inertia;           ///< [2 steps]: w^2 = E times this.
-    std::vector<Event> events;                      ///< Ascending by step.
-    std::vector<double> tdc_rad;                    ///< Firing TDC of each lane, exact.
+    std::vector<CylinderPoint> points;    ///< [2 steps][width]
+    std::vector<double> volume;           ///< [2 steps][width], m3.
+    std::vector<double> volume_slope_sum; ///< [2 steps], over cylinders.
+    std::vector<double> inertia;          ///< [2 steps], driveline included when it is rigid.
+    std::vector<double> two_over_inertia; ///< [2 steps]: w^2 = E times this.
+    std::vector<Event> events;            ///< Ascending by step.
+    std::vector<double> tdc_rad;          ///< Firing TDC of each lane, exact.
 };
 
 /// One engine. Holds no reference to anything outside and no global: copies and instances are independent.
@@ -115,7 +132,9 @@ class EngineModel {
     /// One step. False, and nothing changed, when the crank would stand still within it.
     bool step();
 
-    const StepTruth &truth() const { return truth_; }
+    const StepTruth &truth() const { return truths_[latest_]; }
+    /// What truth() was before the last step.
+    const StepTruth &truth_before() const { return truths_[1 - latest_]; }
     /// Events at the angle just reached.
     const Event *events_begin() const { return tables_.events.data() + first_event_; }
     const Event *events_end() const { return tables_.events.data() + next_event_; }
@@ -123,56 +142,110 @@ class EngineModel {
     const CycleTruth &finished(int lane) const { return finished_[std::size_t(lane)]; }
     /// Of one cylinder, `lane` an index into firing_order, at the angle just reached. Work counts from the
     /// last event `exchange`, heat from the last intake_close.
-    double pressure_pa(int lane) const { return state_.p[lane][0]; }
+    double pressure_pa(int lane) const { return pressure_of(lane)[0]; }
     double trapped_kg(int lane) const { return mass_[std::size_t(lane)]; }
-    double heat_lost_j(int lane) const { return state_.wall[lane][0]; }
-    double heat_released_j(int lane) const { return released_[std::size_t(lane)]; }
-    double work_j(int lane) const { return state_.work[lane][0]; }
-    double heat_rate_jprad(int lane) const { return heat_[0][lane]; }
+    double heat_lost_j(int lane) const { return lost_[lane]; }
+    double heat_released_j(int lane) const { return released_[lane]; }
+    double work_j(int lane) const { return work_of(lane)[0]; }
     /// Gas torque of one cylinder at the angle just reached, N m.
-    double gas_torque_nm(int lane) const { return slope_.work[lane][0] - crankcase_pa_ * slope_volume(lane); }
+    double gas_torque_nm(int lane) const { return power_of(lane)[0] - crankcase_pa_ * here(lane).volume_slope; }
     const StepTables &tables() const { return tables_; }
     int step_in_cycle() const { return step_; }
     std::int64_t cycle() const { return cycle_; }
     /// Kinetic energy of the crank (with a dual-mass flywheel: of its primary side), J.
-    double energy_j() const { return state_.crank.energy; }
+    double energy_j() const { return crank_.energy; }
     /// Dual-mass flywheel: how far the crank is ahead of the secondary mass, rad, and the secondary's speed.
-    double flywheel_twist_rad() const { return state_.crank.twist; }
-    double secondary_speed_radps() const { return state_.crank.secondary; }
+    double flywheel_twist_rad() const { return crank_.twist; }
+    double secondary_speed_radps() const { return crank_.secondary; }
 
   private:
     /// A fired cylinder and its motored twin, side by side in one machine vector.
     typedef double Twins __attribute__((vector_size(2 * sizeof(double))));
     struct Motion {
         double energy, time, twist, secondary;
+        double speed, slowness; ///< rad/s and its inverse, which belong to energy and angle.
     };
-    struct State {
-        Twins p[kMaxCylinders], work[kMaxCylinders], wall[kMaxCylinders]; // by lane
-        Motion crank;
+    struct GasTorque { // of all cylinders, crankcase pressure behind the pistons, over a step
+        double start, middle, end;
     };
-    struct Totals { // of one evaluation, for truth
-        double fired, motored, gas, load, speed;
+    struct Heat {
+        double rate, released, rate_middle; ///< At a step's end: J/rad; J since the cylinder shut. In its middle: J/rad.
+    };
+    /// Heat over a step, of one joule in all.
+    struct BurnPoint {
+        double rate, released, rate_middle;
+        bool rough; ///< A pulse begins here or did a short while ago: too much of a bend for rules that remember.
+    };
+    static constexpr int kNeverBurns = INT_MIN;
+    struct Burn { // of one lane in one cycle
+        std::vector<BurnPoint> points; ///< One a step, from the one in which the first pulse begins.
+        int at = kNeverBurns; ///< Which of them the coming step is; below 0 it is that many early.
+        int end = 0;          ///< How many there are.
+        double heat_j = 0;
+        double start_shift_rad = 0, duration_factor = 0; ///< What points are for.
+        double from_rad = 0;                             ///< Where the first pulse begins.
+    };
+    struct Ahead { // slowness within a step, before the step is made
+        double middle, end;
+    };
+    struct Ending { // of a step, before it is certain that the crank gets there
+        const CylinderPoint *at_middle, *at_end;
+        Twins y[kMaxCylinders];                  ///< As y_.
+        Twins work[kMaxCylinders];               ///< What work_ gains.
+        Twins middle_sum = {0, 0}, sum = {0, 0}; ///< Of p V' over lanes.
+        Heat heat[kMaxCylinders];
+        int calm[kMaxCylinders];
+        double lost[kMaxCylinders]; ///< Of rough lanes.
+        void add(int lane, Twins middle, Twins last) {
+            work[lane] = 2 * middle + last;
+            middle_sum += middle, sum += last;
+        }
+    };
+    /// A shut cylinder's change of y over a step, and its differences of first to third order backwards; the same of what its
+    /// fired twin loses to the walls, J.
+    struct Course {
+        Twins change, first, second, third;
+        double loss, loss_first, loss_second;
     };
 
-    void evaluate(int half, const State &at, const double *heat, State &slope, Totals &totals) const;
-    void shut_cylinder(int half, int lane, double inv_speed, double heat, const State &at, State &slope) const;
-    void add(const State &base, double h, const State &slope, State &sum) const;
-    void commit(const State &k2, const State &k3, const State &k4);
+    // engine_step.cpp, in the order of a step.
+    Ahead look_ahead() const;
+    void step_lanes(Ending &end) const;
+    void step_shut(int lane, Ending &end) const;
+    void step_rough(int lane, const Ahead &ahead, Ending &end) const;
+    void step_open(int lane, Ending &end) const;
+    bool turn(const GasTorque &gas, Motion &to) const;
+    bool turn_free(const GasTorque &gas, Motion &to) const;
+    bool turn_with_flywheel(const GasTorque &gas, Motion &to) const;
+    bool turn_prescribed(Motion &to) const;
+    Motion flywheel_slope(int half, double gas_nm, const Motion &at) const;
+    void find_heat(int lane, Ending &end) const;
+    Twins settle(int lane, const Ending &end);
+    Twins change_at(const CylinderPoint &point, int lane, Twins y, double slowness, double heat_rate, double &loss) const;
+    double friction_nm(double speed) const { return friction_nm_[0] + speed * (friction_nm_[1] + speed * friction_nm_[2]); }
+    double load_nm(double time_s) const { return load_nm_ + load_slope_ * (time_s - load_time_); }
+    bool stands_still(double energy) const;
+    int end_point() const { return step_ + 1 == tables_.steps ? 0 : 2 * step_ + 2; }
+    void find_change(int lane);
+    Twins power_here() const;
+    void update_truth(Twins gas);
+
+    // engine_model.cpp
     void sort_lanes();
     void evaluate_here();
-    void heat_rates(int half, double *rates) const;
-    bool stands_still(const Motion &at) const;
     void take_events();
-    double speed_at(int half, const Motion &at) const;
+    void point_at_next_event();
     void apply(const Event &event);
+    void shut(int lane);
     void finish_cycle(int lane);
-    void update_truth();
-    double slope_volume(int lane) const {
-        return tables_.volume_slope[std::size_t(2 * step_ * tables_.width + lane)];
-    }
-    double volume(int lane) const { return tables_.volume[std::size_t(2 * step_ * tables_.width + lane)]; }
+    double volume(int lane) const { return tables_.volume_m3(2 * step_, lane); }
+    void lay_burn(int lane, const Charge &charge);
     double theta(int half, int lane) const;
-    double work_of_fuel_j(int lane) const { return state_.work[lane][0] - state_.work[lane][1]; }
+    const CylinderPoint &here(int lane) const { return tables_.row(2 * step_)[lane]; }
+    Twins pressure_of(int lane) const { return shut_[lane] ? y_[lane] * here(lane).pressure : y_[lane]; }
+    Twins power_of(int lane) const { return y_[lane] * (shut_[lane] ? here(lane).push : here(lane).volume_slope); }
+    Twins work_of(int lane) const { return (work_[lane] - 0.5 * power_of(lane)) * (tables_.step_rad / 3); }
+    double work_of_fuel_j(int lane) const { return work_of(lane)[0] - work_of(lane)[1]; }
 
     StepTables tables_;
     int n_;
@@ -184,31 +257,41 @@ class EngineModel {
     double friction_nm_[3];             // of speed in rad/s
     std::optional<DualMassFlywheel> dual_mass_;
     double secondary_inertia_;
+    double stall_j_; ///< Below this energy the engine counts as stalled.
+    double stay_[2]; ///< What is left of an open cylinder's distance from its manifold after half a step and a step.
 
     std::int64_t cycle_ = 0;
     int step_ = 0;
     std::size_t first_event_ = 0, next_event_ = 0; ///< Of those at this step.
-    State state_{}, slope_{};
-    Totals totals_{};
-    double heat_[3][kMaxCylinders] = {}; // rates at start, middle and end of the step; of open lanes zero
+    int next_event_step_ = -1;                    ///< -1: none in this cycle.
+    Motion crank_{};
+    double friction_and_load_nm_ = 0;               ///< Here.
+    double gas_before_nm_ = 0, load_before_nm_ = 0; ///< Gas torque, and friction and load, a step ago.
+    Twins y_[kMaxCylinders] = {};    ///< Of open lanes p, Pa; of shut ones p V^k.
+    Twins work_[kMaxCylinders] = {}; ///< J over a third of a step, more than work by half of p V' here.
+    // Of shut lanes. calm counts steps since the change last had a kink; differences up to that order are good.
+    static constexpr int kCalm = 3;
+    Course course_[kMaxCylinders] = {};
+    int calm_[kMaxCylinders] = {};
+    double lost_[kMaxCylinders] = {};                                ///< J, to the walls of the fired twin.
+    double heat_[kMaxCylinders] = {}, released_[kMaxCylinders] = {}; ///< J/rad; J, of the cycle under way.
     // Per lane, for both twins alike.
     bool shut_[kMaxCylinders] = {};
-    double manifold_[kMaxCylinders] = {}, inverse_mr_[kMaxCylinders] = {}, wall_gain_[kMaxCylinders] = {};
+    double manifold_[kMaxCylinders] = {}, inverse_mr_[kMaxCylinders] = {};
+    double wall_gain_[kMaxCylinders] = {}, wall_factor_now_[kMaxCylinders] = {}; ///< The second times wall_speed_.
     int lanes_[kMaxCylinders] = {}; // those with shut valves first
     int shut_count_ = 0;
     std::array<double, kMaxCylinders> intake_pa_{}, mass_{};
     std::array<bool, kMaxCylinders> inhaling_{}; // from the exchange to intake closing
-    std::array<std::array<WiebePulse, 2>, kMaxCylinders> burning_{};
-    double released_[kMaxCylinders] = {}; // J, of the cycle under way
-    std::array<double, kMaxCylinders> burn_from_{}, burn_to_{};
-    std::array<bool, kMaxCylinders> burns_{};
+    Burn burn_[kMaxCylinders];
     double peak_[kMaxCylinders] = {}; // Pa, of the cycle under way
     double load_nm_ = 0, load_slope_ = 0, load_time_ = 0;
     bool prescribed_ = false;
     double speed0_ = 0, speed_slope_ = 0, speed_time_ = 0;
     double wall_speed_ = 0;
 
-    StepTruth truth_;
+    StepTruth truths_[2];
+    int latest_ = 0;
     std::array<CycleTruth, kMaxCylinders> running_{}, finished_{};
     std::array<double, kMaxCylinders> work_at_tdc_{};
 };

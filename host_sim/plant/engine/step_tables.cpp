@@ -33,28 +33,22 @@ std::vector<Event> events_of(const PlantEngine &engine, const StepTables &tables
 } // namespace
 
 StepTables::StepTables(const PlantEngine &engine, const std::vector<CylinderSpread> &spread, double step_deg)
-    : steps(int(std::lround(720 / step_deg))), step_rad(4 * kPi / steps),
-      width(engine.shared.cylinders()) {
-    const int n = engine.shared.cylinders(), points = 2 * steps;
+    : width(std::size_t(engine.shared.cylinders())), steps(int(std::lround(720 / step_deg))), step_rad(4 * kPi / steps) {
+    const int n = engine.shared.cylinders(), count = 2 * steps;
     for (double deg : engine.shared.firing_tdc_deg) tdc_rad.push_back(deg * kRadPerDeg);
     const double constant =
         engine.shared.inertia_kgm2 + (engine.dual_mass ? 0 : engine.driveline_inertia_kgm2);
-    inertia.assign(std::size_t(points), constant);
-    volume.assign(std::size_t(points * width), 1.0);
-    volume_slope.assign(volume.size(), 0.0);
-    wall.assign(volume.size(), 0.0);
-    volume_slope_sum.assign(std::size_t(points), 0.0);
-    for (int point = 0; point < points; ++point) {
+    inertia.assign(std::size_t(count), constant);
+    volume_slope_sum.assign(std::size_t(count), 0.0);
+    for (int half = 0; half < count; ++half) {
         for (int lane = 0; lane < n; ++lane) {
             const CrankSlider slider = engine.slider(spread[std::size_t(lane)].compression_ratio);
-            const double theta = point * step_rad / 2 - tdc_rad[std::size_t(lane)];
-            const auto at = std::size_t(point * width + lane);
-            volume[at] = slider.volume_m3(theta);
-            volume_slope[at] = slider.volume_slope_m3(theta);
-            volume_slope_sum[std::size_t(point)] += volume_slope[at];
-            wall[at] = slider.wall_area_m2(theta) * std::sqrt(volume[at]);
-            inertia[std::size_t(point)] +=
-                slider.reciprocating_inertia_kgm2(theta, engine.shared.reciprocating_mass_kg);
+            const double theta = half * step_rad / 2 - tdc_rad[std::size_t(lane)];
+            const double v = slider.volume_m3(theta), slope = slider.volume_slope_m3(theta), warmth = std::pow(v, 1 - kPolytropic);
+            volume.push_back(v);
+            points.push_back({slope, slope * warmth / v, warmth / v, warmth, step_rad / warmth, slider.wall_area_m2(theta) * std::sqrt(v)});
+            volume_slope_sum[std::size_t(half)] += slope;
+            inertia[std::size_t(half)] += slider.reciprocating_inertia_kgm2(theta, engine.shared.reciprocating_mass_kg);
         }
     }
     for (double j : inertia) two_over_inertia.push_back(2 / j);

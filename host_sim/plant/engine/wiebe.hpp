@@ -22,14 +22,17 @@ struct WiebePulse {
         return std::exp((shape_m + 1) * std::log(y));
     }
     double end_rad() const { return start_rad + duration_rad * std::pow(kLast / kA, 1 / (shape_m + 1)); }
-    /// Heat release rate at theta from firing TDC, J/rad.
-    double rate(double theta) const {
-        const double y = (theta - start_rad) / duration_rad;
-        if (y <= 0) return 0;
-        const double power = power_of(y);
-        const double left = kA * power;
-        if (left >= kLast) return 0;
-        return heat_j * (shape_m + 1) * left / (y * duration_rad) * std::exp(-left);
+    /// Adds what has been released at theta from firing TDC, J, and its rate, J/rad.
+    void add(double theta, double &rate, double &released) const {
+        if (theta <= start_rad) return;
+        const double y = (theta - start_rad) / duration_rad, spent = kA * power_of(y);
+        if (spent >= kLast) {
+            released += heat_j * (1 - 1e-7);
+            return;
+        }
+        const double left = std::exp(-spent);
+        released += heat_j * (1 - left);
+        rate += heat_j * (shape_m + 1) * spent / (theta - start_rad) * left;
     }
 };
 

@@ -93,7 +93,7 @@ void ExhaustModel::step(const EngineModel &model, double dt_s, double mean_speed
             const int at = end == 0 ? before : now;
             double after = at * tables.step_rad - tdc_rad_[std::size_t(lane)];
             if (after < 0) after += 4 * kPi;
-            p.volume[end] = tables.volume[std::size_t(2 * at * tables.width + lane)];
+            p.volume[end] = tables.volume_m3(2 * at, lane);
             p.area[end] = valve_area_m2(after);
         }
         if (charge_[std::size_t(lane)].open && p.area[0] <= 0 && p.area[1] <= 0) close(lane);

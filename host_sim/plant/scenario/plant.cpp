@@ -102,6 +102,7 @@ void Plant::pre_roll() {
     sensor_ = sensor();
     wheel_.seek(sensor_.angle_deg);
     next_cam_deg_ = scenario_.engine.shared.cam_edge_deg;
+    earliest_cam_deg_ = scenario_.engine.shared.has_cam ? scenario_.encoder.cam_retard_deg.smallest() : 1e300;
     while (next_cam_deg_ + scenario_.encoder.cam_retard_deg.at(0) <= sensor_.angle_deg) next_cam_deg_ += 720;
 }
 
@@ -114,7 +115,7 @@ void Plant::fill_intake() {
 }
 
 bool Plant::next_edge(EncoderEdge &edge) {
-    while (!pickup_.take(sensor_.time_s, sensor_.speed_radps, edge)) {
+    while (pickup_.empty() || !pickup_.take(sensor_.time_s, sensor_.speed_radps, edge)) {
         if (ended_) {
             if (!pickup_.take_rest(edge)) return false;
             break;
@@ -144,20 +145,21 @@ bool Plant::at_end() const {
 void Plant::advance() {
     if (stop_) return advance_stop();
     if (model_.truth().time_s >= refresh_at_s_) refresh_speed_and_load();
-    const StepTruth before = model_.truth();
-    const SensorPoint from = sensor_;
     if (!model_.step()) {
         stop_.emplace(scenario_.engine, spread_of(scenario_), model_);
         return;
     }
-    handle_events();
-    if (exhaust_) step_exhaust(model_.truth().time_s - before.time_s);
-    if (torsion_.enabled()) torsion_.step(model_, model_.truth().time_s - before.time_s);
+    const StepTruth &before = model_.truth_before(), &now = model_.truth();
+    if (model_.events_begin() != model_.events_end()) handle_events();
+    if (exhaust_) step_exhaust(now.time_s - before.time_s);
+    if (torsion_.enabled()) torsion_.step(model_, now.time_s - before.time_s);
+    const SensorPoint from = sensor_;
     sensor_ = sensor();
-    find_edges(before, from);
-    if (step_sink_) step_sink_->push_back(model_.truth());
+    if (wheel_.forward().angle_deg <= sensor_.angle_deg || next_cam_deg_ + earliest_cam_deg_ <= sensor_.angle_deg)
+        find_edges(before, from);
+    if (step_sink_) step_sink_->push_back(now);
     if (watcher_) watcher_();
-    if (model_.truth().angle_rad > next_control_rad_ - 1e-6) control();
+    if (now.angle_rad > next_control_rad_ - 1e-6) control();
     ended_ = at_end();
 }
 

@@ -106,7 +106,7 @@ class Plant {
     std::deque<UegoSample> uego_samples_;
     SensorPoint sensor_{};
     std::array<double, kMaxCylinders> fuel_trim_{};
-    double next_cam_deg_ = 0, end_angle_rad_ = 1e300, next_control_rad_ = 0, control_time_ = 0;
+    double next_cam_deg_ = 0, earliest_cam_deg_ = 0, end_angle_rad_ = 1e300, next_control_rad_ = 0, control_time_ = 0;
     double mean_speed_ = 0, brake_nm_ = 0, demand_pa_ = 0, commanded_fuel_kg_ = 0,
            refresh_at_s_ = 0;
     int steps_to_tdc_ = 0;

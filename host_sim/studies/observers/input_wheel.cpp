@@ -22,7 +22,7 @@ InputConfig configure(const sd_calibration_t &page, const WheelModel &model, con
     const double pitch_deg = 360.0 / page.positions;
     InputConfig config{};
     config.step = plant_step({model.k1_per_rad2(), model.damping_per_rad()}, pitch_rad(page));
-    config.inputs = page.cylinders + 1; // and the load
+    config.inputs = page.cylinders;
     config.noise = 2 * std::sqrt(2.0) * tune.jitter_deg / pitch_deg; // of w^2/2 over itself: twice that of a period
     config.start_speed = 0.1;
     config.start_accel = 1;
@@ -35,7 +35,8 @@ InputConfig configure(const sd_calibration_t &page, const WheelModel &model, con
 } // namespace
 
 InputWheel::InputWheel(const EngineFile &engine, const sd_calibration_t &page, const InputTune &tune)
-    : engine_(engine), page_(page), model_(wheel_model(engine)), observer_(configure(page, model_, tune)), work_j_(page.cylinders, -1.0) {
+    : engine_(engine), page_(page), model_(wheel_model(engine)), step_(configure(page, model_, tune).step),
+      observer_(configure(page, model_, tune)), work_j_(page.cylinders, -1.0) {
     const sd_crank_config_t config = sd_calibration_crank(&page, &page.parameters);
     sd_crank_init(&crank_, &config);
 }
@@ -70,24 +71,28 @@ std::optional<InputWheel::Firing> InputWheel::tooth(const sd_tooth_t &tooth) {
     return out;
 }
 
-/// Inputs are those of one radian, over the mean of w^2/2: a pulse of the burning cylinder, and the load against the mean.
+/// Inputs are those of one radian, over the mean of w^2/2: a pulse of the burning cylinder. What the load does against the mean input is
+/// known, and goes off the sample.
 void InputWheel::step(std::uint32_t k, const sd_tooth_t &tooth, bool measured) {
     double sample = std::numeric_limits<double>::quiet_NaN();
     if (measured) {
         const double speed = pitch_rad(page_) * double(page_.tick_hz) / tooth.period_ticks;
         const double energy = speed * speed / 2 * page_.wheel.inertia_q31[k % page_.positions] / 2147483648.0;
-        if (!observer_.running()) mean_ = energy, settled_ = 0;
+        if (!observer_.running()) mean_ = energy, settled_ = 0, load_[0] = load_[1] = 0;
         sample = energy / mean_ - 1;
         mean_ += (energy - mean_) / kMeanTeeth;
     }
-    std::vector<double> input(std::size_t(page_.cylinders) + 1, 0.0);
+    std::vector<double> input(page_.cylinders, 0.0);
+    double load = 0;
     const double work = work_j_[std::size_t(active_)];
     if (work >= 0 && mean_ > 0) {
         const double gained = work / model_.inertia_kgm2 / mean_;
         if (burning_ >= 0) input[std::size_t(burning_)] = model_.k2_per_rad * gained / (pulse_positions() * pitch_rad(page_));
-        input.back() = -model_.k2_per_rad * gained * page_.cylinders / (4 * M_PI);
+        load = -model_.k2_per_rad * gained * page_.cylinders / (4 * M_PI);
     }
-    observer_.step(sample, input, active_);
+    const double at[2] = {load_[0], load_[1]};
+    for (int i = 0; i < 2; ++i) load_[i] += step_.increment[i][0] * at[0] + step_.increment[i][1] * at[1] + step_.from_input[i] * load;
+    observer_.step(sample - load_[0], input, active_);
     ++settled_;
 }
 

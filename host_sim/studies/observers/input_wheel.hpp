@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The observer of every cylinder's input on the toothed wheel, in the angle domain, from the events that an ecu gets. It decodes
-// them by the firmware's own decoder. State v1, v2, E_1 ... E_n and the strength of the load; v1 is w^2/2 over its mean, less 1, so
+// them by the firmware's own decoder. State v1, v2, E_1 ... E_n; v1 is w^2/2 over its mean, less 1, so
 // that jitter is as large at every speed.
 #pragma once
 #include <memory>
@@ -43,7 +43,9 @@ class InputWheel {
     const sd_calibration_t &page_;
     WheelModel model_;
     sd_crank_t crank_{};
+    PlantStep step_;
     InputObserver observer_;
+    double load_[2] = {};                ///< v1, v2 that the load alone makes.
     double mean_ = 0, fuel_mg_ = -1;     ///< Mean of j w^2/2, (rad/s)^2; the command now.
     std::vector<double> work_j_;         ///< Commanded at the last TDC of each firing; below 0 unknown.
     int active_ = 0, burning_ = -1;      ///< Whose interval it is; whose pulse, -1: nobody's.

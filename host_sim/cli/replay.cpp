@@ -77,8 +77,8 @@ Constraints constraints_of(const ReplayOptions &options, const TextLayout &layou
     Constraints known;
     if (!options.wheel.empty()) known.wheel = parse_wheel_text(options.wheel, "--wheel");
     if (!options.edge.empty()) known.edge = parse_edge(options.edge, "--edge");
-    if (!options.column.empty()) known.column = column_named(options.column, layout, "--column");
-    if (!options.cam.empty()) known.cam_column = column_named(options.cam, layout, "--cam");
+    if (!options.column.empty()) known.column = column_named(options.column, layout, options.file + ": --column");
+    if (!options.cam.empty()) known.cam_column = column_named(options.cam, layout, options.file + ": --cam");
     if (!options.threshold.empty()) known.threshold = number_option(options.threshold, "--threshold");
     if (inputs.engine_given && !known.wheel) known.engine_wheel = inputs.engine.wheel;
     if (inputs.engine_given && !known.edge) known.edge = inputs.engine.falling_edge ? Edge::falling : Edge::rising;

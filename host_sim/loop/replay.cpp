@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 #include <memory>
+#include <utility>
 
 #include "common/error.hpp"
 extern "C" {
@@ -108,14 +109,17 @@ void ReplayRows::count_time(const ToothRow &row) {
 /// Whole revolutions, from tooth 0 to tooth 0 without losing sync between.
 void ReplayRows::count_revolutions(const ToothRow &row) {
     const int edge_class = int(row.signals.crank_edge_class);
-    if (edge_class == SD_EDGE_UNSYNCED) last_zero_s_.reset();
+    if (edge_class == SD_EDGE_UNSYNCED) last_zero_s_.reset(), placed_ = 0;
     if (edge_class == SD_EDGE_UNSYNCED || edge_class == SD_EDGE_SPURIOUS) return;
     if (!result_.first_sync_edge) result_.first_sync_edge = result_.edges;
     const float tooth = row.signals.crank_tooth;
+    ++placed_;
     if (tooth != 0 && tooth <= last_tooth_) last_zero_s_.reset(); // tooth 0 was passed without an edge, or the angle was put right
     last_tooth_ = tooth;
     if (tooth != 0) return;
-    if (last_zero_s_) {
+    const std::size_t placed = std::exchange(placed_, 0);
+    if (last_zero_s_) most_placed_ = std::max(most_placed_, placed);
+    if (last_zero_s_ && placed * 5 >= most_placed_ * 4) { // fewer: the angle was put right on the way
         ++result_.revolutions;
         result_.rpm_last = 60 / (row.t_s - *last_zero_s_);
         result_.rpm_last_s = row.t_s;

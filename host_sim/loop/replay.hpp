@@ -82,6 +82,7 @@ class ReplayRows {
     ReplayResult result_;
     std::optional<double> last_edge_s_, last_zero_s_;
     float last_tooth_ = 0;
+    std::size_t placed_ = 0, most_placed_ = 0; ///< Edges since tooth 0; most between two.
 };
 
 /// The decoder without the rest of an ecu, for wheels that the observers do not take. Says angle, speed and their health.

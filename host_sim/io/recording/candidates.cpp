@@ -13,6 +13,7 @@ namespace {
 
 constexpr int kConsistentMin = 2;
 constexpr double kShareMin = 0.3; // Of the revolutions that the edges could make; faults break some.
+constexpr double kNoisyShareMin = 0.6, kNoisy = 0.1; // More where edges are so uneven: chance explains some.
 constexpr int kRunMin = 5;        // Or so many in a row, wherever they are: chance does not do that.
 // A recording contradicts a wheel that it was said to be when another explains so many times as many edges.
 constexpr double kContradicts = 1.5;
@@ -23,7 +24,7 @@ bool is_plausible(const Candidate &candidate, const Fit &fit) {
     if (fit.turn.empty() || fit.consistent < kConsistentMin) return false;
     // An incomplete revolution at either end does not count against it.
     const int possible = std::max(1, int(candidate.time.size() - 1) / fit.teeth - 1);
-    return fit.consistent >= kShareMin * possible || fit.longest_run >= kRunMin;
+    return fit.consistent >= (candidate.roughness > kNoisy ? kNoisyShareMin : kShareMin) * possible || fit.longest_run >= kRunMin;
 }
 
 /// Another threshold on the same signal shows a tooth that was missed.

@@ -18,7 +18,8 @@ constexpr double kRpmMin = 20, kRpmMax = 19000;
 // Beside an added tooth intervals look a little like marks, and so explain nearly as many edges.
 constexpr double kAddedShare = 0.8;
 // Standard deviations of a mark's width, on either side of the middle between two wheels, within which neither is named.
-constexpr double kUnclearSds = 3, kUnclear = 0.6;
+constexpr double kUnclearSds = 2.5, kUnclear = 0.6, kRare = 0.25;
+constexpr int kCoarse = 40; // Positions; on fewer the speed may change much across a mark.
 constexpr double kUnits[] = {1, 1e-3, 1e-6, 1e-9};
 
 std::string describe_attempt(const Recording &recording, const Candidate &candidate) {
@@ -103,7 +104,9 @@ void check_clear(const Recording &recording, const Constraints &constraints, con
     if (constraints.wheel || constraints.engine_wheel || names.size() < 2) return;
     double sd = 0;
     for (const Mark &mark : best.fit.turn) sd = std::max(sd, mark.sd);
-    if (names[1].doubt - names[0].doubt > std::min(kUnclear, kUnclearSds * sd)) return;
+    // Three missing teeth are rare, and a slow stretch at the mark looks like one more.
+    const bool is_rare = missing_runs(names[0].wheel).back() == 3, coarse = names[0].wheel.positions < kCoarse;
+    if (names[1].doubt - names[0].doubt > std::clamp(kUnclearSds * sd, is_rare ? coarse ? kUnclear : kRare : 0, kUnclear)) return;
     throw InputError(recording.path, column_label(recording, best.column),
                      fmt::format("has a mark of {:.1f} +- {:.1f} spacings in {} revolutions, too little to tell {} from {}; say --wheel",
                                  best.fit.turn.back().width, sd, best.fit.consistent, describe(names[0].wheel), describe(names[1].wheel)));

@@ -118,9 +118,9 @@ void look_beside(const std::vector<double> &interval_s, const std::vector<std::s
     for (std::size_t k : ends) {
         const std::size_t i = fit.marks[k];
         ratio.push_back(interval_s[i] / std::max(interval_s[i - 1], 1e-12));
-        const double pitch_s = pitch_around(interval_s, i);
-        before.push_back(interval_s[i - 1] / pitch_s);
-        after.push_back(interval_s[i + 1] / pitch_s);
+        // Against the next interval on that side, not the mean around: speed may fall or rise there.
+        before.push_back(i >= 2 ? interval_s[i - 1] / std::max(interval_s[i - 2], 1e-12) : 1);
+        after.push_back(i + 2 < interval_s.size() ? interval_s[i + 1] / std::max(interval_s[i + 2], 1e-12) : 1);
     }
     fit.before = median(std::move(before)), fit.after = median(std::move(after));
     fit.gap_ratio = median(std::move(ratio));
@@ -149,6 +149,10 @@ Fit judge(const std::vector<double> &interval_s, const std::vector<std::size_t> 
     return fit;
 }
 
+bool is_even(const std::vector<Mark> &turn) {
+    return std::all_of(turn.begin(), turn.end(), [&](const Mark &mark) { return mark.teeth == turn.front().teeth; });
+}
+
 /// A wheel may have lesser marks that no floor showed: intervals that stand out at the same tooth of nearly every revolution.
 Fit with_lesser_marks(const std::vector<double> &interval_s, Fit fit) {
     if (fit.turn.size() != 1 || fit.consistent < kRevolutionsToLook) return fit;
@@ -172,6 +176,7 @@ Fit with_lesser_marks(const std::vector<double> &interval_s, Fit fit) {
     std::sort(marks.begin(), marks.end());
     marks.erase(std::unique(marks.begin(), marks.end()), marks.end());
     Fit finer = judge(interval_s, marks, count, fit.teeth);
+    if (is_even(finer.turn)) return fit_marks(interval_s, marks, nullptr); // every second mark had been taken
     return finer.turns.size() + 1 >= fit.turns.size() / 2 && !finer.turns.empty() ? finer : fit;
 }
 
@@ -266,8 +271,9 @@ Fit fit_marks(const std::vector<double> &interval_s, const std::vector<std::size
         for (int teeth : likely_teeth(marks, count)) {
             Fit fit = judge(interval_s, marks, count, teeth);
             if (wheel && !is_turn_of(fit.turn, wanted)) continue;
-            const double needed = best.turn.empty() || best.turn.size() == count ? 1 : kMoreMarks;
-            if (fit.score > needed * best.score) best = std::move(fit);
+            if (count > 1 && is_even(fit.turn)) continue; // one mark, seen several times
+            const bool more = !best.turn.empty() && best.turn.size() < count;
+            if (more ? fit.explained > kMoreMarks * best.explained : fit.score > best.score) best = std::move(fit);
         }
     }
     return best;

@@ -35,7 +35,7 @@ struct Fit {
     double gap_ratio = 0;           ///< Median of the last mark's interval over the interval before it.
     double explained = 0;           ///< Edges in consistent revolutions.
     double score = 0;               ///< The same, less of that where the gap looks split.
-    double before = 1, after = 1;   ///< Medians of the intervals beside the marks, in intervals between teeth.
+    double before = 1, after = 1;   ///< Medians of the intervals beside the marks over the next ones on their side.
 };
 
 /// The best fit; of `wheel` alone where one is given.

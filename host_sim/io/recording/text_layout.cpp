@@ -163,8 +163,22 @@ class Finder {
         std::vector<std::size_t> sorted = widths;
         std::sort(sorted.begin(), sorted.end());
         columns_ = sorted[sorted.size() / 2];
+        if (sorted.back() == columns_ + 1 && ends_open()) ++columns_; // the last column is blank in most rows
         if (layout_.style == FieldStyle{',', '.', false} && commas_split_numbers(rows_only(), columns_)) split(columns_);
         else if (layout_.style == FieldStyle{',', '.', false} && columns_ > 2 && columns_ % 2 == 1 && first_is_split()) first_split();
+    }
+
+    /// Whether rows end with a separator, behind which a cell may be blank.
+    bool ends_open() const {
+        const char separator = layout_.style.separator;
+        std::size_t open = 0;
+        for (std::string_view line : lines_) open += !trimmed(line).empty() && trimmed(line).back() == separator;
+        return separator != ' ' && open > 0;
+    }
+
+    /// A row of all columns, or of all but a last one that is blank.
+    bool is_full(std::size_t i) const {
+        return table_[i].size() == columns_ || (table_[i].size() + 1 == columns_ && trimmed(lines_[i]).back() == layout_.style.separator);
     }
 
     Table rows_only() const {
@@ -196,7 +210,7 @@ class Finder {
 
     void find_rows() {
         std::size_t first = 0;
-        while (first < table_.size() && !(is_row(table_[first], decimal()) && (table_[first].size() == columns_ || table_.size() < 3))) ++first;
+        while (first < table_.size() && !(is_row(table_[first], decimal()) && (table_.size() < 3 || is_full(first)))) ++first;
         if (first == table_.size()) first = std::size_t(std::find_if(table_.begin(), table_.end(), [&](const auto &c) { return is_row(c, decimal()); }) - table_.begin());
         layout_.first_line = first;
     }

@@ -56,7 +56,7 @@ std::vector<WheelName> wheels_of(const std::vector<Mark> &turn) {
         double doubt = !is_made(runs, wheel.positions) ? 0 : runs.size() > 1 ? -kMadeOfMany : -kMade, worst = 0;
         for (std::size_t j = 0; j < turn.size(); ++j) {
             const double off = std::abs(turn[j].width - 1 - runs[j]);
-            doubt += off + (runs[j] == kRunMax ? kThreeMissing : 0);
+            doubt += off + (runs[j] == kRunMax && !(runs.size() == 1 && is_made(runs, wheel.positions)) ? kThreeMissing : 0);
             worst = std::max(worst, off);
         }
         const bool far = worst > kWidthTolerance && turn.size() > 1;

@@ -136,6 +136,8 @@ Json summarise(const Options &options, const Inputs &inputs, const RunResult &re
     add_figures(summary, result, perturbed);
     const auto bounds = firing_bounds(inputs.scenario, inputs.tune, result);
     summary["misfire"] = misfire_json(result.misfire, separation_bound(inputs.scenario, bounds));
+    if (method_of(inputs.tune) != "monitor") summary["misfire"]["monitor"] = beside_json(result.monitor);
+    summary["misfire"]["method"] = method_of(inputs.tune);
     if (perturbed) summary["misfire"]["perturbed"] = misfire_json(perturbed->result.misfire, 0);
     summary["firing"] = firing_json(result, bounds);
     if (perturbed) summary["firing"]["perturbed"] = firing_json(perturbed->result, std::nullopt);
@@ -165,7 +167,9 @@ void print_figures(const Inputs &inputs, const RunResult &result, const std::opt
     if (result.stalled) row("the engine", "stalled");
     print_accuracy(result, perturbed);
     const auto bounds = firing_bounds(inputs.scenario, inputs.tune, result);
-    print_misfire("misfire monitor", result.misfire, separation_bound(inputs.scenario, bounds));
+    const std::string method = method_of(inputs.tune);
+    print_misfire(("misfire " + method).c_str(), result.misfire, separation_bound(inputs.scenario, bounds));
+    if (method != "monitor") print_beside("the monitor beside it", result.monitor);
     if (perturbed) print_misfire("the same, perturbed", perturbed->result.misfire, 0);
     print_firing("single firings over", result, bounds);
     if (perturbed) print_firing("the same, perturbed, over", perturbed->result, std::nullopt);

@@ -38,10 +38,11 @@ sd_result_t sd_ecu_resume(sd_ecu_t *self, const sd_calibration_t *page, const sd
 /* ---- a tooth --------------------------------------------------------------------------------------------------- */
 
 static void restart_firings(sd_ecu_t *self) {
-    if (self->firings.enabled == 0u) { return; }
-    sd_firings_restart(&self->firings);
-    sd_misfire_start(&self->misfire.monitor);
-    sd_publish_judge(&self->say, SD_OWNER_MISFIRE, &(sd_status_t){ .health = SD_INVALID, .why = SD_WHY_CONVERGING });
+    const bool filters = self->firings.enabled != 0u;
+    if (filters) { sd_firings_restart(&self->firings); }
+    if (!filters && !sd_stage_misfire_observes(&self->misfire)) { return; }
+    sd_stage_misfire_restart(&self->misfire);
+    sd_publish_judge(&self->say, SD_OWNER_MISFIRE, &self->misfire.status);
 }
 
 static void jump(sd_ecu_t *self, sd_course_jump_t jump) {
@@ -65,19 +66,26 @@ static void step_torque(sd_ecu_t *self, const sd_calibration_t *page, const sd_t
     sd_course_add(&self->course, tooth, good);
 }
 
-static void judge_firing(sd_ecu_t *self, const sd_firings_out_t *firings) {
-    const sd_stage_misfire_in_t in = { .firing = &firings->firing,
-                                       .estimate = firings->status,
-                                       .energy_j = firings->energy_j,
-                                       .speed_radps = firings->speed_radps,
-                                       .shifting = sd_inputs_value(&self->inputs, SD_INPUT_DRIVELINE_SHIFT) > 0.5f,
-                                       .level_known = sd_inputs_fresh(&self->inputs, SD_INPUT_FUEL_LEVEL),
-                                       .fuel_level_percent = sd_inputs_value(&self->inputs, SD_INPUT_FUEL_LEVEL) };
-    const sd_misfire_verdict_t verdict = sd_stage_misfire_firing(&self->misfire, &in);
-    sd_stage_trims_firing(&self->trims, &firings->firing, firings->status.health, verdict.verdict == (uint8_t)SD_MISFIRE);
-    sd_say_verdict(&self->say, &verdict);
-    sd_status_t status = sd_misfire_status(&self->misfire.monitor);
-    sd_status_worst_of(&status, firings->status.health, firings->status.why);
+/* firings: NULL where no filter runs, and document 000's observer judges alone. */
+static void judge_firing(sd_ecu_t *self, const sd_calibration_t *page, uint32_t firing, bool phase_known, const sd_firings_out_t *firings) {
+    sd_stage_misfire_in_t in = { .firing = firing,
+                                 .phase_known = phase_known,
+                                 .shifting = sd_inputs_value(&self->inputs, SD_INPUT_DRIVELINE_SHIFT) > 0.5f,
+                                 .level_known = sd_inputs_fresh(&self->inputs, SD_INPUT_FUEL_LEVEL),
+                                 .fuel_level_percent = sd_inputs_value(&self->inputs, SD_INPUT_FUEL_LEVEL) };
+    if (firings != NULL) {
+        in.read = &firings->firing;
+        in.estimate = firings->status;
+        in.energy_j = firings->energy_j;
+        in.speed_radps = firings->speed_radps;
+    }
+    sd_stage_misfire_out_t out;
+    sd_stage_misfire_firing(&self->misfire, page, &in, &out);
+    if (firings != NULL) {
+        sd_stage_trims_firing(&self->trims, &firings->firing, firings->status.health, out.verdict.verdict == (uint8_t)SD_MISFIRE);
+    }
+    sd_say_verdict(&self->say, &out);
+    sd_status_t status = self->misfire.status;
     sd_inputs_judge(&self->inputs, SD_OWNER_MISFIRE, &status);
     sd_publish_judge(&self->say, SD_OWNER_MISFIRE, &status);
 }
@@ -102,21 +110,28 @@ static bool step_firings(sd_ecu_t *self, const sd_calibration_t *page, const sd_
     sd_inputs_judge(inputs, SD_OWNER_FIRING, &out.status);
     sd_publish_judge(&self->say, SD_OWNER_FIRING, &out.status);
     self->say.signals.firing_waveform_nm = out.waveform_nm;
-    if (self->firings.enabled == 0u) {
+    const bool observed = sd_stage_misfire_observes(&self->misfire);
+    if ((self->firings.enabled == 0u) && !observed) {
         sd_publish_judge(&self->say, SD_OWNER_MISFIRE, &out.status);
         return false;
     }
-    sd_stage_misfire_tooth(&self->misfire, page, tooth, fuel_mg);
+    const uint32_t read = sd_stage_misfire_tooth(&self->misfire, page, tooth, fuel_mg);
     if (out.restarted != 0u) { sd_misfire_start(&self->misfire.monitor); }
     if (out.learned != 0u) { sd_say_pattern(&self->say, &self->firings.pattern); }
-    if (out.complete == 0u) { return false; }
-    sd_say_firing(&self->say, page, &out);
-    judge_firing(self, &out);
+    if (out.complete != 0u) {
+        sd_say_firing(&self->say, page, &out);
+        judge_firing(self, page, out.firing.index, tooth->phase_known != 0u, &out);
+    } else if ((self->firings.enabled == 0u) && (read != 0u)) {
+        self->say.signals.firing_cylinder = (float)page->firing_order[read - 1u];
+        judge_firing(self, page, read - 1u, tooth->phase_known != 0u, NULL);
+    } else {
+        return false;
+    }
     sd_publish_row(&self->say, port, tooth->tick, SD_RATE_FIRING);
     return true;
 }
 
-static void on_tooth(sd_ecu_t *self, const sd_calibration_t *page, const sd_port_t *port, const sd_tooth_t *tooth, float speed_radps) {
+void sd_ecu_tooth(sd_ecu_t *self, const sd_calibration_t *page, const sd_port_t *port, const sd_tooth_t *tooth, float speed_radps) {
     sd_cycle_t cycle;
     const sd_course_jump_t moved = sd_course_follow(&self->course, tooth, page->positions);
     if (moved != SD_COURSE_NONE) { jump(self, moved); }
@@ -129,9 +144,14 @@ static void on_tooth(sd_ecu_t *self, const sd_calibration_t *page, const sd_port
     if (!burdened && !catches_up) { sd_ecu_do_piece(self, page, port); }
 }
 
-/* ---- events ---------------------------------------------------------------------------------------------------- */
+/* ---- beside teeth ---------------------------------------------------------------------------------------------- */
 
-static void lose_angle(sd_ecu_t *self, uint16_t why) {
+void sd_ecu_spurious(sd_ecu_t *self, const sd_calibration_t *page) {
+    sd_firings_spurious(&self->firings, &page->kalman);
+    sd_stage_misfire_spurious(&self->misfire, page);
+}
+
+void sd_ecu_lose_angle(sd_ecu_t *self, uint16_t why) {
     sd_course_lose(&self->course);
     sd_stage_mixture_restart(&self->mixture);
     self->say.signals.torque_mass_nm = 0.0f;
@@ -139,70 +159,16 @@ static void lose_angle(sd_ecu_t *self, uint16_t why) {
     sd_publish_worst_of(&self->say, SD_OWNER_FIRING, SD_INVALID, why);
 }
 
-static void on_crank_edge(sd_ecu_t *self, const sd_calibration_t *page, const sd_port_t *port, uint32_t tick) {
-    sd_tooth_t tooth;
-    sd_crank_edge(&self->crank, tick, &tooth);
-    const sd_crank_motion_t motion = sd_crank_motion_of(&self->crank, &tooth, page->tick_hz);
-    sd_say_tooth(&self->say, page, &tooth, &motion);
-    if (tooth.edge_class == (uint8_t)SD_EDGE_UNSYNCED) {
-        lose_angle(self, SD_WHY_NO_SYNC);
-        sd_ecu_do_piece(self, page, port);
-    } else if (tooth.edge_class != (uint8_t)SD_EDGE_SPURIOUS) {
-        on_tooth(self, page, port, &tooth, motion.speed_radps);
-    } else {
-        sd_firings_spurious(&self->firings, &page->kalman);
-    }
-    self->edge_seen = 1;
-    sd_publish_row(&self->say, port, tick, SD_RATE_EDGE);
+float sd_ecu_say_edge(sd_ecu_t *self, const sd_calibration_t *page, const sd_tooth_t *tooth) {
+    const sd_crank_motion_t motion = sd_crank_motion_of(&self->crank, tooth, page->tick_hz);
+    sd_say_tooth(&self->say, page, tooth, &motion);
+    return motion.speed_radps;
 }
 
-static void publish_lost_angle(sd_ecu_t *self, const sd_port_t *port, uint32_t tick, uint16_t why) {
-    lose_angle(self, why);
-    sd_say_lost_angle(&self->say, SD_INVALID, why);
-    sd_publish_row(&self->say, port, tick, SD_RATE_EDGE);
-}
-
-static void on_sample(sd_ecu_t *self, const sd_event_t *event) {
-    float value;
-    memcpy(&value, &event->value, sizeof value);
-    const bool taken = sd_inputs_take(&self->inputs, event->channel, event->tick, value);
-    if (taken && (event->channel == (uint16_t)SD_INPUT_EXHAUST_LAMBDA)) {
+void sd_ecu_sample(sd_ecu_t *self, sd_input_t input, float value) {
+    if (input == SD_INPUT_EXHAUST_LAMBDA) {
         sd_stage_mixture_sample(&self->mixture, value, self->working.afr_stoichiometric);
+    } else if (input == SD_INPUT_EXHAUST_PRESSURE) {
+        sd_stage_mixture_pressure(&self->mixture, value);
     }
-}
-
-static void on_time(sd_ecu_t *self, const sd_calibration_t *page, const sd_port_t *port, uint32_t tick) {
-    sd_inputs_age(&self->inputs, tick, page->tick_hz);
-    if (sd_crank_poll(&self->crank, tick)) { publish_lost_angle(self, port, tick, SD_WHY_STALL); }
-    if (self->edge_seen == 0u) { sd_ecu_do_piece(self, page, port); } /* no tooth comes to do it */
-    self->edge_seen = 0;
-    sd_say_inputs(&self->say, &self->inputs);
-    sd_publish_row(&self->say, port, tick, SD_RATE_TASK);
-    const sd_event_t done = { .tick = tick, .kind = SD_EVENT_DONE, .value = self->say.unsent, .flags = self->unknown_events };
-    (void)port->send(port->context, &done, 1u);
-}
-
-/* The decoder would take lost edges for a mark or a change of speed, so it starts afresh. */
-static void on_gap(sd_ecu_t *self, const sd_port_t *port, uint32_t tick) {
-    sd_crank_lose_sync(&self->crank);
-    publish_lost_angle(self, port, tick, SD_WHY_NO_SYNC);
-}
-
-uint32_t sd_ecu_run(sd_ecu_t *self, const sd_calibration_t *page, const sd_port_t *port) {
-    sd_event_t event;
-    uint32_t handled = 0;
-    while ((self->ready != 0u) && (port->receive(port->context, &event, 1u) == 1u)) {
-        switch (event.kind) {
-        case SD_EVENT_CRANK_EDGE: on_crank_edge(self, page, port, event.tick); break;
-        case SD_EVENT_CAM_EDGE:   sd_crank_cam_edge(&self->crank, event.tick); break;
-        case SD_EVENT_WHEEL_EDGE: break; /* nothing takes it yet */
-        case SD_EVENT_TIME:       on_time(self, page, port, event.tick); break;
-        case SD_EVENT_SAMPLE:     on_sample(self, &event); break;
-        case SD_EVENT_GAP:        on_gap(self, port, event.tick); break;
-        case SD_EVENT_PARAMETER:  sd_ecu_parameter(self, page, port, &event); break;
-        default:                  self->unknown_events++; break;
-        }
-        handled++;
-    }
-    return handled;
 }

@@ -68,8 +68,12 @@ void sd_say_pattern(sd_publish_t *say, const sd_pattern_t *pattern) {
     say->signals.wheel_pattern_sd_deg = pattern->sd_rad / SD_RAD_PER_DEG;
 }
 
-void sd_say_verdict(sd_publish_t *say, const sd_misfire_verdict_t *v) {
+void sd_say_verdict(sd_publish_t *say, const sd_stage_misfire_out_t *out) {
+    const sd_misfire_verdict_t *v = &out->verdict;
     sd_signals_t *s = &say->signals;
+    s->misfire_monitor = (float)out->monitor;
+    s->misfire_acceleration_radps2 = out->accel_radps2;
+    s->misfire_residual_radps2 = out->residual_radps2;
     s->misfire_index = v->index;
     s->misfire_limit = v->limit;
     s->misfire_verdict = (float)v->verdict;

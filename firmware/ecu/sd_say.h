@@ -3,8 +3,8 @@
 #ifndef SD_SAY_H
 #define SD_SAY_H
 #include "sd_firings.h"
-#include "sd_inputs.h"
-#include "sd_publish.h"
+#include "sd_say_edge.h"
+#include "sd_stage_misfire.h"
 #include "sd_stage_mixture.h"
 #include "sd_stage_torque.h"
 
@@ -14,15 +14,11 @@ extern "C" {
 
 /// Angle, speed, class and health of an edge. Speed and acceleration stay when the tooth has no period.
 void sd_say_tooth(sd_publish_t *say, const sd_calibration_t *page, const sd_tooth_t *tooth, const sd_crank_motion_t *motion);
-/// The angle is lost: what depends on it is 0.
-void sd_say_lost_angle(sd_publish_t *say, uint8_t health, uint16_t why);
-/// Which inputs are missing or stale, bit by bit.
-void sd_say_inputs(sd_publish_t *say, const sd_inputs_t *inputs);
 void sd_say_torque(sd_publish_t *say, const sd_torque_out_t *torque);
 void sd_say_cylinders(sd_publish_t *say, const sd_calibration_t *page, const sd_cylinders_out_t *cylinders);
 void sd_say_firing(sd_publish_t *say, const sd_calibration_t *page, const sd_firings_out_t *firings);
 void sd_say_pattern(sd_publish_t *say, const sd_pattern_t *pattern);
-void sd_say_verdict(sd_publish_t *say, const sd_misfire_verdict_t *verdict);
+void sd_say_verdict(sd_publish_t *say, const sd_stage_misfire_out_t *out);
 void sd_say_misfires(sd_publish_t *say, const sd_calibration_t *page, const sd_misfire_t *monitor);
 void sd_say_mixture(sd_publish_t *say, const sd_calibration_t *page, const sd_mixture_out_t *out, const sd_stage_mixture_t *mixture);
 void sd_say_trims(sd_publish_t *say, const sd_calibration_t *page, const sd_stage_trims_t *trims);

@@ -29,7 +29,7 @@ extern "C" {
 
 /// SI units; read by init only, need not outlive it.
 typedef struct sd_input_config {
-    const sd_plant_step_t *step; ///< The sampling interval; from_output and period_ticks are not looked at.
+    const sd_plant_step_t *step; ///< The sampling interval.
     uint8_t  cylinders;          ///< 1 to SD_INPUT_CYLINDERS_MAX.
     float    noise_mps;          ///< Standard deviation of y, (0, 100].
     float    start_speed_mps;    ///< Deviation of v1 at the start, (0, 1e3].

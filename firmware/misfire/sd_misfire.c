@@ -178,8 +178,9 @@ static bool fill(sd_misfire_window_t *running, sd_misfire_window_t *last, uint32
     return true;
 }
 
-static void count(sd_misfire_t *self, const sd_misfire_verdict_t *v) {
+void sd_misfire_count(sd_misfire_t *self, const sd_misfire_verdict_t *v) {
     const sd_misfire_config_t *c = &self->config;
+    if ((v->verdict == (uint8_t)SD_NOT_JUDGED) || (v->firing >= c->cylinders)) { return; }
     const bool misfire = v->verdict == (uint8_t)SD_MISFIRE;
     self->firings = count_up(self->firings);
     if (misfire) { self->misfires = count_up(self->misfires); }
@@ -214,7 +215,7 @@ static void report_health(sd_misfire_t *self, const sd_misfire_firing_t *f, cons
     }
 }
 
-sd_misfire_verdict_t sd_misfire_judge(sd_misfire_t *self, const sd_misfire_firing_t *f) {
+sd_misfire_verdict_t sd_misfire_assess(sd_misfire_t *self, const sd_misfire_firing_t *f) {
     sd_misfire_verdict_t v;
     memset(&v, 0, sizeof v);
     v.verdict = SD_NOT_JUDGED;
@@ -235,12 +236,17 @@ sd_misfire_verdict_t sd_misfire_judge(sd_misfire_t *self, const sd_misfire_firin
         learn_scatter(self, &v, relative_sd, spread);
         learn_factor(self, &v, found - 1.0f, spread);
         learn_carry(self, &v, found - 1.0f);
-        count(self, &v);
     } else {
         self->rejected = count_up_16(self->rejected);
         self->last_off = 0.0f;
     }
     report_health(self, f, &v);
+    return v;
+}
+
+sd_misfire_verdict_t sd_misfire_judge(sd_misfire_t *self, const sd_misfire_firing_t *f) {
+    const sd_misfire_verdict_t v = sd_misfire_assess(self, f);
+    sd_misfire_count(self, &v);
     return v;
 }
 

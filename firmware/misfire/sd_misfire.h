@@ -28,6 +28,7 @@
 #ifndef SD_MISFIRE_H
 #define SD_MISFIRE_H
 #include "sd_limits.h"
+#include "sd_misfire_verdict.h"
 #include "sd_num.h"
 #include "sd_status.h"
 
@@ -57,19 +58,6 @@ typedef struct sd_misfire_config {
     uint16_t emission_exceedances; ///< Windows that light the lamp, after the first 1000 revolutions; >= 1.
     uint16_t catalyst_exceedances; ///< Windows that make it blink; >= 1.
 } sd_misfire_config_t;
-
-/// Why a firing was not judged; bits.
-typedef enum sd_inhibit {
-    SD_INHIBIT_START    = 1 << 0,
-    SD_INHIBIT_FUEL_CUT = 1 << 1, ///< No or hardly any fuel, or too little torque expected.
-    SD_INHIBIT_SHIFT    = 1 << 2, ///< The caller says so, or speed changes as it does in a gear shift.
-    SD_INHIBIT_ESTIMATE = 1 << 3, ///< The torque is invalid or no number.
-    SD_INHIBIT_HOLD     = 1 << 4, ///< Fuel cut or a shift ended a moment ago.
-    SD_INHIBIT_OUTSIDE  = 1 << 5, ///< Asked for by the caller.
-    SD_INHIBIT_LEVEL    = 1 << 6, ///< The caller says that the tank is nearly empty.
-} sd_inhibit_t;
-
-typedef enum sd_verdict { SD_HEALTHY = 0, SD_PARTIAL_BURN = 1, SD_MISFIRE = 2, SD_NOT_JUDGED = 3 } sd_verdict_t;
 
 typedef enum sd_lamp {
     SD_LAMP_OFF = 0,
@@ -140,7 +128,12 @@ sd_result_t sd_misfire_init(sd_misfire_t *self, const sd_misfire_config_t *confi
 sd_result_t sd_misfire_configure(sd_misfire_t *self, const sd_misfire_config_t *config);
 /// The engine, or the estimator, starts: the next start_firings are not judged. Counts and what was learned stay.
 void sd_misfire_start(sd_misfire_t *self);
-/// Judges a firing; never NaN. An index out of range is counted and not judged.
+/// Judges a firing and learns from it; never NaN. An index out of range is counted as rejected and not judged.
+sd_misfire_verdict_t sd_misfire_assess(sd_misfire_t *self, const sd_misfire_firing_t *firing);
+/// Counts a judged firing for rates and the lamp, whoever judged it: `firing`, `cylinder` and `verdict` of *verdict. One that was
+/// not judged counts for nothing.
+void sd_misfire_count(sd_misfire_t *self, const sd_misfire_verdict_t *verdict);
+/// Both.
 sd_misfire_verdict_t sd_misfire_judge(sd_misfire_t *self, const sd_misfire_firing_t *firing);
 /// As in the report. rejected: firings not judged.
 sd_status_t sd_misfire_status(const sd_misfire_t *self);

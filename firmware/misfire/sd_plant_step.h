@@ -3,9 +3,8 @@
 ///
 ///   v1' = v2,  v2' = -k2 v2 - k1 v1 + C Q          v1: crank pin speed less its mean, m/s; C Q: input, m/s^3
 ///
-/// With the input's mean over the step (and, for an observer, the output's) the step is x+ = x + D x + g u + h y,
-/// D = exp(A T) - I. D, g and h come from the calibration: no exponential is needed on a target, and a D near zero
-/// keeps its digits.
+/// With the input's mean over the step it is x+ = x + D x + g u, D = exp(A T) - I. D and g come from the host: no exponential
+/// is needed on a target, and a D near zero keeps its digits.
 #ifndef SD_PLANT_STEP_H
 #define SD_PLANT_STEP_H
 #include <stdint.h>
@@ -14,14 +13,10 @@
 extern "C" {
 #endif
 
-#define SD_PLANT_STEPS_MAX 8 ///< Lengths in a table.
-
 /// SI units.
 typedef struct sd_plant_step {
-    uint32_t period_ticks;   ///< Length T of the step, >= 1.
-    float    increment[2][2]; ///< D; finite, like all below.
-    float    from_input[2];  ///< g.
-    float    from_output[2]; ///< h; zero where no measurement enters the equations.
+    float increment[2][2]; ///< D; finite, like all below.
+    float from_input[2];   ///< g.
 } sd_plant_step_t;
 
 #ifdef __cplusplus

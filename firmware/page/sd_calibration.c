@@ -4,6 +4,8 @@
 #include <stddef.h>
 #include <string.h>
 
+#include "sd_value.h"
+
 #define MAGIC 0x32434453u /* "SDC2" */
 #define NUMBER_MAX 1e9f
 #define FIXED_BYTES ((uint32_t)offsetof(sd_calibration_t, kalman.pool))
@@ -28,7 +30,7 @@ const sd_calibration_t *sd_calibration_view(const void *bytes, uint32_t size) {
 
 /* ---- ranges ---------------------------------------------------------------------------------------------------- */
 
-static bool within(float x, float low, float high) { return (x >= low) && (x <= high); } /* false for NaN */
+static bool within(float x, float low, float high) { return sd_bits_within(x, low, high); } /* false for NaN */
 
 static bool map_ok(const sd_calibration_t *page) {
     const sd_cylinder_map_t *map = &page->cylinder_map;
@@ -50,10 +52,16 @@ static bool cylinders_ok(const sd_calibration_t *page) {
     return ok;
 }
 
+static bool wheel_ok(const sd_calibration_t *page) {
+    const sd_wheel_tables_t *w = &page->wheel;
+    const bool bases = (w->accel_exponent >= 0) && (w->accel_exponent <= 30) && (w->work_exponent >= 0) && (w->work_exponent <= 30);
+    return bases && ((w->positions == 0u) || ((w->positions == page->positions) && (w->cylinders == page->cylinders)));
+}
+
 bool sd_calibration_in_range(const sd_calibration_t *page) {
     const float *parameter = (const float *)&page->parameters;
     bool ok = within(page->position_0_deg, 0.0f, 360.0f) && within(page->tick_hz, 1e5f, 2e8f) && cylinders_ok(page) &&
-              ((page->kalman.positions == 0u) || (page->kalman.positions == page->positions));
+              ((page->kalman.positions == 0u) || (page->kalman.positions == page->positions)) && wheel_ok(page);
     for (uint32_t i = 0; ok && (i < SD_PARAMETER_COUNT); ++i) {
         ok = within(parameter[i], sd_parameter_infos[i].low, sd_parameter_infos[i].high);
     }
@@ -65,7 +73,7 @@ bool sd_calibration_in_range(const sd_calibration_t *page) {
 sd_crank_config_t sd_calibration_crank(const sd_calibration_t *page, const sd_parameters_t *p) {
     sd_crank_config_t config = { .positions = page->positions,
                                  .missing_count = page->missing_count,
-                                 .stall_ticks = (uint32_t)(p->crank_stall_s * page->tick_hz),
+                                 .stall_ticks = V(floor)(V(mul)(V(of)(p->crank_stall_s), V(of)(page->tick_hz))),
                                  .has_cam = page->has_cam,
                                  .cam_position = page->cam_position };
     memcpy(config.missing, page->missing, sizeof config.missing);
@@ -73,16 +81,16 @@ sd_crank_config_t sd_calibration_crank(const sd_calibration_t *page, const sd_pa
 }
 
 sd_fourier_config_t sd_calibration_torque(const sd_calibration_t *page, const sd_parameters_t *p) {
+    const sd_value_t teeth = V(mul)(V(mul)(V(of)(p->torque_settle_cycles), V(int)(2)), V(int)(page->positions - page->missing_count));
     return (sd_fourier_config_t){ .positions = page->positions,
-                                  .harmonics = (uint8_t)p->torque_harmonics,
+                                  .harmonics = (uint8_t)V(floor)(V(of)(p->torque_harmonics)),
                                   .gain_energy = p->torque_gain_energy_per_rad,
                                   .gain_mean = p->torque_gain_mean_per_rad2,
                                   .gain_reference = p->torque_gain_reference_per_rad2,
                                   .reject_energy = p->torque_reject_energy,
-                                  .settle_steps = (uint16_t)(p->torque_settle_cycles * 2.0f *
-                                                             (float)(page->positions - page->missing_count)),
+                                  .settle_steps = (uint16_t)V(floor)(teeth),
                                   .tick_hz = page->tick_hz,
-                                  .speed_base_radps = p->torque_speed_base_rpm * 0.10471976f,
+                                  .speed_base_radps = V(float)(V(mul)(V(of)(p->torque_speed_base_rpm), V(of)(0.10471976f))),
                                   .torque_base_nm = p->torque_torque_base_nm };
 }
 
@@ -107,4 +115,21 @@ sd_misfire_config_t sd_calibration_misfire(const sd_calibration_t *page, const s
                                    .catalyst_exceedances = (uint16_t)p->misfire_catalyst_windows };
     memcpy(config.firing_order, page->firing_order, sizeof config.firing_order);
     return config;
+}
+
+float sd_calibration_work(const sd_calibration_t *page, const sd_parameters_t *p) {
+    return p->misfire_work_per_fuel_jpmg / (float)(1u << (uint32_t)page->wheel.work_exponent);
+}
+
+static float clamp(float x, float low, float high) { return (x < low) ? low : (x > high) ? high : x; }
+
+sd_wheel_config_f32_t sd_calibration_wheel(const sd_calibration_t *page, const sd_parameters_t *p, sd_wheel_kind_t kind) {
+    const float cylinders = (float)page->cylinders, of_torque_mg = p->misfire_torque_min_nm * 3.14159265f / p->misfire_work_per_fuel_jpmg;
+    const float fuel_min_mg = (p->misfire_fuel_min_mg > of_torque_mg) ? p->misfire_fuel_min_mg : of_torque_mg;
+    return (sd_wheel_config_f32_t){ .definition = p->misfire_definition,
+                                    .work_min = clamp(fuel_min_mg * sd_calibration_work(page, p), 1e-6f, 0.999f),
+                                    .speed_change = clamp(2.0f * p->misfire_speed_change, 1e-3f, 0.999f), /* of the square */
+                                    .start_firings = (uint16_t)(p->misfire_start_cycles * cylinders),
+                                    .hold_firings = (uint16_t)(p->misfire_hold_cycles * cylinders),
+                                    .kind = (uint8_t)kind };
 }

@@ -14,6 +14,7 @@
 #include "sd_misfire.h"
 #include "sd_page.h"
 #include "sd_signals.h"
+#include "sd_switched_wheel.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -38,6 +39,7 @@ typedef struct sd_calibration {
     sd_fourier_tables_t fourier;    ///< Of the torque observer; the AFR blocks take its sines too.
     sd_cylinder_map_t cylinder_map; ///< Of the gains in `parameters`.
     sd_afr_grid_t     afr;          ///< present 0: the engine file names no exhaust.
+    sd_wheel_tables_t wheel;      ///< Document 000's observers; positions 0: the engine file tells no heat release.
     sd_kalman_tables_t kalman;      ///< Of the parameters firing.*; positions 0: none. Its pool ends the page.
 } sd_calibration_t;
 
@@ -59,6 +61,9 @@ bool sd_calibration_in_range(const sd_calibration_t *page);
 sd_crank_config_t   sd_calibration_crank(const sd_calibration_t *page, const sd_parameters_t *parameters);
 sd_fourier_config_t sd_calibration_torque(const sd_calibration_t *page, const sd_parameters_t *parameters);
 sd_misfire_config_t sd_calibration_misfire(const sd_calibration_t *page, const sd_parameters_t *parameters);
+sd_wheel_config_f32_t sd_calibration_wheel(const sd_calibration_t *page, const sd_parameters_t *parameters, sd_wheel_kind_t kind);
+/// Work of 1 mg of fuel, per unit of the wheel's work base.
+float sd_calibration_work(const sd_calibration_t *page, const sd_parameters_t *parameters);
 
 #ifdef __cplusplus
 }

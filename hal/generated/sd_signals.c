@@ -72,6 +72,9 @@ const sd_signal_info_t sd_signal_infos[SD_SIGNAL_COUNT] = {
     { "misfire.inhibit", "", 0.0f, 127.0f, 0.0f, SD_RATE_FIRING, SD_OWNER_MISFIRE, 0 },
     { "misfire.firing", "", 0.0f, 7.0f, 0.0f, SD_RATE_FIRING, SD_OWNER_MISFIRE, 0 },
     { "misfire.cylinder", "", 1.0f, 8.0f, 0.0f, SD_RATE_FIRING, SD_OWNER_MISFIRE, 0 },
+    { "misfire.monitor", "", 0.0f, 3.0f, 0.0f, SD_RATE_FIRING, SD_OWNER_MISFIRE, 0 },
+    { "misfire.acceleration", "rad/s2", -1000000.0f, 1000000.0f, 0.0f, SD_RATE_FIRING, SD_OWNER_MISFIRE, 0 },
+    { "misfire.residual", "rad/s2", -1000000.0f, 1000000.0f, 0.0f, SD_RATE_FIRING, SD_OWNER_MISFIRE, 0 },
     { "misfire.rate_200[1]", "%", 0.0f, 100.0f, 0.0f, SD_RATE_CYCLE, SD_OWNER_MISFIRE, 0 },
     { "misfire.rate_200[2]", "%", 0.0f, 100.0f, 0.0f, SD_RATE_CYCLE, SD_OWNER_MISFIRE, 0 },
     { "misfire.rate_200[3]", "%", 0.0f, 100.0f, 0.0f, SD_RATE_CYCLE, SD_OWNER_MISFIRE, 0 },
@@ -106,6 +109,9 @@ const sd_input_info_t sd_input_infos[SD_INPUT_COUNT] = {
     { "driveline.shift", "", 0.0f, 1.0f, 0.0f, 0.5f },
     { "exhaust.lambda", "", 0.5f, 20.0f, 1.0f, 0.5f },
     { "exhaust.pressure", "bar", 0.05f, 10.0f, 1.0f, 0.5f },
+    { "exhaust.temperature", "K", 200.0f, 1600.0f, 700.0f, 2.0f },
+    { "exhaust.vanes", "", 0.05f, 10.0f, 1.0f, 2.0f },
+    { "exhaust.turbine_speed", "rpm", 0.0f, 400000.0f, 0.0f, 2.0f },
     { "balance.enable", "", 0.0f, 1.0f, 0.0f, 1.0f },
 };
 
@@ -116,7 +122,7 @@ const sd_owner_info_t sd_owner_infos[SD_OWNER_COUNT] = {
     { "firing", 0x1u, 0x0u },
     { "misfire", 0x1u, 0x2u },
     { "afr", 0x0u, 0x13u },
-    { "balance", 0x42u, 0x0u },
+    { "balance", 0x202u, 0x0u },
     { "inputs", 0x0u, 0x0u },
 };
 
@@ -135,9 +141,9 @@ static const uint16_t channels_cycle[] = {
     39, 40, 41, 42, 43, 44, 45, 46,
     47, 48, 49, 50, 51, 52, 53, 54,
     55, 56, 57, 58, 59, 60, 61, 62,
-    69, 70, 71, 72, 73, 74, 75, 76,
-    77, 78, 79, 80, 81, 82, 83, 84,
-    85, 86, 87, 88, 89,
+    72, 73, 74, 75, 76, 77, 78, 79,
+    80, 81, 82, 83, 84, 85, 86, 87,
+    88, 89, 90, 91, 92,
 };
 static const uint8_t owners_cycle[] = {
     SD_OWNER_CRANK, SD_OWNER_CYLINDER, SD_OWNER_CYLINDER, SD_OWNER_CYLINDER, SD_OWNER_CYLINDER, SD_OWNER_CYLINDER, SD_OWNER_CYLINDER, SD_OWNER_CYLINDER,
@@ -152,14 +158,14 @@ static const uint8_t owners_cycle[] = {
 };
 static const uint16_t channels_firing[] = {
     28, 29, 30, 31, 32, 33, 63, 64,
-    65, 66, 67, 68,
+    65, 66, 67, 68, 69, 70, 71,
 };
 static const uint8_t owners_firing[] = {
     SD_OWNER_FIRING, SD_OWNER_FIRING, SD_OWNER_FIRING, SD_OWNER_FIRING, SD_OWNER_FIRING, SD_OWNER_FIRING, SD_OWNER_MISFIRE, SD_OWNER_MISFIRE,
-    SD_OWNER_MISFIRE, SD_OWNER_MISFIRE, SD_OWNER_MISFIRE, SD_OWNER_MISFIRE,
+    SD_OWNER_MISFIRE, SD_OWNER_MISFIRE, SD_OWNER_MISFIRE, SD_OWNER_MISFIRE, SD_OWNER_MISFIRE, SD_OWNER_MISFIRE, SD_OWNER_MISFIRE,
 };
 static const uint16_t channels_task[] = {
-    90, 91, 92, 93,
+    93, 94, 95, 96,
 };
 static const uint8_t owners_task[] = {
     SD_OWNER_INPUTS, SD_OWNER_INPUTS, SD_OWNER_INPUTS, SD_OWNER_INPUTS,
@@ -167,7 +173,7 @@ static const uint8_t owners_task[] = {
 const sd_rate_info_t sd_rate_infos[SD_RATE_COUNT] = {
     { "edge", 0.0f, channels_edge, owners_edge, 9u },
     { "cycle", 0.0f, channels_cycle, owners_cycle, 69u },
-    { "firing", 0.0f, channels_firing, owners_firing, 12u },
+    { "firing", 0.0f, channels_firing, owners_firing, 15u },
     { "task", 0.01f, channels_task, owners_task, 4u },
 };
 
@@ -210,7 +216,13 @@ const sd_signal_info_t sd_parameter_infos[SD_PARAMETER_COUNT] = {
     { "misfire.catalyst", "%", 0.001f, 100.0f, 5.0f, SD_RATE_EDGE, SD_OWNER_MISFIRE, 0 },
     { "misfire.emission_windows", "", 1.0f, 100.0f, 4.0f, SD_RATE_EDGE, SD_OWNER_MISFIRE, 0 },
     { "misfire.catalyst_windows", "", 1.0f, 100.0f, 3.0f, SD_RATE_EDGE, SD_OWNER_MISFIRE, 0 },
+    { "misfire.method", "", 0.0f, 3.0f, 0.0f, SD_RATE_EDGE, SD_OWNER_MISFIRE, 0 },
+    { "misfire.arithmetic", "", 0.0f, 1.0f, 0.0f, SD_RATE_EDGE, SD_OWNER_MISFIRE, 0 },
     { "afr.method", "", 1.0f, 3.0f, 1.0f, SD_RATE_EDGE, SD_OWNER_AFR, 0 },
+    { "afr.arithmetic", "", 0.0f, 1.0f, 0.0f, SD_RATE_EDGE, SD_OWNER_AFR, 0 },
+    { "afr.gain_mass", "", 0.0f, 1.0f, 0.1f, SD_RATE_EDGE, SD_OWNER_AFR, 0 },
+    { "afr.turbine_drop", "", 0.0f, 1.0f, 0.0f, SD_RATE_EDGE, SD_OWNER_AFR, 0 },
+    { "afr.turbine_rated", "rpm", 1.0f, 1000000.0f, 100000.0f, SD_RATE_EDGE, SD_OWNER_AFR, 0 },
     { "afr.gain_air", "", 0.001f, 1.99f, 0.1f, SD_RATE_EDGE, SD_OWNER_AFR, 0 },
     { "afr.gain_cylinder", "", 0.001f, 100.0f, 4.0f, SD_RATE_EDGE, SD_OWNER_AFR, 0 },
     { "afr.inversion_gain", "", 0.0001f, 0.1f, 0.03f, SD_RATE_EDGE, SD_OWNER_AFR, 0 },
@@ -227,6 +239,7 @@ const sd_signal_info_t sd_parameter_infos[SD_PARAMETER_COUNT] = {
     { "afr.lag_error", "", 0.0f, 0.5f, 0.115f, SD_RATE_EDGE, SD_OWNER_AFR, 0 },
     { "balance.source", "", 0.0f, 2.0f, 1.0f, SD_RATE_EDGE, SD_OWNER_BALANCE, 0 },
     { "balance.gain", "", 0.001f, 1.0f, 0.25f, SD_RATE_EDGE, SD_OWNER_BALANCE, 0 },
+    { "balance.proportional", "", 0.0f, 1.0f, 0.0f, SD_RATE_EDGE, SD_OWNER_BALANCE, 0 },
     { "balance.rate", "", 0.0001f, 1.0f, 0.02f, SD_RATE_EDGE, SD_OWNER_BALANCE, 0 },
     { "balance.limit", "", 0.01f, 0.5f, 0.25f, SD_RATE_EDGE, SD_OWNER_BALANCE, 0 },
     { "balance.sd_max", "", 0.001f, 1.0f, 0.1f, SD_RATE_EDGE, SD_OWNER_BALANCE, 0 },

@@ -11,7 +11,7 @@ extern "C" {
 #endif
 
 /// Changes whenever the table does; calibration pages and logs carry it.
-#define SD_SIGNALS_SIGNATURE 0x953592efu
+#define SD_SIGNALS_SIGNATURE 0xe0a956a0u
 
 /// Channel of an SD_EVENT_SAMPLE.
 typedef enum sd_input {
@@ -21,9 +21,12 @@ typedef enum sd_input {
     SD_INPUT_DRIVELINE_SHIFT = 3, ///< 1: the controller or the gearbox shifts gear. [-]
     SD_INPUT_EXHAUST_LAMBDA = 4, ///< Air to fuel, over stoichiometric, as the wide-range oxygen sensor (UEGO) reads it. [-]
     SD_INPUT_EXHAUST_PRESSURE = 5, ///< Absolute pressure in the exhaust manifold. [bar]
-    SD_INPUT_BALANCE_ENABLE = 6, ///< Above 0.5 the trims learn; otherwise, and while nothing is said, they are 0. [-]
+    SD_INPUT_EXHAUST_TEMPERATURE = 6, ///< Of the gas in the exhaust manifold. Not known: as calibrated at the operating point. [K]
+    SD_INPUT_EXHAUST_VANES = 7, ///< Area between the vanes of a variable turbine (VGT), over the calibration's. [-]
+    SD_INPUT_EXHAUST_TURBINE_SPEED = 8, ///< Of the turbocharger. Not known: as calibrated; see afr.turbine_drop. [rpm]
+    SD_INPUT_BALANCE_ENABLE = 9, ///< Above 0.5 the trims learn; otherwise, and while nothing is said, they are 0. [-]
 } sd_input_t;
-#define SD_INPUT_COUNT 7u
+#define SD_INPUT_COUNT 10u
 
 /// Channel of an SD_EVENT_SIGNAL.
 typedef enum sd_signal {
@@ -55,23 +58,26 @@ typedef enum sd_signal {
     SD_SIGNAL_AFR_LAG = 53, ///< By what share the lambda sensor's lags are longer than calibrated, as learned from a probe. [-]
     SD_SIGNAL_AFR_PROBING = 54, ///< 1: a trim on one cylinder asks the sensor for its delay. [-]
     SD_SIGNAL_BALANCE_TRIM = 55, ///< Fuel to add to each cylinder, over its nominal, by physical number; their mean is 0. [-, 8 channels]
-    SD_SIGNAL_MISFIRE_INDEX = 63, ///< Work of the firing over the work expected of its fuel: 1 healthy, 0 a misfire; 0 when not judged. [-]
+    SD_SIGNAL_MISFIRE_INDEX = 63, ///< Work of the firing over the work expected of its fuel, by the method that judges: 1 healthy, 0 a misfire; 0 when not judged. [-]
     SD_SIGNAL_MISFIRE_LIMIT = 64, ///< Index below which this firing counted as a misfire; 0 when not judged. [-]
-    SD_SIGNAL_MISFIRE_VERDICT = 65, ///< 0 healthy, 1 partial burn, 2 misfire, 3 not judged. [-]
+    SD_SIGNAL_MISFIRE_VERDICT = 65, ///< 0 healthy, 1 partial burn (the monitor only), 2 misfire, 3 not judged; of the method that judges. [-]
     SD_SIGNAL_MISFIRE_INHIBIT = 66, ///< Why not judged, bits: 1 start, 2 fuel cut or too little fuel, 4 gear shift, 8 no estimate, 16 fuel cut or shift ended a moment ago, 32 a faulty tooth or unknown fuel, 64 the tank is nearly empty. [-]
     SD_SIGNAL_MISFIRE_FIRING = 67, ///< Which firing of the firing order, from 0. [-]
     SD_SIGNAL_MISFIRE_CYLINDER = 68, ///< Its physical cylinder. [-]
-    SD_SIGNAL_MISFIRE_RATE_200 = 69, ///< Misfires of the cylinder in the last complete window of 200 judged revolutions, of its firings. [%, 8 channels]
-    SD_SIGNAL_MISFIRE_RATE_1000 = 77, ///< The same in 1000. [%, 8 channels]
-    SD_SIGNAL_MISFIRE_CONTINUOUS = 85, ///< Bit n - 1: cylinder n misfires each time. [-]
-    SD_SIGNAL_MISFIRE_SUSPECTS = 86, ///< Bit n - 1: cylinder n had over a tenth of the misfires of the window that moved the lamp. [-]
-    SD_SIGNAL_MISFIRE_LAMP = 87, ///< Decision in the shape of OBD II, not verified against it: 0 off, 1 pending, 2 on, 3 blinking. [-]
-    SD_SIGNAL_MISFIRE_COUNT = 88, ///< Misfires since init. [-]
-    SD_SIGNAL_MISFIRE_PARTIAL_BURNS = 89, ///< Partial burns since init. [-]
-    SD_SIGNAL_INPUTS_STALE = 90, ///< Inputs read once whose last reading is older than it counts: bit i of element n is input 16 (n - 1) + i. [-, 2 channels]
-    SD_SIGNAL_INPUTS_MISSING = 92, ///< The same of inputs never read. [-, 2 channels]
+    SD_SIGNAL_MISFIRE_MONITOR = 69, ///< The monitor's own verdict, whatever misfire.method is; 3 where the filter on tooth times rests. [-]
+    SD_SIGNAL_MISFIRE_ACCELERATION = 70, ///< Angular acceleration of the crank by document 000's observer, mean from the firing's TDC to the next one; 0 when not judged, and with method 0. [rad/s2]
+    SD_SIGNAL_MISFIRE_RESIDUAL = 71, ///< The same less what the commanded fuel should give against the load as learned: what the firing lacks. [rad/s2]
+    SD_SIGNAL_MISFIRE_RATE_200 = 72, ///< Misfires of the cylinder in the last complete window of 200 judged revolutions, of its firings. [%, 8 channels]
+    SD_SIGNAL_MISFIRE_RATE_1000 = 80, ///< The same in 1000. [%, 8 channels]
+    SD_SIGNAL_MISFIRE_CONTINUOUS = 88, ///< Bit n - 1: cylinder n misfires each time. [-]
+    SD_SIGNAL_MISFIRE_SUSPECTS = 89, ///< Bit n - 1: cylinder n had over a tenth of the misfires of the window that moved the lamp. [-]
+    SD_SIGNAL_MISFIRE_LAMP = 90, ///< Decision in the shape of OBD II, not verified against it: 0 off, 1 pending, 2 on, 3 blinking. [-]
+    SD_SIGNAL_MISFIRE_COUNT = 91, ///< Misfires since init. [-]
+    SD_SIGNAL_MISFIRE_PARTIAL_BURNS = 92, ///< Partial burns since init. [-]
+    SD_SIGNAL_INPUTS_STALE = 93, ///< Inputs read once whose last reading is older than it counts: bit i of element n is input 16 (n - 1) + i. [-, 2 channels]
+    SD_SIGNAL_INPUTS_MISSING = 95, ///< The same of inputs never read. [-, 2 channels]
 } sd_signal_t;
-#define SD_SIGNAL_COUNT 94u
+#define SD_SIGNAL_COUNT 97u
 
 /// Present values, in channel order.
 typedef struct sd_signals {
@@ -109,6 +115,9 @@ typedef struct sd_signals {
     float misfire_inhibit;
     float misfire_firing;
     float misfire_cylinder;
+    float misfire_monitor;
+    float misfire_acceleration_radps2;
+    float misfire_residual_radps2;
     float misfire_rate_200_percent[8];
     float misfire_rate_1000_percent[8];
     float misfire_continuous;
@@ -160,7 +169,13 @@ typedef struct sd_parameters {
     float misfire_catalyst_percent; ///< Misfires in 200 revolutions that harm the catalyst.
     float misfire_emission_windows; ///< Windows of 1000 over the limit that light the lamp; one is enough in the first.
     float misfire_catalyst_windows; ///< Windows of 200 over the limit that make it blink.
+    float misfire_method; ///< Whose verdict counts, for rates, lamp and trims: 0 the monitor's; document 000's observers 1 FOLSMO, 2 FOSMO, 3 ROO, which need the engine file's heat release.
+    float misfire_arithmetic; ///< Of document 000's observers: 0 single precision, 1 fixed point (q31).
     float afr_method; ///< 1 joint filter; document 004's chain with the sensor inverted 2 as oscillators, gains from the page, 3 by its adaptive Fourier law.
+    float afr_arithmetic; ///< Of the chain: 0 f32, 1 q31. The joint filter has f32 only.
+    float afr_gain_mass; ///< L1 of the chain: of the manifold's gas towards exhaust.pressure, a position with a reading. 0: the pressure is not used.
+    float afr_turbine_drop; ///< Share of its area that the turbine loses from standstill to afr.turbine_rated, with the square of exhaust.turbine_speed. 0: it is not used.
+    float afr_turbine_rated_rpm; ///< Speed of the turbocharger at which the calibrated turbine area holds.
     float afr_gain_air; ///< L2 of the chain: of the manifold's air, a position.
     float afr_gain_cylinder; ///< L_cyl of the chain: of the cylinders, over the charge squared.
     float afr_inversion_gain; ///< g of the chain's Fourier law, a position.
@@ -177,12 +192,13 @@ typedef struct sd_parameters {
     float afr_lag_error; ///< The same of the sensor's lags, as a share; 20 % either way is 0.115.
     float balance_source; ///< 0 no trims, 1 from afr.cylinder_burned, 2 from firing.torque; no trims follow a misfire.
     float balance_gain; ///< Of the deviation, taken off the trim each cycle.
+    float balance_proportional; ///< P of a PI law, as in document 004: of the deviation's change in a cycle, taken off the trim. 0: an integrator.
     float balance_rate; ///< Largest change of a trim in a cycle.
     float balance_limit; ///< Largest trim.
     float balance_sd_max; ///< Stated standard deviation of a deviation above which nothing is learned.
     float balance_hold_cycles; ///< How long trims hold after a transient or an estimate that is not valid.
 } sd_parameters_t;
-#define SD_PARAMETER_COUNT 59u
+#define SD_PARAMETER_COUNT 66u
 
 /// What is said together, and when.
 typedef enum sd_rate {

@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "design/afr/chain_map.hpp"
+#include "design/misfire/wheel_design.hpp"
 #include "design/torque/cylinder_map.hpp"
 #include "design/torque/known_torque.hpp"
 #include "design/torque/observer_map.hpp"
@@ -165,6 +166,9 @@ sd_calibration_t calibrate(const EngineFile &engine, const sd_parameters_t &tune
     }
     c.fourier = fourier_tables(engine);
     c.parameters = resolve(engine, tune);
+    c.wheel = wheel_tables(engine, c);
+    if (c.wheel.positions == 0 && c.parameters.misfire_method > 0.5f)
+        throw InputError(tune_name, "misfire.method", "the observers of document 000 need the engine file's combustion.pulse");
     check_starts(c, engine, tune_name);
     const double radius = observer_radius(engine, c.parameters);
     if (!(radius < 1)) {

@@ -20,8 +20,17 @@ constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr double kStep = 1e-4, kNoise = 3.5e-4;
 constexpr CrankModel kModel{900, 20};
 
+sd_plant_step_t single_precision(const PlantStep &exact) {
+    sd_plant_step_t step{};
+    for (int i = 0; i < 2; ++i) {
+        for (int j = 0; j < 2; ++j) step.increment[i][j] = float(exact.increment[i][j]);
+        step.from_input[i] = float(exact.from_input[i]);
+    }
+    return step;
+}
+
 struct Configured {
-    sd_plant_step_t step = plant_step(kModel, kStep, 1e7);
+    sd_plant_step_t step = single_precision(plant_step(kModel, kStep));
     sd_input_config_t config{};
     Configured() {
         config.step = &step;

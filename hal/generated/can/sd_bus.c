@@ -4714,9 +4714,9 @@ bool sd_bus_cycle_6_misfire_partial_burns_is_in_phys_range(double value)
     return ((value >= 0.0) && (value <= 4000000000.0));
 }
 
-int sd_bus_firing_pack(
+int sd_bus_firing_1_pack(
     uint8_t *dst_p,
-    const struct sd_bus_firing_t *src_p,
+    const struct sd_bus_firing_1_t *src_p,
     size_t size)
 {
     uint32_t firing_cylinder;
@@ -4730,6 +4730,7 @@ int sd_bus_firing_pack(
     uint32_t misfire_index;
     uint32_t misfire_inhibit;
     uint32_t misfire_limit;
+    uint32_t misfire_monitor;
     uint32_t misfire_verdict;
 
     if (size < 64u) {
@@ -4808,12 +4809,17 @@ int sd_bus_firing_pack(
     dst_p[55] |= pack_right_shift_u32(misfire_cylinder, 8u, 0xffu);
     dst_p[56] |= pack_right_shift_u32(misfire_cylinder, 16u, 0xffu);
     dst_p[57] |= pack_right_shift_u32(misfire_cylinder, 24u, 0xffu);
+    memcpy(&misfire_monitor, &src_p->misfire_monitor, sizeof(misfire_monitor));
+    dst_p[58] |= pack_left_shift_u32(misfire_monitor, 0u, 0xffu);
+    dst_p[59] |= pack_right_shift_u32(misfire_monitor, 8u, 0xffu);
+    dst_p[60] |= pack_right_shift_u32(misfire_monitor, 16u, 0xffu);
+    dst_p[61] |= pack_right_shift_u32(misfire_monitor, 24u, 0xffu);
 
     return (64);
 }
 
-int sd_bus_firing_unpack(
-    struct sd_bus_firing_t *dst_p,
+int sd_bus_firing_1_unpack(
+    struct sd_bus_firing_1_t *dst_p,
     const uint8_t *src_p,
     size_t size)
 {
@@ -4828,6 +4834,7 @@ int sd_bus_firing_unpack(
     uint32_t misfire_index;
     uint32_t misfire_inhibit;
     uint32_t misfire_limit;
+    uint32_t misfire_monitor;
     uint32_t misfire_verdict;
 
     if (size < 64u) {
@@ -4904,363 +4911,569 @@ int sd_bus_firing_unpack(
     misfire_cylinder |= unpack_left_shift_u32(src_p[56], 16u, 0xffu);
     misfire_cylinder |= unpack_left_shift_u32(src_p[57], 24u, 0xffu);
     memcpy(&dst_p->misfire_cylinder, &misfire_cylinder, sizeof(dst_p->misfire_cylinder));
+    misfire_monitor = unpack_right_shift_u32(src_p[58], 0u, 0xffu);
+    misfire_monitor |= unpack_left_shift_u32(src_p[59], 8u, 0xffu);
+    misfire_monitor |= unpack_left_shift_u32(src_p[60], 16u, 0xffu);
+    misfire_monitor |= unpack_left_shift_u32(src_p[61], 24u, 0xffu);
+    memcpy(&dst_p->misfire_monitor, &misfire_monitor, sizeof(dst_p->misfire_monitor));
 
     return (0);
 }
 
-int sd_bus_firing_init(struct sd_bus_firing_t *msg_p)
+int sd_bus_firing_1_init(struct sd_bus_firing_1_t *msg_p)
 {
     if (msg_p == NULL) return -1;
 
-    memset(msg_p, 0, sizeof(struct sd_bus_firing_t));
+    memset(msg_p, 0, sizeof(struct sd_bus_firing_1_t));
 
     return 0;
 }
 
-uint32_t sd_bus_firing_tick_encode(double value)
+uint32_t sd_bus_firing_1_tick_encode(double value)
 {
     return (uint32_t)(cantools_unsigned_from_double(round(value)));
 }
 
-double sd_bus_firing_tick_decode(uint32_t value)
+double sd_bus_firing_1_tick_decode(uint32_t value)
 {
     return ((double)value);
 }
 
-bool sd_bus_firing_tick_is_in_range(uint32_t value)
+bool sd_bus_firing_1_tick_is_in_range(uint32_t value)
 {
     (void)value;
 
     return (true);
 }
 
-bool sd_bus_firing_tick_is_in_phys_range(double value)
+bool sd_bus_firing_1_tick_is_in_phys_range(double value)
 {
     return ((value >= 0.0) && (value <= 4294967295.0));
 }
 
-uint8_t sd_bus_firing_firing_health_encode(double value)
+uint8_t sd_bus_firing_1_firing_health_encode(double value)
 {
     return (uint8_t)(cantools_unsigned_from_double(round(value)));
 }
 
-double sd_bus_firing_firing_health_decode(uint8_t value)
+double sd_bus_firing_1_firing_health_decode(uint8_t value)
 {
     return ((double)value);
 }
 
-bool sd_bus_firing_firing_health_is_in_range(uint8_t value)
+bool sd_bus_firing_1_firing_health_is_in_range(uint8_t value)
 {
     return (value <= 2u);
 }
 
-bool sd_bus_firing_firing_health_is_in_phys_range(double value)
+bool sd_bus_firing_1_firing_health_is_in_phys_range(double value)
 {
     return ((value >= 0.0) && (value <= 2.0));
 }
 
-uint16_t sd_bus_firing_firing_why_encode(double value)
+uint16_t sd_bus_firing_1_firing_why_encode(double value)
 {
     return (uint16_t)(cantools_unsigned_from_double(round(value)));
 }
 
-double sd_bus_firing_firing_why_decode(uint16_t value)
+double sd_bus_firing_1_firing_why_decode(uint16_t value)
 {
     return ((double)value);
 }
 
-bool sd_bus_firing_firing_why_is_in_range(uint16_t value)
+bool sd_bus_firing_1_firing_why_is_in_range(uint16_t value)
 {
     (void)value;
 
     return (true);
 }
 
-bool sd_bus_firing_firing_why_is_in_phys_range(double value)
+bool sd_bus_firing_1_firing_why_is_in_phys_range(double value)
 {
     return ((value >= 0.0) && (value <= 65535.0));
 }
 
-uint8_t sd_bus_firing_misfire_health_encode(double value)
+uint8_t sd_bus_firing_1_misfire_health_encode(double value)
 {
     return (uint8_t)(cantools_unsigned_from_double(round(value)));
 }
 
-double sd_bus_firing_misfire_health_decode(uint8_t value)
+double sd_bus_firing_1_misfire_health_decode(uint8_t value)
 {
     return ((double)value);
 }
 
-bool sd_bus_firing_misfire_health_is_in_range(uint8_t value)
+bool sd_bus_firing_1_misfire_health_is_in_range(uint8_t value)
 {
     return (value <= 2u);
 }
 
-bool sd_bus_firing_misfire_health_is_in_phys_range(double value)
+bool sd_bus_firing_1_misfire_health_is_in_phys_range(double value)
 {
     return ((value >= 0.0) && (value <= 2.0));
 }
 
-uint16_t sd_bus_firing_misfire_why_encode(double value)
+uint16_t sd_bus_firing_1_misfire_why_encode(double value)
 {
     return (uint16_t)(cantools_unsigned_from_double(round(value)));
 }
 
-double sd_bus_firing_misfire_why_decode(uint16_t value)
+double sd_bus_firing_1_misfire_why_decode(uint16_t value)
 {
     return ((double)value);
 }
 
-bool sd_bus_firing_misfire_why_is_in_range(uint16_t value)
+bool sd_bus_firing_1_misfire_why_is_in_range(uint16_t value)
 {
     (void)value;
 
     return (true);
 }
 
-bool sd_bus_firing_misfire_why_is_in_phys_range(double value)
+bool sd_bus_firing_1_misfire_why_is_in_phys_range(double value)
 {
     return ((value >= 0.0) && (value <= 65535.0));
 }
 
-float sd_bus_firing_firing_cylinder_encode(double value)
+float sd_bus_firing_1_firing_cylinder_encode(double value)
 {
     return (float)(value);
 }
 
-double sd_bus_firing_firing_cylinder_decode(float value)
+double sd_bus_firing_1_firing_cylinder_decode(float value)
 {
     return ((double)value);
 }
 
-bool sd_bus_firing_firing_cylinder_is_in_range(float value)
+bool sd_bus_firing_1_firing_cylinder_is_in_range(float value)
 {
     return ((value >= 1.0f) && (value <= 8.0f));
 }
 
-bool sd_bus_firing_firing_cylinder_is_in_phys_range(double value)
+bool sd_bus_firing_1_firing_cylinder_is_in_phys_range(double value)
 {
     return ((value >= 1.0) && (value <= 8.0));
 }
 
-float sd_bus_firing_firing_torque_encode(double value)
+float sd_bus_firing_1_firing_torque_encode(double value)
 {
     return (float)(value);
 }
 
-double sd_bus_firing_firing_torque_decode(float value)
+double sd_bus_firing_1_firing_torque_decode(float value)
 {
     return ((double)value);
 }
 
-bool sd_bus_firing_firing_torque_is_in_range(float value)
+bool sd_bus_firing_1_firing_torque_is_in_range(float value)
 {
     return ((value >= -20000.0f) && (value <= 20000.0f));
 }
 
-bool sd_bus_firing_firing_torque_is_in_phys_range(double value)
+bool sd_bus_firing_1_firing_torque_is_in_phys_range(double value)
 {
     return ((value >= -20000.0) && (value <= 20000.0));
 }
 
-float sd_bus_firing_firing_sd_encode(double value)
+float sd_bus_firing_1_firing_sd_encode(double value)
 {
     return (float)(value);
 }
 
-double sd_bus_firing_firing_sd_decode(float value)
+double sd_bus_firing_1_firing_sd_decode(float value)
 {
     return ((double)value);
 }
 
-bool sd_bus_firing_firing_sd_is_in_range(float value)
+bool sd_bus_firing_1_firing_sd_is_in_range(float value)
 {
     return ((value >= 0.0f) && (value <= 20000.0f));
 }
 
-bool sd_bus_firing_firing_sd_is_in_phys_range(double value)
+bool sd_bus_firing_1_firing_sd_is_in_phys_range(double value)
 {
     return ((value >= 0.0) && (value <= 20000.0));
 }
 
-float sd_bus_firing_firing_mean_encode(double value)
+float sd_bus_firing_1_firing_mean_encode(double value)
 {
     return (float)(value);
 }
 
-double sd_bus_firing_firing_mean_decode(float value)
+double sd_bus_firing_1_firing_mean_decode(float value)
 {
     return ((double)value);
 }
 
-bool sd_bus_firing_firing_mean_is_in_range(float value)
+bool sd_bus_firing_1_firing_mean_is_in_range(float value)
 {
     return ((value >= -20000.0f) && (value <= 20000.0f));
 }
 
-bool sd_bus_firing_firing_mean_is_in_phys_range(double value)
+bool sd_bus_firing_1_firing_mean_is_in_phys_range(double value)
 {
     return ((value >= -20000.0) && (value <= 20000.0));
 }
 
-float sd_bus_firing_firing_mean_sd_encode(double value)
+float sd_bus_firing_1_firing_mean_sd_encode(double value)
 {
     return (float)(value);
 }
 
-double sd_bus_firing_firing_mean_sd_decode(float value)
+double sd_bus_firing_1_firing_mean_sd_decode(float value)
 {
     return ((double)value);
 }
 
-bool sd_bus_firing_firing_mean_sd_is_in_range(float value)
+bool sd_bus_firing_1_firing_mean_sd_is_in_range(float value)
 {
     return ((value >= 0.0f) && (value <= 20000.0f));
 }
 
-bool sd_bus_firing_firing_mean_sd_is_in_phys_range(double value)
+bool sd_bus_firing_1_firing_mean_sd_is_in_phys_range(double value)
 {
     return ((value >= 0.0) && (value <= 20000.0));
 }
 
-float sd_bus_firing_firing_rough_encode(double value)
+float sd_bus_firing_1_firing_rough_encode(double value)
 {
     return (float)(value);
 }
 
-double sd_bus_firing_firing_rough_decode(float value)
+double sd_bus_firing_1_firing_rough_decode(float value)
 {
     return ((double)value);
 }
 
-bool sd_bus_firing_firing_rough_is_in_range(float value)
+bool sd_bus_firing_1_firing_rough_is_in_range(float value)
 {
     return ((value >= 0.0f) && (value <= 1.0f));
 }
 
-bool sd_bus_firing_firing_rough_is_in_phys_range(double value)
+bool sd_bus_firing_1_firing_rough_is_in_phys_range(double value)
 {
     return ((value >= 0.0) && (value <= 1.0));
 }
 
-float sd_bus_firing_misfire_index_encode(double value)
+float sd_bus_firing_1_misfire_index_encode(double value)
 {
     return (float)(value);
 }
 
-double sd_bus_firing_misfire_index_decode(float value)
+double sd_bus_firing_1_misfire_index_decode(float value)
 {
     return ((double)value);
 }
 
-bool sd_bus_firing_misfire_index_is_in_range(float value)
+bool sd_bus_firing_1_misfire_index_is_in_range(float value)
 {
     return ((value >= -10.0f) && (value <= 10.0f));
 }
 
-bool sd_bus_firing_misfire_index_is_in_phys_range(double value)
+bool sd_bus_firing_1_misfire_index_is_in_phys_range(double value)
 {
     return ((value >= -10.0) && (value <= 10.0));
 }
 
-float sd_bus_firing_misfire_limit_encode(double value)
+float sd_bus_firing_1_misfire_limit_encode(double value)
 {
     return (float)(value);
 }
 
-double sd_bus_firing_misfire_limit_decode(float value)
+double sd_bus_firing_1_misfire_limit_decode(float value)
 {
     return ((double)value);
 }
 
-bool sd_bus_firing_misfire_limit_is_in_range(float value)
+bool sd_bus_firing_1_misfire_limit_is_in_range(float value)
 {
     return ((value >= 0.0f) && (value <= 1.0f));
 }
 
-bool sd_bus_firing_misfire_limit_is_in_phys_range(double value)
+bool sd_bus_firing_1_misfire_limit_is_in_phys_range(double value)
 {
     return ((value >= 0.0) && (value <= 1.0));
 }
 
-float sd_bus_firing_misfire_verdict_encode(double value)
+float sd_bus_firing_1_misfire_verdict_encode(double value)
 {
     return (float)(value);
 }
 
-double sd_bus_firing_misfire_verdict_decode(float value)
+double sd_bus_firing_1_misfire_verdict_decode(float value)
 {
     return ((double)value);
 }
 
-bool sd_bus_firing_misfire_verdict_is_in_range(float value)
+bool sd_bus_firing_1_misfire_verdict_is_in_range(float value)
 {
     return ((value >= 0.0f) && (value <= 3.0f));
 }
 
-bool sd_bus_firing_misfire_verdict_is_in_phys_range(double value)
+bool sd_bus_firing_1_misfire_verdict_is_in_phys_range(double value)
 {
     return ((value >= 0.0) && (value <= 3.0));
 }
 
-float sd_bus_firing_misfire_inhibit_encode(double value)
+float sd_bus_firing_1_misfire_inhibit_encode(double value)
 {
     return (float)(value);
 }
 
-double sd_bus_firing_misfire_inhibit_decode(float value)
+double sd_bus_firing_1_misfire_inhibit_decode(float value)
 {
     return ((double)value);
 }
 
-bool sd_bus_firing_misfire_inhibit_is_in_range(float value)
+bool sd_bus_firing_1_misfire_inhibit_is_in_range(float value)
 {
     return ((value >= 0.0f) && (value <= 127.0f));
 }
 
-bool sd_bus_firing_misfire_inhibit_is_in_phys_range(double value)
+bool sd_bus_firing_1_misfire_inhibit_is_in_phys_range(double value)
 {
     return ((value >= 0.0) && (value <= 127.0));
 }
 
-float sd_bus_firing_misfire_firing_encode(double value)
+float sd_bus_firing_1_misfire_firing_encode(double value)
 {
     return (float)(value);
 }
 
-double sd_bus_firing_misfire_firing_decode(float value)
+double sd_bus_firing_1_misfire_firing_decode(float value)
 {
     return ((double)value);
 }
 
-bool sd_bus_firing_misfire_firing_is_in_range(float value)
+bool sd_bus_firing_1_misfire_firing_is_in_range(float value)
 {
     return ((value >= 0.0f) && (value <= 7.0f));
 }
 
-bool sd_bus_firing_misfire_firing_is_in_phys_range(double value)
+bool sd_bus_firing_1_misfire_firing_is_in_phys_range(double value)
 {
     return ((value >= 0.0) && (value <= 7.0));
 }
 
-float sd_bus_firing_misfire_cylinder_encode(double value)
+float sd_bus_firing_1_misfire_cylinder_encode(double value)
 {
     return (float)(value);
 }
 
-double sd_bus_firing_misfire_cylinder_decode(float value)
+double sd_bus_firing_1_misfire_cylinder_decode(float value)
 {
     return ((double)value);
 }
 
-bool sd_bus_firing_misfire_cylinder_is_in_range(float value)
+bool sd_bus_firing_1_misfire_cylinder_is_in_range(float value)
 {
     return ((value >= 1.0f) && (value <= 8.0f));
 }
 
-bool sd_bus_firing_misfire_cylinder_is_in_phys_range(double value)
+bool sd_bus_firing_1_misfire_cylinder_is_in_phys_range(double value)
 {
     return ((value >= 1.0) && (value <= 8.0));
+}
+
+float sd_bus_firing_1_misfire_monitor_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_firing_1_misfire_monitor_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_firing_1_misfire_monitor_is_in_range(float value)
+{
+    return ((value >= 0.0f) && (value <= 3.0f));
+}
+
+bool sd_bus_firing_1_misfire_monitor_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 3.0));
+}
+
+int sd_bus_firing_2_pack(
+    uint8_t *dst_p,
+    const struct sd_bus_firing_2_t *src_p,
+    size_t size)
+{
+    uint32_t misfire_acceleration;
+    uint32_t misfire_residual;
+
+    if (size < 16u) {
+        return (-EINVAL);
+    }
+
+    memset(&dst_p[0], 0, 16);
+
+    dst_p[0] |= pack_left_shift_u32(src_p->tick, 0u, 0xffu);
+    dst_p[1] |= pack_right_shift_u32(src_p->tick, 8u, 0xffu);
+    dst_p[2] |= pack_right_shift_u32(src_p->tick, 16u, 0xffu);
+    dst_p[3] |= pack_right_shift_u32(src_p->tick, 24u, 0xffu);
+    dst_p[4] |= pack_left_shift_u8(src_p->misfire_health, 0u, 0xffu);
+    dst_p[5] |= pack_left_shift_u16(src_p->misfire_why, 0u, 0xffu);
+    dst_p[6] |= pack_right_shift_u16(src_p->misfire_why, 8u, 0xffu);
+    memcpy(&misfire_acceleration, &src_p->misfire_acceleration, sizeof(misfire_acceleration));
+    dst_p[7] |= pack_left_shift_u32(misfire_acceleration, 0u, 0xffu);
+    dst_p[8] |= pack_right_shift_u32(misfire_acceleration, 8u, 0xffu);
+    dst_p[9] |= pack_right_shift_u32(misfire_acceleration, 16u, 0xffu);
+    dst_p[10] |= pack_right_shift_u32(misfire_acceleration, 24u, 0xffu);
+    memcpy(&misfire_residual, &src_p->misfire_residual, sizeof(misfire_residual));
+    dst_p[11] |= pack_left_shift_u32(misfire_residual, 0u, 0xffu);
+    dst_p[12] |= pack_right_shift_u32(misfire_residual, 8u, 0xffu);
+    dst_p[13] |= pack_right_shift_u32(misfire_residual, 16u, 0xffu);
+    dst_p[14] |= pack_right_shift_u32(misfire_residual, 24u, 0xffu);
+
+    return (16);
+}
+
+int sd_bus_firing_2_unpack(
+    struct sd_bus_firing_2_t *dst_p,
+    const uint8_t *src_p,
+    size_t size)
+{
+    uint32_t misfire_acceleration;
+    uint32_t misfire_residual;
+
+    if (size < 16u) {
+        return (-EINVAL);
+    }
+
+    dst_p->tick = unpack_right_shift_u32(src_p[0], 0u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[1], 8u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[2], 16u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[3], 24u, 0xffu);
+    dst_p->misfire_health = unpack_right_shift_u8(src_p[4], 0u, 0xffu);
+    dst_p->misfire_why = unpack_right_shift_u16(src_p[5], 0u, 0xffu);
+    dst_p->misfire_why |= unpack_left_shift_u16(src_p[6], 8u, 0xffu);
+    misfire_acceleration = unpack_right_shift_u32(src_p[7], 0u, 0xffu);
+    misfire_acceleration |= unpack_left_shift_u32(src_p[8], 8u, 0xffu);
+    misfire_acceleration |= unpack_left_shift_u32(src_p[9], 16u, 0xffu);
+    misfire_acceleration |= unpack_left_shift_u32(src_p[10], 24u, 0xffu);
+    memcpy(&dst_p->misfire_acceleration, &misfire_acceleration, sizeof(dst_p->misfire_acceleration));
+    misfire_residual = unpack_right_shift_u32(src_p[11], 0u, 0xffu);
+    misfire_residual |= unpack_left_shift_u32(src_p[12], 8u, 0xffu);
+    misfire_residual |= unpack_left_shift_u32(src_p[13], 16u, 0xffu);
+    misfire_residual |= unpack_left_shift_u32(src_p[14], 24u, 0xffu);
+    memcpy(&dst_p->misfire_residual, &misfire_residual, sizeof(dst_p->misfire_residual));
+
+    return (0);
+}
+
+int sd_bus_firing_2_init(struct sd_bus_firing_2_t *msg_p)
+{
+    if (msg_p == NULL) return -1;
+
+    memset(msg_p, 0, sizeof(struct sd_bus_firing_2_t));
+
+    return 0;
+}
+
+uint32_t sd_bus_firing_2_tick_encode(double value)
+{
+    return (uint32_t)(cantools_unsigned_from_double(round(value)));
+}
+
+double sd_bus_firing_2_tick_decode(uint32_t value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_firing_2_tick_is_in_range(uint32_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool sd_bus_firing_2_tick_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 4294967295.0));
+}
+
+uint8_t sd_bus_firing_2_misfire_health_encode(double value)
+{
+    return (uint8_t)(cantools_unsigned_from_double(round(value)));
+}
+
+double sd_bus_firing_2_misfire_health_decode(uint8_t value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_firing_2_misfire_health_is_in_range(uint8_t value)
+{
+    return (value <= 2u);
+}
+
+bool sd_bus_firing_2_misfire_health_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 2.0));
+}
+
+uint16_t sd_bus_firing_2_misfire_why_encode(double value)
+{
+    return (uint16_t)(cantools_unsigned_from_double(round(value)));
+}
+
+double sd_bus_firing_2_misfire_why_decode(uint16_t value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_firing_2_misfire_why_is_in_range(uint16_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool sd_bus_firing_2_misfire_why_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 65535.0));
+}
+
+float sd_bus_firing_2_misfire_acceleration_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_firing_2_misfire_acceleration_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_firing_2_misfire_acceleration_is_in_range(float value)
+{
+    return ((value >= -1000000.0f) && (value <= 1000000.0f));
+}
+
+bool sd_bus_firing_2_misfire_acceleration_is_in_phys_range(double value)
+{
+    return ((value >= -1000000.0) && (value <= 1000000.0));
+}
+
+float sd_bus_firing_2_misfire_residual_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_firing_2_misfire_residual_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_firing_2_misfire_residual_is_in_range(float value)
+{
+    return ((value >= -1000000.0f) && (value <= 1000000.0f));
+}
+
+bool sd_bus_firing_2_misfire_residual_is_in_phys_range(double value)
+{
+    return ((value >= -1000000.0) && (value <= 1000000.0));
 }
 
 int sd_bus_task_pack(
@@ -6614,6 +6827,309 @@ bool sd_bus_input_exhaust_pressure_value_is_in_range(float value)
 bool sd_bus_input_exhaust_pressure_value_is_in_phys_range(double value)
 {
     return ((value >= 0.05) && (value <= 10.0));
+}
+
+int sd_bus_input_exhaust_temperature_pack(
+    uint8_t *dst_p,
+    const struct sd_bus_input_exhaust_temperature_t *src_p,
+    size_t size)
+{
+    uint32_t value;
+
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    memset(&dst_p[0], 0, 8);
+
+    dst_p[0] |= pack_left_shift_u32(src_p->tick, 0u, 0xffu);
+    dst_p[1] |= pack_right_shift_u32(src_p->tick, 8u, 0xffu);
+    dst_p[2] |= pack_right_shift_u32(src_p->tick, 16u, 0xffu);
+    dst_p[3] |= pack_right_shift_u32(src_p->tick, 24u, 0xffu);
+    memcpy(&value, &src_p->value, sizeof(value));
+    dst_p[4] |= pack_left_shift_u32(value, 0u, 0xffu);
+    dst_p[5] |= pack_right_shift_u32(value, 8u, 0xffu);
+    dst_p[6] |= pack_right_shift_u32(value, 16u, 0xffu);
+    dst_p[7] |= pack_right_shift_u32(value, 24u, 0xffu);
+
+    return (8);
+}
+
+int sd_bus_input_exhaust_temperature_unpack(
+    struct sd_bus_input_exhaust_temperature_t *dst_p,
+    const uint8_t *src_p,
+    size_t size)
+{
+    uint32_t value;
+
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    dst_p->tick = unpack_right_shift_u32(src_p[0], 0u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[1], 8u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[2], 16u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[3], 24u, 0xffu);
+    value = unpack_right_shift_u32(src_p[4], 0u, 0xffu);
+    value |= unpack_left_shift_u32(src_p[5], 8u, 0xffu);
+    value |= unpack_left_shift_u32(src_p[6], 16u, 0xffu);
+    value |= unpack_left_shift_u32(src_p[7], 24u, 0xffu);
+    memcpy(&dst_p->value, &value, sizeof(dst_p->value));
+
+    return (0);
+}
+
+int sd_bus_input_exhaust_temperature_init(struct sd_bus_input_exhaust_temperature_t *msg_p)
+{
+    if (msg_p == NULL) return -1;
+
+    memset(msg_p, 0, sizeof(struct sd_bus_input_exhaust_temperature_t));
+
+    return 0;
+}
+
+uint32_t sd_bus_input_exhaust_temperature_tick_encode(double value)
+{
+    return (uint32_t)(cantools_unsigned_from_double(round(value)));
+}
+
+double sd_bus_input_exhaust_temperature_tick_decode(uint32_t value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_input_exhaust_temperature_tick_is_in_range(uint32_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool sd_bus_input_exhaust_temperature_tick_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 4294967295.0));
+}
+
+float sd_bus_input_exhaust_temperature_value_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_input_exhaust_temperature_value_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_input_exhaust_temperature_value_is_in_range(float value)
+{
+    return ((value >= 200.0f) && (value <= 1600.0f));
+}
+
+bool sd_bus_input_exhaust_temperature_value_is_in_phys_range(double value)
+{
+    return ((value >= 200.0) && (value <= 1600.0));
+}
+
+int sd_bus_input_exhaust_vanes_pack(
+    uint8_t *dst_p,
+    const struct sd_bus_input_exhaust_vanes_t *src_p,
+    size_t size)
+{
+    uint32_t value;
+
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    memset(&dst_p[0], 0, 8);
+
+    dst_p[0] |= pack_left_shift_u32(src_p->tick, 0u, 0xffu);
+    dst_p[1] |= pack_right_shift_u32(src_p->tick, 8u, 0xffu);
+    dst_p[2] |= pack_right_shift_u32(src_p->tick, 16u, 0xffu);
+    dst_p[3] |= pack_right_shift_u32(src_p->tick, 24u, 0xffu);
+    memcpy(&value, &src_p->value, sizeof(value));
+    dst_p[4] |= pack_left_shift_u32(value, 0u, 0xffu);
+    dst_p[5] |= pack_right_shift_u32(value, 8u, 0xffu);
+    dst_p[6] |= pack_right_shift_u32(value, 16u, 0xffu);
+    dst_p[7] |= pack_right_shift_u32(value, 24u, 0xffu);
+
+    return (8);
+}
+
+int sd_bus_input_exhaust_vanes_unpack(
+    struct sd_bus_input_exhaust_vanes_t *dst_p,
+    const uint8_t *src_p,
+    size_t size)
+{
+    uint32_t value;
+
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    dst_p->tick = unpack_right_shift_u32(src_p[0], 0u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[1], 8u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[2], 16u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[3], 24u, 0xffu);
+    value = unpack_right_shift_u32(src_p[4], 0u, 0xffu);
+    value |= unpack_left_shift_u32(src_p[5], 8u, 0xffu);
+    value |= unpack_left_shift_u32(src_p[6], 16u, 0xffu);
+    value |= unpack_left_shift_u32(src_p[7], 24u, 0xffu);
+    memcpy(&dst_p->value, &value, sizeof(dst_p->value));
+
+    return (0);
+}
+
+int sd_bus_input_exhaust_vanes_init(struct sd_bus_input_exhaust_vanes_t *msg_p)
+{
+    if (msg_p == NULL) return -1;
+
+    memset(msg_p, 0, sizeof(struct sd_bus_input_exhaust_vanes_t));
+
+    return 0;
+}
+
+uint32_t sd_bus_input_exhaust_vanes_tick_encode(double value)
+{
+    return (uint32_t)(cantools_unsigned_from_double(round(value)));
+}
+
+double sd_bus_input_exhaust_vanes_tick_decode(uint32_t value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_input_exhaust_vanes_tick_is_in_range(uint32_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool sd_bus_input_exhaust_vanes_tick_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 4294967295.0));
+}
+
+float sd_bus_input_exhaust_vanes_value_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_input_exhaust_vanes_value_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_input_exhaust_vanes_value_is_in_range(float value)
+{
+    return ((value >= 0.05f) && (value <= 10.0f));
+}
+
+bool sd_bus_input_exhaust_vanes_value_is_in_phys_range(double value)
+{
+    return ((value >= 0.05) && (value <= 10.0));
+}
+
+int sd_bus_input_exhaust_turbine_speed_pack(
+    uint8_t *dst_p,
+    const struct sd_bus_input_exhaust_turbine_speed_t *src_p,
+    size_t size)
+{
+    uint32_t value;
+
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    memset(&dst_p[0], 0, 8);
+
+    dst_p[0] |= pack_left_shift_u32(src_p->tick, 0u, 0xffu);
+    dst_p[1] |= pack_right_shift_u32(src_p->tick, 8u, 0xffu);
+    dst_p[2] |= pack_right_shift_u32(src_p->tick, 16u, 0xffu);
+    dst_p[3] |= pack_right_shift_u32(src_p->tick, 24u, 0xffu);
+    memcpy(&value, &src_p->value, sizeof(value));
+    dst_p[4] |= pack_left_shift_u32(value, 0u, 0xffu);
+    dst_p[5] |= pack_right_shift_u32(value, 8u, 0xffu);
+    dst_p[6] |= pack_right_shift_u32(value, 16u, 0xffu);
+    dst_p[7] |= pack_right_shift_u32(value, 24u, 0xffu);
+
+    return (8);
+}
+
+int sd_bus_input_exhaust_turbine_speed_unpack(
+    struct sd_bus_input_exhaust_turbine_speed_t *dst_p,
+    const uint8_t *src_p,
+    size_t size)
+{
+    uint32_t value;
+
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    dst_p->tick = unpack_right_shift_u32(src_p[0], 0u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[1], 8u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[2], 16u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[3], 24u, 0xffu);
+    value = unpack_right_shift_u32(src_p[4], 0u, 0xffu);
+    value |= unpack_left_shift_u32(src_p[5], 8u, 0xffu);
+    value |= unpack_left_shift_u32(src_p[6], 16u, 0xffu);
+    value |= unpack_left_shift_u32(src_p[7], 24u, 0xffu);
+    memcpy(&dst_p->value, &value, sizeof(dst_p->value));
+
+    return (0);
+}
+
+int sd_bus_input_exhaust_turbine_speed_init(struct sd_bus_input_exhaust_turbine_speed_t *msg_p)
+{
+    if (msg_p == NULL) return -1;
+
+    memset(msg_p, 0, sizeof(struct sd_bus_input_exhaust_turbine_speed_t));
+
+    return 0;
+}
+
+uint32_t sd_bus_input_exhaust_turbine_speed_tick_encode(double value)
+{
+    return (uint32_t)(cantools_unsigned_from_double(round(value)));
+}
+
+double sd_bus_input_exhaust_turbine_speed_tick_decode(uint32_t value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_input_exhaust_turbine_speed_tick_is_in_range(uint32_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool sd_bus_input_exhaust_turbine_speed_tick_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 4294967295.0));
+}
+
+float sd_bus_input_exhaust_turbine_speed_value_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_input_exhaust_turbine_speed_value_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_input_exhaust_turbine_speed_value_is_in_range(float value)
+{
+    return ((value >= 0.0f) && (value <= 400000.0f));
+}
+
+bool sd_bus_input_exhaust_turbine_speed_value_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 400000.0));
 }
 
 int sd_bus_input_balance_enable_pack(

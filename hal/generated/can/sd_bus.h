@@ -56,8 +56,9 @@ extern "C" {
 #define SD_BUS_CYCLE_4_FRAME_ID (0xb4u)
 #define SD_BUS_CYCLE_5_FRAME_ID (0xb5u)
 #define SD_BUS_CYCLE_6_FRAME_ID (0xb6u)
-#define SD_BUS_FIRING_FRAME_ID (0xb7u)
-#define SD_BUS_TASK_FRAME_ID (0xb8u)
+#define SD_BUS_FIRING_1_FRAME_ID (0xb7u)
+#define SD_BUS_FIRING_2_FRAME_ID (0xb8u)
+#define SD_BUS_TASK_FRAME_ID (0xb9u)
 #define SD_BUS_PARAMETER_REQUEST_FRAME_ID (0xc0u)
 #define SD_BUS_PARAMETER_FRAME_ID (0xc1u)
 #define SD_BUS_CLAIM_FRAME_ID (0xc2u)
@@ -68,7 +69,10 @@ extern "C" {
 #define SD_BUS_INPUT_DRIVELINE_SHIFT_FRAME_ID (0xd3u)
 #define SD_BUS_INPUT_EXHAUST_LAMBDA_FRAME_ID (0xd4u)
 #define SD_BUS_INPUT_EXHAUST_PRESSURE_FRAME_ID (0xd5u)
-#define SD_BUS_INPUT_BALANCE_ENABLE_FRAME_ID (0xd6u)
+#define SD_BUS_INPUT_EXHAUST_TEMPERATURE_FRAME_ID (0xd6u)
+#define SD_BUS_INPUT_EXHAUST_VANES_FRAME_ID (0xd7u)
+#define SD_BUS_INPUT_EXHAUST_TURBINE_SPEED_FRAME_ID (0xd8u)
+#define SD_BUS_INPUT_BALANCE_ENABLE_FRAME_ID (0xd9u)
 #define SD_BUS_TRUTH_EDGE_FRAME_ID (0xf0u)
 #define SD_BUS_TRUTH_CYCLE_FRAME_ID (0xf1u)
 #define SD_BUS_TRUTH_END_FRAME_ID (0xf2u)
@@ -83,7 +87,8 @@ extern "C" {
 #define SD_BUS_CYCLE_4_LENGTH (64u)
 #define SD_BUS_CYCLE_5_LENGTH (64u)
 #define SD_BUS_CYCLE_6_LENGTH (24u)
-#define SD_BUS_FIRING_LENGTH (64u)
+#define SD_BUS_FIRING_1_LENGTH (64u)
+#define SD_BUS_FIRING_2_LENGTH (16u)
 #define SD_BUS_TASK_LENGTH (24u)
 #define SD_BUS_PARAMETER_REQUEST_LENGTH (8u)
 #define SD_BUS_PARAMETER_LENGTH (8u)
@@ -95,6 +100,9 @@ extern "C" {
 #define SD_BUS_INPUT_DRIVELINE_SHIFT_LENGTH (8u)
 #define SD_BUS_INPUT_EXHAUST_LAMBDA_LENGTH (8u)
 #define SD_BUS_INPUT_EXHAUST_PRESSURE_LENGTH (8u)
+#define SD_BUS_INPUT_EXHAUST_TEMPERATURE_LENGTH (8u)
+#define SD_BUS_INPUT_EXHAUST_VANES_LENGTH (8u)
+#define SD_BUS_INPUT_EXHAUST_TURBINE_SPEED_LENGTH (8u)
 #define SD_BUS_INPUT_BALANCE_ENABLE_LENGTH (8u)
 #define SD_BUS_TRUTH_EDGE_LENGTH (48u)
 #define SD_BUS_TRUTH_CYCLE_LENGTH (48u)
@@ -110,7 +118,8 @@ extern "C" {
 #define SD_BUS_CYCLE_4_IS_EXTENDED (0)
 #define SD_BUS_CYCLE_5_IS_EXTENDED (0)
 #define SD_BUS_CYCLE_6_IS_EXTENDED (0)
-#define SD_BUS_FIRING_IS_EXTENDED (0)
+#define SD_BUS_FIRING_1_IS_EXTENDED (0)
+#define SD_BUS_FIRING_2_IS_EXTENDED (0)
 #define SD_BUS_TASK_IS_EXTENDED (0)
 #define SD_BUS_PARAMETER_REQUEST_IS_EXTENDED (0)
 #define SD_BUS_PARAMETER_IS_EXTENDED (0)
@@ -122,6 +131,9 @@ extern "C" {
 #define SD_BUS_INPUT_DRIVELINE_SHIFT_IS_EXTENDED (0)
 #define SD_BUS_INPUT_EXHAUST_LAMBDA_IS_EXTENDED (0)
 #define SD_BUS_INPUT_EXHAUST_PRESSURE_IS_EXTENDED (0)
+#define SD_BUS_INPUT_EXHAUST_TEMPERATURE_IS_EXTENDED (0)
+#define SD_BUS_INPUT_EXHAUST_VANES_IS_EXTENDED (0)
+#define SD_BUS_INPUT_EXHAUST_TURBINE_SPEED_IS_EXTENDED (0)
 #define SD_BUS_INPUT_BALANCE_ENABLE_IS_EXTENDED (0)
 #define SD_BUS_TRUTH_EDGE_IS_EXTENDED (0)
 #define SD_BUS_TRUTH_CYCLE_IS_EXTENDED (0)
@@ -136,6 +148,9 @@ extern "C" {
 #define SD_BUS_INPUT_DRIVELINE_SHIFT_CYCLE_TIME_MS (10u)
 #define SD_BUS_INPUT_EXHAUST_LAMBDA_CYCLE_TIME_MS (10u)
 #define SD_BUS_INPUT_EXHAUST_PRESSURE_CYCLE_TIME_MS (10u)
+#define SD_BUS_INPUT_EXHAUST_TEMPERATURE_CYCLE_TIME_MS (10u)
+#define SD_BUS_INPUT_EXHAUST_VANES_CYCLE_TIME_MS (10u)
+#define SD_BUS_INPUT_EXHAUST_TURBINE_SPEED_CYCLE_TIME_MS (10u)
 #define SD_BUS_INPUT_BALANCE_ENABLE_CYCLE_TIME_MS (10u)
 
 /* Signal choices. */
@@ -416,13 +431,17 @@ extern "C" {
 #define SD_BUS_CYCLE_6_MISFIRE_HEALTH_DEGRADED_CHOICE (1u)
 #define SD_BUS_CYCLE_6_MISFIRE_HEALTH_INVALID_CHOICE (2u)
 
-#define SD_BUS_FIRING_FIRING_HEALTH_VALID_CHOICE (0u)
-#define SD_BUS_FIRING_FIRING_HEALTH_DEGRADED_CHOICE (1u)
-#define SD_BUS_FIRING_FIRING_HEALTH_INVALID_CHOICE (2u)
+#define SD_BUS_FIRING_1_FIRING_HEALTH_VALID_CHOICE (0u)
+#define SD_BUS_FIRING_1_FIRING_HEALTH_DEGRADED_CHOICE (1u)
+#define SD_BUS_FIRING_1_FIRING_HEALTH_INVALID_CHOICE (2u)
 
-#define SD_BUS_FIRING_MISFIRE_HEALTH_VALID_CHOICE (0u)
-#define SD_BUS_FIRING_MISFIRE_HEALTH_DEGRADED_CHOICE (1u)
-#define SD_BUS_FIRING_MISFIRE_HEALTH_INVALID_CHOICE (2u)
+#define SD_BUS_FIRING_1_MISFIRE_HEALTH_VALID_CHOICE (0u)
+#define SD_BUS_FIRING_1_MISFIRE_HEALTH_DEGRADED_CHOICE (1u)
+#define SD_BUS_FIRING_1_MISFIRE_HEALTH_INVALID_CHOICE (2u)
+
+#define SD_BUS_FIRING_2_MISFIRE_HEALTH_VALID_CHOICE (0u)
+#define SD_BUS_FIRING_2_MISFIRE_HEALTH_DEGRADED_CHOICE (1u)
+#define SD_BUS_FIRING_2_MISFIRE_HEALTH_INVALID_CHOICE (2u)
 
 #define SD_BUS_TASK_INPUTS_HEALTH_VALID_CHOICE (0u)
 #define SD_BUS_TASK_INPUTS_HEALTH_DEGRADED_CHOICE (1u)
@@ -471,27 +490,34 @@ extern "C" {
 #define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_CATALYST_CHOICE (35u)
 #define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_EMISSION_WINDOWS_CHOICE (36u)
 #define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_CATALYST_WINDOWS_CHOICE (37u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_METHOD_CHOICE (38u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_GAIN_AIR_CHOICE (39u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_GAIN_CYLINDER_CHOICE (40u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_INVERSION_GAIN_CHOICE (41u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_INVERSION_FLOOR_CHOICE (42u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_NOISE_CHOICE (43u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_DRIFT_CHOICE (44u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_JUMP_CHOICE (45u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_DRIFT_SLOW_CHOICE (46u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_SLOW_ABOVE_CHOICE (47u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_STOICHIOMETRIC_CHOICE (48u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_IDENTIFY_CHOICE (49u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_PROBE_CHOICE (50u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_LATE_ERROR_CHOICE (51u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_LAG_ERROR_CHOICE (52u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_SOURCE_CHOICE (53u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_GAIN_CHOICE (54u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_RATE_CHOICE (55u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_LIMIT_CHOICE (56u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_SD_MAX_CHOICE (57u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_HOLD_CHOICE (58u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_METHOD_CHOICE (38u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_ARITHMETIC_CHOICE (39u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_METHOD_CHOICE (40u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_ARITHMETIC_CHOICE (41u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_GAIN_MASS_CHOICE (42u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_TURBINE_DROP_CHOICE (43u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_TURBINE_RATED_CHOICE (44u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_GAIN_AIR_CHOICE (45u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_GAIN_CYLINDER_CHOICE (46u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_INVERSION_GAIN_CHOICE (47u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_INVERSION_FLOOR_CHOICE (48u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_NOISE_CHOICE (49u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_DRIFT_CHOICE (50u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_JUMP_CHOICE (51u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_DRIFT_SLOW_CHOICE (52u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_SLOW_ABOVE_CHOICE (53u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_STOICHIOMETRIC_CHOICE (54u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_IDENTIFY_CHOICE (55u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_PROBE_CHOICE (56u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_LATE_ERROR_CHOICE (57u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_LAG_ERROR_CHOICE (58u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_SOURCE_CHOICE (59u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_GAIN_CHOICE (60u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_PROPORTIONAL_CHOICE (61u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_RATE_CHOICE (62u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_LIMIT_CHOICE (63u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_SD_MAX_CHOICE (64u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_HOLD_CHOICE (65u)
 #define SD_BUS_PARAMETER_REQUEST_INDEX_ALL_CHOICE (255u)
 
 #define SD_BUS_PARAMETER_COMMAND_READ_CHOICE (0u)
@@ -537,27 +563,34 @@ extern "C" {
 #define SD_BUS_PARAMETER_INDEX_MISFIRE_CATALYST_CHOICE (35u)
 #define SD_BUS_PARAMETER_INDEX_MISFIRE_EMISSION_WINDOWS_CHOICE (36u)
 #define SD_BUS_PARAMETER_INDEX_MISFIRE_CATALYST_WINDOWS_CHOICE (37u)
-#define SD_BUS_PARAMETER_INDEX_AFR_METHOD_CHOICE (38u)
-#define SD_BUS_PARAMETER_INDEX_AFR_GAIN_AIR_CHOICE (39u)
-#define SD_BUS_PARAMETER_INDEX_AFR_GAIN_CYLINDER_CHOICE (40u)
-#define SD_BUS_PARAMETER_INDEX_AFR_INVERSION_GAIN_CHOICE (41u)
-#define SD_BUS_PARAMETER_INDEX_AFR_INVERSION_FLOOR_CHOICE (42u)
-#define SD_BUS_PARAMETER_INDEX_AFR_NOISE_CHOICE (43u)
-#define SD_BUS_PARAMETER_INDEX_AFR_DRIFT_CHOICE (44u)
-#define SD_BUS_PARAMETER_INDEX_AFR_JUMP_CHOICE (45u)
-#define SD_BUS_PARAMETER_INDEX_AFR_DRIFT_SLOW_CHOICE (46u)
-#define SD_BUS_PARAMETER_INDEX_AFR_SLOW_ABOVE_CHOICE (47u)
-#define SD_BUS_PARAMETER_INDEX_AFR_STOICHIOMETRIC_CHOICE (48u)
-#define SD_BUS_PARAMETER_INDEX_AFR_IDENTIFY_CHOICE (49u)
-#define SD_BUS_PARAMETER_INDEX_AFR_PROBE_CHOICE (50u)
-#define SD_BUS_PARAMETER_INDEX_AFR_LATE_ERROR_CHOICE (51u)
-#define SD_BUS_PARAMETER_INDEX_AFR_LAG_ERROR_CHOICE (52u)
-#define SD_BUS_PARAMETER_INDEX_BALANCE_SOURCE_CHOICE (53u)
-#define SD_BUS_PARAMETER_INDEX_BALANCE_GAIN_CHOICE (54u)
-#define SD_BUS_PARAMETER_INDEX_BALANCE_RATE_CHOICE (55u)
-#define SD_BUS_PARAMETER_INDEX_BALANCE_LIMIT_CHOICE (56u)
-#define SD_BUS_PARAMETER_INDEX_BALANCE_SD_MAX_CHOICE (57u)
-#define SD_BUS_PARAMETER_INDEX_BALANCE_HOLD_CHOICE (58u)
+#define SD_BUS_PARAMETER_INDEX_MISFIRE_METHOD_CHOICE (38u)
+#define SD_BUS_PARAMETER_INDEX_MISFIRE_ARITHMETIC_CHOICE (39u)
+#define SD_BUS_PARAMETER_INDEX_AFR_METHOD_CHOICE (40u)
+#define SD_BUS_PARAMETER_INDEX_AFR_ARITHMETIC_CHOICE (41u)
+#define SD_BUS_PARAMETER_INDEX_AFR_GAIN_MASS_CHOICE (42u)
+#define SD_BUS_PARAMETER_INDEX_AFR_TURBINE_DROP_CHOICE (43u)
+#define SD_BUS_PARAMETER_INDEX_AFR_TURBINE_RATED_CHOICE (44u)
+#define SD_BUS_PARAMETER_INDEX_AFR_GAIN_AIR_CHOICE (45u)
+#define SD_BUS_PARAMETER_INDEX_AFR_GAIN_CYLINDER_CHOICE (46u)
+#define SD_BUS_PARAMETER_INDEX_AFR_INVERSION_GAIN_CHOICE (47u)
+#define SD_BUS_PARAMETER_INDEX_AFR_INVERSION_FLOOR_CHOICE (48u)
+#define SD_BUS_PARAMETER_INDEX_AFR_NOISE_CHOICE (49u)
+#define SD_BUS_PARAMETER_INDEX_AFR_DRIFT_CHOICE (50u)
+#define SD_BUS_PARAMETER_INDEX_AFR_JUMP_CHOICE (51u)
+#define SD_BUS_PARAMETER_INDEX_AFR_DRIFT_SLOW_CHOICE (52u)
+#define SD_BUS_PARAMETER_INDEX_AFR_SLOW_ABOVE_CHOICE (53u)
+#define SD_BUS_PARAMETER_INDEX_AFR_STOICHIOMETRIC_CHOICE (54u)
+#define SD_BUS_PARAMETER_INDEX_AFR_IDENTIFY_CHOICE (55u)
+#define SD_BUS_PARAMETER_INDEX_AFR_PROBE_CHOICE (56u)
+#define SD_BUS_PARAMETER_INDEX_AFR_LATE_ERROR_CHOICE (57u)
+#define SD_BUS_PARAMETER_INDEX_AFR_LAG_ERROR_CHOICE (58u)
+#define SD_BUS_PARAMETER_INDEX_BALANCE_SOURCE_CHOICE (59u)
+#define SD_BUS_PARAMETER_INDEX_BALANCE_GAIN_CHOICE (60u)
+#define SD_BUS_PARAMETER_INDEX_BALANCE_PROPORTIONAL_CHOICE (61u)
+#define SD_BUS_PARAMETER_INDEX_BALANCE_RATE_CHOICE (62u)
+#define SD_BUS_PARAMETER_INDEX_BALANCE_LIMIT_CHOICE (63u)
+#define SD_BUS_PARAMETER_INDEX_BALANCE_SD_MAX_CHOICE (64u)
+#define SD_BUS_PARAMETER_INDEX_BALANCE_HOLD_CHOICE (65u)
 #define SD_BUS_PARAMETER_INDEX_ALL_CHOICE (255u)
 
 #define SD_BUS_PARAMETER_RESULT_OK_CHOICE (0u)
@@ -576,7 +609,8 @@ extern "C" {
 #define SD_BUS_CYCLE_4_NAME "cycle_4"
 #define SD_BUS_CYCLE_5_NAME "cycle_5"
 #define SD_BUS_CYCLE_6_NAME "cycle_6"
-#define SD_BUS_FIRING_NAME "firing"
+#define SD_BUS_FIRING_1_NAME "firing_1"
+#define SD_BUS_FIRING_2_NAME "firing_2"
 #define SD_BUS_TASK_NAME "task"
 #define SD_BUS_PARAMETER_REQUEST_NAME "parameter_request"
 #define SD_BUS_PARAMETER_NAME "parameter"
@@ -588,6 +622,9 @@ extern "C" {
 #define SD_BUS_INPUT_DRIVELINE_SHIFT_NAME "input_driveline_shift"
 #define SD_BUS_INPUT_EXHAUST_LAMBDA_NAME "input_exhaust_lambda"
 #define SD_BUS_INPUT_EXHAUST_PRESSURE_NAME "input_exhaust_pressure"
+#define SD_BUS_INPUT_EXHAUST_TEMPERATURE_NAME "input_exhaust_temperature"
+#define SD_BUS_INPUT_EXHAUST_VANES_NAME "input_exhaust_vanes"
+#define SD_BUS_INPUT_EXHAUST_TURBINE_SPEED_NAME "input_exhaust_turbine_speed"
 #define SD_BUS_INPUT_BALANCE_ENABLE_NAME "input_balance_enable"
 #define SD_BUS_TRUTH_EDGE_NAME "truth_edge"
 #define SD_BUS_TRUTH_CYCLE_NAME "truth_cycle"
@@ -739,23 +776,29 @@ extern "C" {
 #define SD_BUS_CYCLE_6_MISFIRE_LAMP_NAME "misfire_lamp"
 #define SD_BUS_CYCLE_6_MISFIRE_COUNT_NAME "misfire_count"
 #define SD_BUS_CYCLE_6_MISFIRE_PARTIAL_BURNS_NAME "misfire_partial_burns"
-#define SD_BUS_FIRING_TICK_NAME "tick"
-#define SD_BUS_FIRING_FIRING_HEALTH_NAME "firing_health"
-#define SD_BUS_FIRING_FIRING_WHY_NAME "firing_why"
-#define SD_BUS_FIRING_MISFIRE_HEALTH_NAME "misfire_health"
-#define SD_BUS_FIRING_MISFIRE_WHY_NAME "misfire_why"
-#define SD_BUS_FIRING_FIRING_CYLINDER_NAME "firing_cylinder"
-#define SD_BUS_FIRING_FIRING_TORQUE_NAME "firing_torque"
-#define SD_BUS_FIRING_FIRING_SD_NAME "firing_sd"
-#define SD_BUS_FIRING_FIRING_MEAN_NAME "firing_mean"
-#define SD_BUS_FIRING_FIRING_MEAN_SD_NAME "firing_mean_sd"
-#define SD_BUS_FIRING_FIRING_ROUGH_NAME "firing_rough"
-#define SD_BUS_FIRING_MISFIRE_INDEX_NAME "misfire_index"
-#define SD_BUS_FIRING_MISFIRE_LIMIT_NAME "misfire_limit"
-#define SD_BUS_FIRING_MISFIRE_VERDICT_NAME "misfire_verdict"
-#define SD_BUS_FIRING_MISFIRE_INHIBIT_NAME "misfire_inhibit"
-#define SD_BUS_FIRING_MISFIRE_FIRING_NAME "misfire_firing"
-#define SD_BUS_FIRING_MISFIRE_CYLINDER_NAME "misfire_cylinder"
+#define SD_BUS_FIRING_1_TICK_NAME "tick"
+#define SD_BUS_FIRING_1_FIRING_HEALTH_NAME "firing_health"
+#define SD_BUS_FIRING_1_FIRING_WHY_NAME "firing_why"
+#define SD_BUS_FIRING_1_MISFIRE_HEALTH_NAME "misfire_health"
+#define SD_BUS_FIRING_1_MISFIRE_WHY_NAME "misfire_why"
+#define SD_BUS_FIRING_1_FIRING_CYLINDER_NAME "firing_cylinder"
+#define SD_BUS_FIRING_1_FIRING_TORQUE_NAME "firing_torque"
+#define SD_BUS_FIRING_1_FIRING_SD_NAME "firing_sd"
+#define SD_BUS_FIRING_1_FIRING_MEAN_NAME "firing_mean"
+#define SD_BUS_FIRING_1_FIRING_MEAN_SD_NAME "firing_mean_sd"
+#define SD_BUS_FIRING_1_FIRING_ROUGH_NAME "firing_rough"
+#define SD_BUS_FIRING_1_MISFIRE_INDEX_NAME "misfire_index"
+#define SD_BUS_FIRING_1_MISFIRE_LIMIT_NAME "misfire_limit"
+#define SD_BUS_FIRING_1_MISFIRE_VERDICT_NAME "misfire_verdict"
+#define SD_BUS_FIRING_1_MISFIRE_INHIBIT_NAME "misfire_inhibit"
+#define SD_BUS_FIRING_1_MISFIRE_FIRING_NAME "misfire_firing"
+#define SD_BUS_FIRING_1_MISFIRE_CYLINDER_NAME "misfire_cylinder"
+#define SD_BUS_FIRING_1_MISFIRE_MONITOR_NAME "misfire_monitor"
+#define SD_BUS_FIRING_2_TICK_NAME "tick"
+#define SD_BUS_FIRING_2_MISFIRE_HEALTH_NAME "misfire_health"
+#define SD_BUS_FIRING_2_MISFIRE_WHY_NAME "misfire_why"
+#define SD_BUS_FIRING_2_MISFIRE_ACCELERATION_NAME "misfire_acceleration"
+#define SD_BUS_FIRING_2_MISFIRE_RESIDUAL_NAME "misfire_residual"
 #define SD_BUS_TASK_TICK_NAME "tick"
 #define SD_BUS_TASK_INPUTS_HEALTH_NAME "inputs_health"
 #define SD_BUS_TASK_INPUTS_WHY_NAME "inputs_why"
@@ -788,6 +831,12 @@ extern "C" {
 #define SD_BUS_INPUT_EXHAUST_LAMBDA_VALUE_NAME "value"
 #define SD_BUS_INPUT_EXHAUST_PRESSURE_TICK_NAME "tick"
 #define SD_BUS_INPUT_EXHAUST_PRESSURE_VALUE_NAME "value"
+#define SD_BUS_INPUT_EXHAUST_TEMPERATURE_TICK_NAME "tick"
+#define SD_BUS_INPUT_EXHAUST_TEMPERATURE_VALUE_NAME "value"
+#define SD_BUS_INPUT_EXHAUST_VANES_TICK_NAME "tick"
+#define SD_BUS_INPUT_EXHAUST_VANES_VALUE_NAME "value"
+#define SD_BUS_INPUT_EXHAUST_TURBINE_SPEED_TICK_NAME "tick"
+#define SD_BUS_INPUT_EXHAUST_TURBINE_SPEED_VALUE_NAME "value"
 #define SD_BUS_INPUT_BALANCE_ENABLE_TICK_NAME "tick"
 #define SD_BUS_INPUT_BALANCE_ENABLE_VALUE_NAME "value"
 #define SD_BUS_TRUTH_EDGE_TIME_S_NAME "time_s"
@@ -2167,13 +2216,13 @@ struct sd_bus_cycle_6_t {
 };
 
 /**
- * Signals in message firing.
+ * Signals in message firing_1.
  *
  * Signals of rate firing, one row a tick.
  *
  * All signal values are as on the CAN bus.
  */
-struct sd_bus_firing_t {
+struct sd_bus_firing_1_t {
     /**
      * Capture tick of the event that caused it.
      *
@@ -2274,7 +2323,7 @@ struct sd_bus_firing_t {
     float firing_rough;
 
     /**
-     * Work of the firing over the work expected of its fuel: 1 healthy, 0 a misfire; 0 when not judged.
+     * Work of the firing over the work expected of its fuel, by the method that judges: 1 healthy, 0 a misfire; 0 when not judged.
      *
      * Range: -10.0..10.0 (-10..10 -)
      * Scale: 1
@@ -2292,7 +2341,7 @@ struct sd_bus_firing_t {
     float misfire_limit;
 
     /**
-     * 0 healthy, 1 partial burn, 2 misfire, 3 not judged.
+     * 0 healthy, 1 partial burn (the monitor only), 2 misfire, 3 not judged; of the method that judges.
      *
      * Range: 0.0..3.0 (0..3 -)
      * Scale: 1
@@ -2326,6 +2375,69 @@ struct sd_bus_firing_t {
      * Offset: 0
      */
     float misfire_cylinder;
+
+    /**
+     * The monitor's own verdict, whatever misfire.method is; 3 where the filter on tooth times rests.
+     *
+     * Range: 0.0..3.0 (0..3 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    float misfire_monitor;
+};
+
+/**
+ * Signals in message firing_2.
+ *
+ * Signals of rate firing, one row a tick.
+ *
+ * All signal values are as on the CAN bus.
+ */
+struct sd_bus_firing_2_t {
+    /**
+     * Capture tick of the event that caused it.
+     *
+     * Range: 0..4294967295 (0..4294967295 tick)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint32_t tick;
+
+    /**
+     * How far the values of misfire may be trusted.
+     *
+     * Range: 0..2 (0..2 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t misfire_health;
+
+    /**
+     * Why not, bits: sd_why_t.
+     *
+     * Range: 0..65535 (0..65535 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint16_t misfire_why;
+
+    /**
+     * Angular acceleration of the crank by document 000's observer, mean from the firing's TDC to the next one; 0 when not judged, and with method 0.
+     *
+     * Range: -1000000.0..1000000.0 (-1000000..1000000 rad/s2)
+     * Scale: 1
+     * Offset: 0
+     */
+    float misfire_acceleration;
+
+    /**
+     * The same less what the commanded fuel should give against the load as learned: what the firing lacks.
+     *
+     * Range: -1000000.0..1000000.0 (-1000000..1000000 rad/s2)
+     * Scale: 1
+     * Offset: 0
+     */
+    float misfire_residual;
 };
 
 /**
@@ -2693,6 +2805,81 @@ struct sd_bus_input_exhaust_pressure_t {
      * Absolute pressure in the exhaust manifold.
      *
      * Range: 0.05..10.0 (0.05..10 bar)
+     * Scale: 1
+     * Offset: 0
+     */
+    float value;
+};
+
+/**
+ * Signals in message input_exhaust_temperature.
+ *
+ * Of the gas in the exhaust manifold. Not known: as calibrated at the operating point.
+ *
+ * All signal values are as on the CAN bus.
+ */
+struct sd_bus_input_exhaust_temperature_t {
+    /**
+     * Range: 0..4294967295 (0..4294967295 tick)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint32_t tick;
+
+    /**
+     * Of the gas in the exhaust manifold. Not known: as calibrated at the operating point.
+     *
+     * Range: 200.0..1600.0 (200..1600 K)
+     * Scale: 1
+     * Offset: 0
+     */
+    float value;
+};
+
+/**
+ * Signals in message input_exhaust_vanes.
+ *
+ * Area between the vanes of a variable turbine (VGT), over the calibration's.
+ *
+ * All signal values are as on the CAN bus.
+ */
+struct sd_bus_input_exhaust_vanes_t {
+    /**
+     * Range: 0..4294967295 (0..4294967295 tick)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint32_t tick;
+
+    /**
+     * Area between the vanes of a variable turbine (VGT), over the calibration's.
+     *
+     * Range: 0.05..10.0 (0.05..10 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    float value;
+};
+
+/**
+ * Signals in message input_exhaust_turbine_speed.
+ *
+ * Of the turbocharger. Not known: as calibrated; see afr.turbine_drop.
+ *
+ * All signal values are as on the CAN bus.
+ */
+struct sd_bus_input_exhaust_turbine_speed_t {
+    /**
+     * Range: 0..4294967295 (0..4294967295 tick)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint32_t tick;
+
+    /**
+     * Of the turbocharger. Not known: as calibrated; see afr.turbine_drop.
+     *
+     * Range: 0.0..400000.0 (0..400000 rpm)
      * Scale: 1
      * Offset: 0
      */
@@ -9018,7 +9205,7 @@ bool sd_bus_cycle_6_misfire_partial_burns_is_in_range(float value);
 bool sd_bus_cycle_6_misfire_partial_burns_is_in_phys_range(double value);
 
 /**
- * Pack message firing.
+ * Pack message firing_1.
  *
  * @param[out] dst_p Buffer to pack the message into.
  * @param[in] src_p Data to pack.
@@ -9026,13 +9213,13 @@ bool sd_bus_cycle_6_misfire_partial_burns_is_in_phys_range(double value);
  *
  * @return Size of packed data, or negative error code.
  */
-int sd_bus_firing_pack(
+int sd_bus_firing_1_pack(
     uint8_t *dst_p,
-    const struct sd_bus_firing_t *src_p,
+    const struct sd_bus_firing_1_t *src_p,
     size_t size);
 
 /**
- * Unpack message firing.
+ * Unpack message firing_1.
  *
  * @param[out] dst_p Object to unpack the message into.
  * @param[in] src_p Message to unpack.
@@ -9040,19 +9227,19 @@ int sd_bus_firing_pack(
  *
  * @return zero(0) or negative error code.
  */
-int sd_bus_firing_unpack(
-    struct sd_bus_firing_t *dst_p,
+int sd_bus_firing_1_unpack(
+    struct sd_bus_firing_1_t *dst_p,
     const uint8_t *src_p,
     size_t size);
 
 /**
- * Init message fields to default values from firing.
+ * Init message fields to default values from firing_1.
  *
  * @param[in] msg_p Message to init.
  *
  * @return zero(0) on success or (-1) in case of nullptr argument.
  */
-int sd_bus_firing_init(struct sd_bus_firing_t *msg_p);
+int sd_bus_firing_1_init(struct sd_bus_firing_1_t *msg_p);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -9061,7 +9248,7 @@ int sd_bus_firing_init(struct sd_bus_firing_t *msg_p);
  *
  * @return Encoded signal.
  */
-uint32_t sd_bus_firing_tick_encode(double value);
+uint32_t sd_bus_firing_1_tick_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -9070,7 +9257,7 @@ uint32_t sd_bus_firing_tick_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_firing_tick_decode(uint32_t value);
+double sd_bus_firing_1_tick_decode(uint32_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -9079,7 +9266,7 @@ double sd_bus_firing_tick_decode(uint32_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_firing_tick_is_in_range(uint32_t value);
+bool sd_bus_firing_1_tick_is_in_range(uint32_t value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -9092,7 +9279,7 @@ bool sd_bus_firing_tick_is_in_range(uint32_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_firing_tick_is_in_phys_range(double value);
+bool sd_bus_firing_1_tick_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -9101,7 +9288,7 @@ bool sd_bus_firing_tick_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-uint8_t sd_bus_firing_firing_health_encode(double value);
+uint8_t sd_bus_firing_1_firing_health_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -9110,7 +9297,7 @@ uint8_t sd_bus_firing_firing_health_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_firing_firing_health_decode(uint8_t value);
+double sd_bus_firing_1_firing_health_decode(uint8_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -9119,7 +9306,7 @@ double sd_bus_firing_firing_health_decode(uint8_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_firing_firing_health_is_in_range(uint8_t value);
+bool sd_bus_firing_1_firing_health_is_in_range(uint8_t value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -9132,7 +9319,7 @@ bool sd_bus_firing_firing_health_is_in_range(uint8_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_firing_firing_health_is_in_phys_range(double value);
+bool sd_bus_firing_1_firing_health_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -9141,7 +9328,7 @@ bool sd_bus_firing_firing_health_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-uint16_t sd_bus_firing_firing_why_encode(double value);
+uint16_t sd_bus_firing_1_firing_why_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -9150,7 +9337,7 @@ uint16_t sd_bus_firing_firing_why_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_firing_firing_why_decode(uint16_t value);
+double sd_bus_firing_1_firing_why_decode(uint16_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -9159,7 +9346,7 @@ double sd_bus_firing_firing_why_decode(uint16_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_firing_firing_why_is_in_range(uint16_t value);
+bool sd_bus_firing_1_firing_why_is_in_range(uint16_t value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -9172,7 +9359,7 @@ bool sd_bus_firing_firing_why_is_in_range(uint16_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_firing_firing_why_is_in_phys_range(double value);
+bool sd_bus_firing_1_firing_why_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -9181,7 +9368,7 @@ bool sd_bus_firing_firing_why_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-uint8_t sd_bus_firing_misfire_health_encode(double value);
+uint8_t sd_bus_firing_1_misfire_health_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -9190,7 +9377,7 @@ uint8_t sd_bus_firing_misfire_health_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_firing_misfire_health_decode(uint8_t value);
+double sd_bus_firing_1_misfire_health_decode(uint8_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -9199,7 +9386,7 @@ double sd_bus_firing_misfire_health_decode(uint8_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_firing_misfire_health_is_in_range(uint8_t value);
+bool sd_bus_firing_1_misfire_health_is_in_range(uint8_t value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -9212,7 +9399,7 @@ bool sd_bus_firing_misfire_health_is_in_range(uint8_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_firing_misfire_health_is_in_phys_range(double value);
+bool sd_bus_firing_1_misfire_health_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -9221,7 +9408,7 @@ bool sd_bus_firing_misfire_health_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-uint16_t sd_bus_firing_misfire_why_encode(double value);
+uint16_t sd_bus_firing_1_misfire_why_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -9230,7 +9417,7 @@ uint16_t sd_bus_firing_misfire_why_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_firing_misfire_why_decode(uint16_t value);
+double sd_bus_firing_1_misfire_why_decode(uint16_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -9239,7 +9426,7 @@ double sd_bus_firing_misfire_why_decode(uint16_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_firing_misfire_why_is_in_range(uint16_t value);
+bool sd_bus_firing_1_misfire_why_is_in_range(uint16_t value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -9252,7 +9439,7 @@ bool sd_bus_firing_misfire_why_is_in_range(uint16_t value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_firing_misfire_why_is_in_phys_range(double value);
+bool sd_bus_firing_1_misfire_why_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -9261,7 +9448,7 @@ bool sd_bus_firing_misfire_why_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-float sd_bus_firing_firing_cylinder_encode(double value);
+float sd_bus_firing_1_firing_cylinder_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -9270,7 +9457,7 @@ float sd_bus_firing_firing_cylinder_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_firing_firing_cylinder_decode(float value);
+double sd_bus_firing_1_firing_cylinder_decode(float value);
 
 /**
  * Check that given signal is in allowed range.
@@ -9279,7 +9466,7 @@ double sd_bus_firing_firing_cylinder_decode(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_firing_firing_cylinder_is_in_range(float value);
+bool sd_bus_firing_1_firing_cylinder_is_in_range(float value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -9292,7 +9479,7 @@ bool sd_bus_firing_firing_cylinder_is_in_range(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_firing_firing_cylinder_is_in_phys_range(double value);
+bool sd_bus_firing_1_firing_cylinder_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -9301,7 +9488,7 @@ bool sd_bus_firing_firing_cylinder_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-float sd_bus_firing_firing_torque_encode(double value);
+float sd_bus_firing_1_firing_torque_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -9310,7 +9497,7 @@ float sd_bus_firing_firing_torque_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_firing_firing_torque_decode(float value);
+double sd_bus_firing_1_firing_torque_decode(float value);
 
 /**
  * Check that given signal is in allowed range.
@@ -9319,7 +9506,7 @@ double sd_bus_firing_firing_torque_decode(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_firing_firing_torque_is_in_range(float value);
+bool sd_bus_firing_1_firing_torque_is_in_range(float value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -9332,7 +9519,7 @@ bool sd_bus_firing_firing_torque_is_in_range(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_firing_firing_torque_is_in_phys_range(double value);
+bool sd_bus_firing_1_firing_torque_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -9341,7 +9528,7 @@ bool sd_bus_firing_firing_torque_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-float sd_bus_firing_firing_sd_encode(double value);
+float sd_bus_firing_1_firing_sd_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -9350,7 +9537,7 @@ float sd_bus_firing_firing_sd_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_firing_firing_sd_decode(float value);
+double sd_bus_firing_1_firing_sd_decode(float value);
 
 /**
  * Check that given signal is in allowed range.
@@ -9359,7 +9546,7 @@ double sd_bus_firing_firing_sd_decode(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_firing_firing_sd_is_in_range(float value);
+bool sd_bus_firing_1_firing_sd_is_in_range(float value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -9372,7 +9559,7 @@ bool sd_bus_firing_firing_sd_is_in_range(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_firing_firing_sd_is_in_phys_range(double value);
+bool sd_bus_firing_1_firing_sd_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -9381,7 +9568,7 @@ bool sd_bus_firing_firing_sd_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-float sd_bus_firing_firing_mean_encode(double value);
+float sd_bus_firing_1_firing_mean_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -9390,7 +9577,7 @@ float sd_bus_firing_firing_mean_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_firing_firing_mean_decode(float value);
+double sd_bus_firing_1_firing_mean_decode(float value);
 
 /**
  * Check that given signal is in allowed range.
@@ -9399,7 +9586,7 @@ double sd_bus_firing_firing_mean_decode(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_firing_firing_mean_is_in_range(float value);
+bool sd_bus_firing_1_firing_mean_is_in_range(float value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -9412,7 +9599,7 @@ bool sd_bus_firing_firing_mean_is_in_range(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_firing_firing_mean_is_in_phys_range(double value);
+bool sd_bus_firing_1_firing_mean_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -9421,7 +9608,7 @@ bool sd_bus_firing_firing_mean_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-float sd_bus_firing_firing_mean_sd_encode(double value);
+float sd_bus_firing_1_firing_mean_sd_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -9430,7 +9617,7 @@ float sd_bus_firing_firing_mean_sd_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_firing_firing_mean_sd_decode(float value);
+double sd_bus_firing_1_firing_mean_sd_decode(float value);
 
 /**
  * Check that given signal is in allowed range.
@@ -9439,7 +9626,7 @@ double sd_bus_firing_firing_mean_sd_decode(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_firing_firing_mean_sd_is_in_range(float value);
+bool sd_bus_firing_1_firing_mean_sd_is_in_range(float value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -9452,7 +9639,7 @@ bool sd_bus_firing_firing_mean_sd_is_in_range(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_firing_firing_mean_sd_is_in_phys_range(double value);
+bool sd_bus_firing_1_firing_mean_sd_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -9461,7 +9648,7 @@ bool sd_bus_firing_firing_mean_sd_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-float sd_bus_firing_firing_rough_encode(double value);
+float sd_bus_firing_1_firing_rough_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -9470,7 +9657,7 @@ float sd_bus_firing_firing_rough_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_firing_firing_rough_decode(float value);
+double sd_bus_firing_1_firing_rough_decode(float value);
 
 /**
  * Check that given signal is in allowed range.
@@ -9479,7 +9666,7 @@ double sd_bus_firing_firing_rough_decode(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_firing_firing_rough_is_in_range(float value);
+bool sd_bus_firing_1_firing_rough_is_in_range(float value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -9492,7 +9679,7 @@ bool sd_bus_firing_firing_rough_is_in_range(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_firing_firing_rough_is_in_phys_range(double value);
+bool sd_bus_firing_1_firing_rough_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -9501,7 +9688,7 @@ bool sd_bus_firing_firing_rough_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-float sd_bus_firing_misfire_index_encode(double value);
+float sd_bus_firing_1_misfire_index_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -9510,7 +9697,7 @@ float sd_bus_firing_misfire_index_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_firing_misfire_index_decode(float value);
+double sd_bus_firing_1_misfire_index_decode(float value);
 
 /**
  * Check that given signal is in allowed range.
@@ -9519,7 +9706,7 @@ double sd_bus_firing_misfire_index_decode(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_firing_misfire_index_is_in_range(float value);
+bool sd_bus_firing_1_misfire_index_is_in_range(float value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -9532,7 +9719,7 @@ bool sd_bus_firing_misfire_index_is_in_range(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_firing_misfire_index_is_in_phys_range(double value);
+bool sd_bus_firing_1_misfire_index_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -9541,7 +9728,7 @@ bool sd_bus_firing_misfire_index_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-float sd_bus_firing_misfire_limit_encode(double value);
+float sd_bus_firing_1_misfire_limit_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -9550,7 +9737,7 @@ float sd_bus_firing_misfire_limit_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_firing_misfire_limit_decode(float value);
+double sd_bus_firing_1_misfire_limit_decode(float value);
 
 /**
  * Check that given signal is in allowed range.
@@ -9559,7 +9746,7 @@ double sd_bus_firing_misfire_limit_decode(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_firing_misfire_limit_is_in_range(float value);
+bool sd_bus_firing_1_misfire_limit_is_in_range(float value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -9572,7 +9759,7 @@ bool sd_bus_firing_misfire_limit_is_in_range(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_firing_misfire_limit_is_in_phys_range(double value);
+bool sd_bus_firing_1_misfire_limit_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -9581,7 +9768,7 @@ bool sd_bus_firing_misfire_limit_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-float sd_bus_firing_misfire_verdict_encode(double value);
+float sd_bus_firing_1_misfire_verdict_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -9590,7 +9777,7 @@ float sd_bus_firing_misfire_verdict_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_firing_misfire_verdict_decode(float value);
+double sd_bus_firing_1_misfire_verdict_decode(float value);
 
 /**
  * Check that given signal is in allowed range.
@@ -9599,7 +9786,7 @@ double sd_bus_firing_misfire_verdict_decode(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_firing_misfire_verdict_is_in_range(float value);
+bool sd_bus_firing_1_misfire_verdict_is_in_range(float value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -9612,7 +9799,7 @@ bool sd_bus_firing_misfire_verdict_is_in_range(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_firing_misfire_verdict_is_in_phys_range(double value);
+bool sd_bus_firing_1_misfire_verdict_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -9621,7 +9808,7 @@ bool sd_bus_firing_misfire_verdict_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-float sd_bus_firing_misfire_inhibit_encode(double value);
+float sd_bus_firing_1_misfire_inhibit_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -9630,7 +9817,7 @@ float sd_bus_firing_misfire_inhibit_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_firing_misfire_inhibit_decode(float value);
+double sd_bus_firing_1_misfire_inhibit_decode(float value);
 
 /**
  * Check that given signal is in allowed range.
@@ -9639,7 +9826,7 @@ double sd_bus_firing_misfire_inhibit_decode(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_firing_misfire_inhibit_is_in_range(float value);
+bool sd_bus_firing_1_misfire_inhibit_is_in_range(float value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -9652,7 +9839,7 @@ bool sd_bus_firing_misfire_inhibit_is_in_range(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_firing_misfire_inhibit_is_in_phys_range(double value);
+bool sd_bus_firing_1_misfire_inhibit_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -9661,7 +9848,7 @@ bool sd_bus_firing_misfire_inhibit_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-float sd_bus_firing_misfire_firing_encode(double value);
+float sd_bus_firing_1_misfire_firing_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -9670,7 +9857,7 @@ float sd_bus_firing_misfire_firing_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_firing_misfire_firing_decode(float value);
+double sd_bus_firing_1_misfire_firing_decode(float value);
 
 /**
  * Check that given signal is in allowed range.
@@ -9679,7 +9866,7 @@ double sd_bus_firing_misfire_firing_decode(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_firing_misfire_firing_is_in_range(float value);
+bool sd_bus_firing_1_misfire_firing_is_in_range(float value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -9692,7 +9879,7 @@ bool sd_bus_firing_misfire_firing_is_in_range(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_firing_misfire_firing_is_in_phys_range(double value);
+bool sd_bus_firing_1_misfire_firing_is_in_phys_range(double value);
 
 /**
  * Encode given signal by applying scaling and offset.
@@ -9701,7 +9888,7 @@ bool sd_bus_firing_misfire_firing_is_in_phys_range(double value);
  *
  * @return Encoded signal.
  */
-float sd_bus_firing_misfire_cylinder_encode(double value);
+float sd_bus_firing_1_misfire_cylinder_encode(double value);
 
 /**
  * Decode given signal by applying scaling and offset.
@@ -9710,7 +9897,7 @@ float sd_bus_firing_misfire_cylinder_encode(double value);
  *
  * @return Decoded signal.
  */
-double sd_bus_firing_misfire_cylinder_decode(float value);
+double sd_bus_firing_1_misfire_cylinder_decode(float value);
 
 /**
  * Check that given signal is in allowed range.
@@ -9719,7 +9906,7 @@ double sd_bus_firing_misfire_cylinder_decode(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_firing_misfire_cylinder_is_in_range(float value);
+bool sd_bus_firing_1_misfire_cylinder_is_in_range(float value);
 
 /**
  * Check that given physical value is in allowed range before encoding.
@@ -9732,7 +9919,284 @@ bool sd_bus_firing_misfire_cylinder_is_in_range(float value);
  *
  * @return true if in range, false otherwise.
  */
-bool sd_bus_firing_misfire_cylinder_is_in_phys_range(double value);
+bool sd_bus_firing_1_misfire_cylinder_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_firing_1_misfire_monitor_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_firing_1_misfire_monitor_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_firing_1_misfire_monitor_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_firing_1_misfire_monitor_is_in_phys_range(double value);
+
+/**
+ * Pack message firing_2.
+ *
+ * @param[out] dst_p Buffer to pack the message into.
+ * @param[in] src_p Data to pack.
+ * @param[in] size Size of dst_p.
+ *
+ * @return Size of packed data, or negative error code.
+ */
+int sd_bus_firing_2_pack(
+    uint8_t *dst_p,
+    const struct sd_bus_firing_2_t *src_p,
+    size_t size);
+
+/**
+ * Unpack message firing_2.
+ *
+ * @param[out] dst_p Object to unpack the message into.
+ * @param[in] src_p Message to unpack.
+ * @param[in] size Size of src_p.
+ *
+ * @return zero(0) or negative error code.
+ */
+int sd_bus_firing_2_unpack(
+    struct sd_bus_firing_2_t *dst_p,
+    const uint8_t *src_p,
+    size_t size);
+
+/**
+ * Init message fields to default values from firing_2.
+ *
+ * @param[in] msg_p Message to init.
+ *
+ * @return zero(0) on success or (-1) in case of nullptr argument.
+ */
+int sd_bus_firing_2_init(struct sd_bus_firing_2_t *msg_p);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint32_t sd_bus_firing_2_tick_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_firing_2_tick_decode(uint32_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_firing_2_tick_is_in_range(uint32_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_firing_2_tick_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint8_t sd_bus_firing_2_misfire_health_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_firing_2_misfire_health_decode(uint8_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_firing_2_misfire_health_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_firing_2_misfire_health_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint16_t sd_bus_firing_2_misfire_why_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_firing_2_misfire_why_decode(uint16_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_firing_2_misfire_why_is_in_range(uint16_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_firing_2_misfire_why_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_firing_2_misfire_acceleration_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_firing_2_misfire_acceleration_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_firing_2_misfire_acceleration_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_firing_2_misfire_acceleration_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_firing_2_misfire_residual_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_firing_2_misfire_residual_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_firing_2_misfire_residual_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_firing_2_misfire_residual_is_in_phys_range(double value);
 
 /**
  * Pack message task.
@@ -11420,6 +11884,357 @@ bool sd_bus_input_exhaust_pressure_value_is_in_range(float value);
  * @return true if in range, false otherwise.
  */
 bool sd_bus_input_exhaust_pressure_value_is_in_phys_range(double value);
+
+/**
+ * Pack message input_exhaust_temperature.
+ *
+ * @param[out] dst_p Buffer to pack the message into.
+ * @param[in] src_p Data to pack.
+ * @param[in] size Size of dst_p.
+ *
+ * @return Size of packed data, or negative error code.
+ */
+int sd_bus_input_exhaust_temperature_pack(
+    uint8_t *dst_p,
+    const struct sd_bus_input_exhaust_temperature_t *src_p,
+    size_t size);
+
+/**
+ * Unpack message input_exhaust_temperature.
+ *
+ * @param[out] dst_p Object to unpack the message into.
+ * @param[in] src_p Message to unpack.
+ * @param[in] size Size of src_p.
+ *
+ * @return zero(0) or negative error code.
+ */
+int sd_bus_input_exhaust_temperature_unpack(
+    struct sd_bus_input_exhaust_temperature_t *dst_p,
+    const uint8_t *src_p,
+    size_t size);
+
+/**
+ * Init message fields to default values from input_exhaust_temperature.
+ *
+ * @param[in] msg_p Message to init.
+ *
+ * @return zero(0) on success or (-1) in case of nullptr argument.
+ */
+int sd_bus_input_exhaust_temperature_init(struct sd_bus_input_exhaust_temperature_t *msg_p);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint32_t sd_bus_input_exhaust_temperature_tick_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_input_exhaust_temperature_tick_decode(uint32_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_exhaust_temperature_tick_is_in_range(uint32_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_exhaust_temperature_tick_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_input_exhaust_temperature_value_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_input_exhaust_temperature_value_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_exhaust_temperature_value_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_exhaust_temperature_value_is_in_phys_range(double value);
+
+/**
+ * Pack message input_exhaust_vanes.
+ *
+ * @param[out] dst_p Buffer to pack the message into.
+ * @param[in] src_p Data to pack.
+ * @param[in] size Size of dst_p.
+ *
+ * @return Size of packed data, or negative error code.
+ */
+int sd_bus_input_exhaust_vanes_pack(
+    uint8_t *dst_p,
+    const struct sd_bus_input_exhaust_vanes_t *src_p,
+    size_t size);
+
+/**
+ * Unpack message input_exhaust_vanes.
+ *
+ * @param[out] dst_p Object to unpack the message into.
+ * @param[in] src_p Message to unpack.
+ * @param[in] size Size of src_p.
+ *
+ * @return zero(0) or negative error code.
+ */
+int sd_bus_input_exhaust_vanes_unpack(
+    struct sd_bus_input_exhaust_vanes_t *dst_p,
+    const uint8_t *src_p,
+    size_t size);
+
+/**
+ * Init message fields to default values from input_exhaust_vanes.
+ *
+ * @param[in] msg_p Message to init.
+ *
+ * @return zero(0) on success or (-1) in case of nullptr argument.
+ */
+int sd_bus_input_exhaust_vanes_init(struct sd_bus_input_exhaust_vanes_t *msg_p);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint32_t sd_bus_input_exhaust_vanes_tick_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_input_exhaust_vanes_tick_decode(uint32_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_exhaust_vanes_tick_is_in_range(uint32_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_exhaust_vanes_tick_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_input_exhaust_vanes_value_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_input_exhaust_vanes_value_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_exhaust_vanes_value_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_exhaust_vanes_value_is_in_phys_range(double value);
+
+/**
+ * Pack message input_exhaust_turbine_speed.
+ *
+ * @param[out] dst_p Buffer to pack the message into.
+ * @param[in] src_p Data to pack.
+ * @param[in] size Size of dst_p.
+ *
+ * @return Size of packed data, or negative error code.
+ */
+int sd_bus_input_exhaust_turbine_speed_pack(
+    uint8_t *dst_p,
+    const struct sd_bus_input_exhaust_turbine_speed_t *src_p,
+    size_t size);
+
+/**
+ * Unpack message input_exhaust_turbine_speed.
+ *
+ * @param[out] dst_p Object to unpack the message into.
+ * @param[in] src_p Message to unpack.
+ * @param[in] size Size of src_p.
+ *
+ * @return zero(0) or negative error code.
+ */
+int sd_bus_input_exhaust_turbine_speed_unpack(
+    struct sd_bus_input_exhaust_turbine_speed_t *dst_p,
+    const uint8_t *src_p,
+    size_t size);
+
+/**
+ * Init message fields to default values from input_exhaust_turbine_speed.
+ *
+ * @param[in] msg_p Message to init.
+ *
+ * @return zero(0) on success or (-1) in case of nullptr argument.
+ */
+int sd_bus_input_exhaust_turbine_speed_init(struct sd_bus_input_exhaust_turbine_speed_t *msg_p);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint32_t sd_bus_input_exhaust_turbine_speed_tick_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_input_exhaust_turbine_speed_tick_decode(uint32_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_exhaust_turbine_speed_tick_is_in_range(uint32_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_exhaust_turbine_speed_tick_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_input_exhaust_turbine_speed_value_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_input_exhaust_turbine_speed_value_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_exhaust_turbine_speed_value_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_exhaust_turbine_speed_value_is_in_phys_range(double value);
 
 /**
  * Pack message input_balance_enable.

@@ -181,9 +181,9 @@ static inline void sd_bus_cycle_4_from_row(struct sd_bus_cycle_4_t *m, const sd_
     m->balance_trim_6 = row->value[60];
     m->balance_trim_7 = row->value[61];
     m->balance_trim_8 = row->value[62];
-    m->misfire_rate_200_1 = row->value[69];
-    m->misfire_rate_200_2 = row->value[70];
-    m->misfire_rate_200_3 = row->value[71];
+    m->misfire_rate_200_1 = row->value[72];
+    m->misfire_rate_200_2 = row->value[73];
+    m->misfire_rate_200_3 = row->value[74];
 }
 
 static inline void sd_bus_cycle_4_to_row(sd_row_t *row, const struct sd_bus_cycle_4_t *m) {
@@ -200,70 +200,70 @@ static inline void sd_bus_cycle_4_to_row(sd_row_t *row, const struct sd_bus_cycl
     sd_row_put(row, 60, m->balance_trim_6);
     sd_row_put(row, 61, m->balance_trim_7);
     sd_row_put(row, 62, m->balance_trim_8);
-    sd_row_put(row, 69, m->misfire_rate_200_1);
-    sd_row_put(row, 70, m->misfire_rate_200_2);
-    sd_row_put(row, 71, m->misfire_rate_200_3);
+    sd_row_put(row, 72, m->misfire_rate_200_1);
+    sd_row_put(row, 73, m->misfire_rate_200_2);
+    sd_row_put(row, 74, m->misfire_rate_200_3);
 }
 
 static inline void sd_bus_cycle_5_from_row(struct sd_bus_cycle_5_t *m, const sd_row_t *row) {
     m->tick = (uint32_t)row->tick;
     m->misfire_health = (uint8_t)row->health[SD_OWNER_MISFIRE];
     m->misfire_why = (uint16_t)row->why[SD_OWNER_MISFIRE];
-    m->misfire_rate_200_4 = row->value[72];
-    m->misfire_rate_200_5 = row->value[73];
-    m->misfire_rate_200_6 = row->value[74];
-    m->misfire_rate_200_7 = row->value[75];
-    m->misfire_rate_200_8 = row->value[76];
-    m->misfire_rate_1000_1 = row->value[77];
-    m->misfire_rate_1000_2 = row->value[78];
-    m->misfire_rate_1000_3 = row->value[79];
-    m->misfire_rate_1000_4 = row->value[80];
-    m->misfire_rate_1000_5 = row->value[81];
-    m->misfire_rate_1000_6 = row->value[82];
-    m->misfire_rate_1000_7 = row->value[83];
-    m->misfire_rate_1000_8 = row->value[84];
-    m->misfire_continuous = row->value[85];
+    m->misfire_rate_200_4 = row->value[75];
+    m->misfire_rate_200_5 = row->value[76];
+    m->misfire_rate_200_6 = row->value[77];
+    m->misfire_rate_200_7 = row->value[78];
+    m->misfire_rate_200_8 = row->value[79];
+    m->misfire_rate_1000_1 = row->value[80];
+    m->misfire_rate_1000_2 = row->value[81];
+    m->misfire_rate_1000_3 = row->value[82];
+    m->misfire_rate_1000_4 = row->value[83];
+    m->misfire_rate_1000_5 = row->value[84];
+    m->misfire_rate_1000_6 = row->value[85];
+    m->misfire_rate_1000_7 = row->value[86];
+    m->misfire_rate_1000_8 = row->value[87];
+    m->misfire_continuous = row->value[88];
 }
 
 static inline void sd_bus_cycle_5_to_row(sd_row_t *row, const struct sd_bus_cycle_5_t *m) {
     sd_row_begin(row, (uint32_t)m->tick, SD_RATE_CYCLE);
     sd_row_status(row, SD_OWNER_MISFIRE, (uint8_t)m->misfire_health, (uint16_t)m->misfire_why);
-    sd_row_put(row, 72, m->misfire_rate_200_4);
-    sd_row_put(row, 73, m->misfire_rate_200_5);
-    sd_row_put(row, 74, m->misfire_rate_200_6);
-    sd_row_put(row, 75, m->misfire_rate_200_7);
-    sd_row_put(row, 76, m->misfire_rate_200_8);
-    sd_row_put(row, 77, m->misfire_rate_1000_1);
-    sd_row_put(row, 78, m->misfire_rate_1000_2);
-    sd_row_put(row, 79, m->misfire_rate_1000_3);
-    sd_row_put(row, 80, m->misfire_rate_1000_4);
-    sd_row_put(row, 81, m->misfire_rate_1000_5);
-    sd_row_put(row, 82, m->misfire_rate_1000_6);
-    sd_row_put(row, 83, m->misfire_rate_1000_7);
-    sd_row_put(row, 84, m->misfire_rate_1000_8);
-    sd_row_put(row, 85, m->misfire_continuous);
+    sd_row_put(row, 75, m->misfire_rate_200_4);
+    sd_row_put(row, 76, m->misfire_rate_200_5);
+    sd_row_put(row, 77, m->misfire_rate_200_6);
+    sd_row_put(row, 78, m->misfire_rate_200_7);
+    sd_row_put(row, 79, m->misfire_rate_200_8);
+    sd_row_put(row, 80, m->misfire_rate_1000_1);
+    sd_row_put(row, 81, m->misfire_rate_1000_2);
+    sd_row_put(row, 82, m->misfire_rate_1000_3);
+    sd_row_put(row, 83, m->misfire_rate_1000_4);
+    sd_row_put(row, 84, m->misfire_rate_1000_5);
+    sd_row_put(row, 85, m->misfire_rate_1000_6);
+    sd_row_put(row, 86, m->misfire_rate_1000_7);
+    sd_row_put(row, 87, m->misfire_rate_1000_8);
+    sd_row_put(row, 88, m->misfire_continuous);
 }
 
 static inline void sd_bus_cycle_6_from_row(struct sd_bus_cycle_6_t *m, const sd_row_t *row) {
     m->tick = (uint32_t)row->tick;
     m->misfire_health = (uint8_t)row->health[SD_OWNER_MISFIRE];
     m->misfire_why = (uint16_t)row->why[SD_OWNER_MISFIRE];
-    m->misfire_suspects = row->value[86];
-    m->misfire_lamp = row->value[87];
-    m->misfire_count = row->value[88];
-    m->misfire_partial_burns = row->value[89];
+    m->misfire_suspects = row->value[89];
+    m->misfire_lamp = row->value[90];
+    m->misfire_count = row->value[91];
+    m->misfire_partial_burns = row->value[92];
 }
 
 static inline void sd_bus_cycle_6_to_row(sd_row_t *row, const struct sd_bus_cycle_6_t *m) {
     sd_row_begin(row, (uint32_t)m->tick, SD_RATE_CYCLE);
     sd_row_status(row, SD_OWNER_MISFIRE, (uint8_t)m->misfire_health, (uint16_t)m->misfire_why);
-    sd_row_put(row, 86, m->misfire_suspects);
-    sd_row_put(row, 87, m->misfire_lamp);
-    sd_row_put(row, 88, m->misfire_count);
-    sd_row_put(row, 89, m->misfire_partial_burns);
+    sd_row_put(row, 89, m->misfire_suspects);
+    sd_row_put(row, 90, m->misfire_lamp);
+    sd_row_put(row, 91, m->misfire_count);
+    sd_row_put(row, 92, m->misfire_partial_burns);
 }
 
-static inline void sd_bus_firing_from_row(struct sd_bus_firing_t *m, const sd_row_t *row) {
+static inline void sd_bus_firing_1_from_row(struct sd_bus_firing_1_t *m, const sd_row_t *row) {
     m->tick = (uint32_t)row->tick;
     m->firing_health = (uint8_t)row->health[SD_OWNER_FIRING];
     m->firing_why = (uint16_t)row->why[SD_OWNER_FIRING];
@@ -281,9 +281,10 @@ static inline void sd_bus_firing_from_row(struct sd_bus_firing_t *m, const sd_ro
     m->misfire_inhibit = row->value[66];
     m->misfire_firing = row->value[67];
     m->misfire_cylinder = row->value[68];
+    m->misfire_monitor = row->value[69];
 }
 
-static inline void sd_bus_firing_to_row(sd_row_t *row, const struct sd_bus_firing_t *m) {
+static inline void sd_bus_firing_1_to_row(sd_row_t *row, const struct sd_bus_firing_1_t *m) {
     sd_row_begin(row, (uint32_t)m->tick, SD_RATE_FIRING);
     sd_row_status(row, SD_OWNER_FIRING, (uint8_t)m->firing_health, (uint16_t)m->firing_why);
     sd_row_status(row, SD_OWNER_MISFIRE, (uint8_t)m->misfire_health, (uint16_t)m->misfire_why);
@@ -299,29 +300,45 @@ static inline void sd_bus_firing_to_row(sd_row_t *row, const struct sd_bus_firin
     sd_row_put(row, 66, m->misfire_inhibit);
     sd_row_put(row, 67, m->misfire_firing);
     sd_row_put(row, 68, m->misfire_cylinder);
+    sd_row_put(row, 69, m->misfire_monitor);
+}
+
+static inline void sd_bus_firing_2_from_row(struct sd_bus_firing_2_t *m, const sd_row_t *row) {
+    m->tick = (uint32_t)row->tick;
+    m->misfire_health = (uint8_t)row->health[SD_OWNER_MISFIRE];
+    m->misfire_why = (uint16_t)row->why[SD_OWNER_MISFIRE];
+    m->misfire_acceleration = row->value[70];
+    m->misfire_residual = row->value[71];
+}
+
+static inline void sd_bus_firing_2_to_row(sd_row_t *row, const struct sd_bus_firing_2_t *m) {
+    sd_row_begin(row, (uint32_t)m->tick, SD_RATE_FIRING);
+    sd_row_status(row, SD_OWNER_MISFIRE, (uint8_t)m->misfire_health, (uint16_t)m->misfire_why);
+    sd_row_put(row, 70, m->misfire_acceleration);
+    sd_row_put(row, 71, m->misfire_residual);
 }
 
 static inline void sd_bus_task_from_row(struct sd_bus_task_t *m, const sd_row_t *row) {
     m->tick = (uint32_t)row->tick;
     m->inputs_health = (uint8_t)row->health[SD_OWNER_INPUTS];
     m->inputs_why = (uint16_t)row->why[SD_OWNER_INPUTS];
-    m->inputs_stale_1 = row->value[90];
-    m->inputs_stale_2 = row->value[91];
-    m->inputs_missing_1 = row->value[92];
-    m->inputs_missing_2 = row->value[93];
+    m->inputs_stale_1 = row->value[93];
+    m->inputs_stale_2 = row->value[94];
+    m->inputs_missing_1 = row->value[95];
+    m->inputs_missing_2 = row->value[96];
 }
 
 static inline void sd_bus_task_to_row(sd_row_t *row, const struct sd_bus_task_t *m) {
     sd_row_begin(row, (uint32_t)m->tick, SD_RATE_TASK);
     sd_row_status(row, SD_OWNER_INPUTS, (uint8_t)m->inputs_health, (uint16_t)m->inputs_why);
-    sd_row_put(row, 90, m->inputs_stale_1);
-    sd_row_put(row, 91, m->inputs_stale_2);
-    sd_row_put(row, 92, m->inputs_missing_1);
-    sd_row_put(row, 93, m->inputs_missing_2);
+    sd_row_put(row, 93, m->inputs_stale_1);
+    sd_row_put(row, 94, m->inputs_stale_2);
+    sd_row_put(row, 95, m->inputs_missing_1);
+    sd_row_put(row, 96, m->inputs_missing_2);
 }
 
 #define SD_BUS_INPUTS_FIRST 0xd0u
-#define SD_BUS_INPUTS_END   0xd7u /* the identifier after the last input's */
+#define SD_BUS_INPUTS_END   0xdau /* the identifier after the last input's */
 #define SD_BUS_ROW_FRAMES   6u /* of the longest row */
 #define SD_BUS_WHEELS       14u /* whose edges a teeth frame can carry */
 
@@ -371,10 +388,16 @@ static inline uint32_t sd_bus_row_pack(const sd_row_t *row, uint32_t part, uint3
         return (uint32_t)sd_bus_cycle_6_pack(bytes, &m, 64);
     }
     if ((row->rate == SD_RATE_FIRING) && (at++ == part)) {
-        struct sd_bus_firing_t m;
-        sd_bus_firing_from_row(&m, row);
-        *id = SD_BUS_FIRING_FRAME_ID;
-        return (uint32_t)sd_bus_firing_pack(bytes, &m, 64);
+        struct sd_bus_firing_1_t m;
+        sd_bus_firing_1_from_row(&m, row);
+        *id = SD_BUS_FIRING_1_FRAME_ID;
+        return (uint32_t)sd_bus_firing_1_pack(bytes, &m, 64);
+    }
+    if ((row->rate == SD_RATE_FIRING) && (at++ == part)) {
+        struct sd_bus_firing_2_t m;
+        sd_bus_firing_2_from_row(&m, row);
+        *id = SD_BUS_FIRING_2_FRAME_ID;
+        return (uint32_t)sd_bus_firing_2_pack(bytes, &m, 64);
     }
     if ((row->rate == SD_RATE_TASK) && (at++ == part)) {
         struct sd_bus_task_t m;
@@ -429,10 +452,16 @@ static inline int sd_bus_row_unpack(sd_row_t *row, uint32_t id, const uint8_t *b
         sd_bus_cycle_6_to_row(row, &m);
         return 1;
     }
-    if (id == SD_BUS_FIRING_FRAME_ID) {
-        struct sd_bus_firing_t m;
-        if ((size != SD_BUS_FIRING_LENGTH) || (sd_bus_firing_unpack(&m, bytes, size) != 0)) { return -1; }
-        sd_bus_firing_to_row(row, &m);
+    if (id == SD_BUS_FIRING_1_FRAME_ID) {
+        struct sd_bus_firing_1_t m;
+        if ((size != SD_BUS_FIRING_1_LENGTH) || (sd_bus_firing_1_unpack(&m, bytes, size) != 0)) { return -1; }
+        sd_bus_firing_1_to_row(row, &m);
+        return 1;
+    }
+    if (id == SD_BUS_FIRING_2_FRAME_ID) {
+        struct sd_bus_firing_2_t m;
+        if ((size != SD_BUS_FIRING_2_LENGTH) || (sd_bus_firing_2_unpack(&m, bytes, size) != 0)) { return -1; }
+        sd_bus_firing_2_to_row(row, &m);
         return 1;
     }
     if (id == SD_BUS_TASK_FRAME_ID) {

@@ -108,27 +108,27 @@ static inline void sd_lcm_cycle_from_row(sixdeg_cycle_t *m, const sd_row_t *row)
     m->balance_trim_6 = row->value[60];
     m->balance_trim_7 = row->value[61];
     m->balance_trim_8 = row->value[62];
-    m->misfire_rate_200_1 = row->value[69];
-    m->misfire_rate_200_2 = row->value[70];
-    m->misfire_rate_200_3 = row->value[71];
-    m->misfire_rate_200_4 = row->value[72];
-    m->misfire_rate_200_5 = row->value[73];
-    m->misfire_rate_200_6 = row->value[74];
-    m->misfire_rate_200_7 = row->value[75];
-    m->misfire_rate_200_8 = row->value[76];
-    m->misfire_rate_1000_1 = row->value[77];
-    m->misfire_rate_1000_2 = row->value[78];
-    m->misfire_rate_1000_3 = row->value[79];
-    m->misfire_rate_1000_4 = row->value[80];
-    m->misfire_rate_1000_5 = row->value[81];
-    m->misfire_rate_1000_6 = row->value[82];
-    m->misfire_rate_1000_7 = row->value[83];
-    m->misfire_rate_1000_8 = row->value[84];
-    m->misfire_continuous = row->value[85];
-    m->misfire_suspects = row->value[86];
-    m->misfire_lamp = row->value[87];
-    m->misfire_count = row->value[88];
-    m->misfire_partial_burns = row->value[89];
+    m->misfire_rate_200_1 = row->value[72];
+    m->misfire_rate_200_2 = row->value[73];
+    m->misfire_rate_200_3 = row->value[74];
+    m->misfire_rate_200_4 = row->value[75];
+    m->misfire_rate_200_5 = row->value[76];
+    m->misfire_rate_200_6 = row->value[77];
+    m->misfire_rate_200_7 = row->value[78];
+    m->misfire_rate_200_8 = row->value[79];
+    m->misfire_rate_1000_1 = row->value[80];
+    m->misfire_rate_1000_2 = row->value[81];
+    m->misfire_rate_1000_3 = row->value[82];
+    m->misfire_rate_1000_4 = row->value[83];
+    m->misfire_rate_1000_5 = row->value[84];
+    m->misfire_rate_1000_6 = row->value[85];
+    m->misfire_rate_1000_7 = row->value[86];
+    m->misfire_rate_1000_8 = row->value[87];
+    m->misfire_continuous = row->value[88];
+    m->misfire_suspects = row->value[89];
+    m->misfire_lamp = row->value[90];
+    m->misfire_count = row->value[91];
+    m->misfire_partial_burns = row->value[92];
 }
 
 static inline void sd_lcm_cycle_to_row(sd_row_t *row, const sixdeg_cycle_t *m) {
@@ -186,27 +186,27 @@ static inline void sd_lcm_cycle_to_row(sd_row_t *row, const sixdeg_cycle_t *m) {
     sd_row_put(row, 60, m->balance_trim_6);
     sd_row_put(row, 61, m->balance_trim_7);
     sd_row_put(row, 62, m->balance_trim_8);
-    sd_row_put(row, 69, m->misfire_rate_200_1);
-    sd_row_put(row, 70, m->misfire_rate_200_2);
-    sd_row_put(row, 71, m->misfire_rate_200_3);
-    sd_row_put(row, 72, m->misfire_rate_200_4);
-    sd_row_put(row, 73, m->misfire_rate_200_5);
-    sd_row_put(row, 74, m->misfire_rate_200_6);
-    sd_row_put(row, 75, m->misfire_rate_200_7);
-    sd_row_put(row, 76, m->misfire_rate_200_8);
-    sd_row_put(row, 77, m->misfire_rate_1000_1);
-    sd_row_put(row, 78, m->misfire_rate_1000_2);
-    sd_row_put(row, 79, m->misfire_rate_1000_3);
-    sd_row_put(row, 80, m->misfire_rate_1000_4);
-    sd_row_put(row, 81, m->misfire_rate_1000_5);
-    sd_row_put(row, 82, m->misfire_rate_1000_6);
-    sd_row_put(row, 83, m->misfire_rate_1000_7);
-    sd_row_put(row, 84, m->misfire_rate_1000_8);
-    sd_row_put(row, 85, m->misfire_continuous);
-    sd_row_put(row, 86, m->misfire_suspects);
-    sd_row_put(row, 87, m->misfire_lamp);
-    sd_row_put(row, 88, m->misfire_count);
-    sd_row_put(row, 89, m->misfire_partial_burns);
+    sd_row_put(row, 72, m->misfire_rate_200_1);
+    sd_row_put(row, 73, m->misfire_rate_200_2);
+    sd_row_put(row, 74, m->misfire_rate_200_3);
+    sd_row_put(row, 75, m->misfire_rate_200_4);
+    sd_row_put(row, 76, m->misfire_rate_200_5);
+    sd_row_put(row, 77, m->misfire_rate_200_6);
+    sd_row_put(row, 78, m->misfire_rate_200_7);
+    sd_row_put(row, 79, m->misfire_rate_200_8);
+    sd_row_put(row, 80, m->misfire_rate_1000_1);
+    sd_row_put(row, 81, m->misfire_rate_1000_2);
+    sd_row_put(row, 82, m->misfire_rate_1000_3);
+    sd_row_put(row, 83, m->misfire_rate_1000_4);
+    sd_row_put(row, 84, m->misfire_rate_1000_5);
+    sd_row_put(row, 85, m->misfire_rate_1000_6);
+    sd_row_put(row, 86, m->misfire_rate_1000_7);
+    sd_row_put(row, 87, m->misfire_rate_1000_8);
+    sd_row_put(row, 88, m->misfire_continuous);
+    sd_row_put(row, 89, m->misfire_suspects);
+    sd_row_put(row, 90, m->misfire_lamp);
+    sd_row_put(row, 91, m->misfire_count);
+    sd_row_put(row, 92, m->misfire_partial_burns);
 }
 
 static inline void sd_lcm_firing_from_row(sixdeg_firing_t *m, const sd_row_t *row) {
@@ -227,6 +227,9 @@ static inline void sd_lcm_firing_from_row(sixdeg_firing_t *m, const sd_row_t *ro
     m->misfire_inhibit = row->value[66];
     m->misfire_firing = row->value[67];
     m->misfire_cylinder = row->value[68];
+    m->misfire_monitor = row->value[69];
+    m->misfire_acceleration = row->value[70];
+    m->misfire_residual = row->value[71];
 }
 
 static inline void sd_lcm_firing_to_row(sd_row_t *row, const sixdeg_firing_t *m) {
@@ -245,25 +248,28 @@ static inline void sd_lcm_firing_to_row(sd_row_t *row, const sixdeg_firing_t *m)
     sd_row_put(row, 66, m->misfire_inhibit);
     sd_row_put(row, 67, m->misfire_firing);
     sd_row_put(row, 68, m->misfire_cylinder);
+    sd_row_put(row, 69, m->misfire_monitor);
+    sd_row_put(row, 70, m->misfire_acceleration);
+    sd_row_put(row, 71, m->misfire_residual);
 }
 
 static inline void sd_lcm_task_from_row(sixdeg_task_t *m, const sd_row_t *row) {
     m->tick = (int32_t)row->tick;
     m->inputs_health = (int8_t)row->health[SD_OWNER_INPUTS];
     m->inputs_why = (int16_t)row->why[SD_OWNER_INPUTS];
-    m->inputs_stale_1 = row->value[90];
-    m->inputs_stale_2 = row->value[91];
-    m->inputs_missing_1 = row->value[92];
-    m->inputs_missing_2 = row->value[93];
+    m->inputs_stale_1 = row->value[93];
+    m->inputs_stale_2 = row->value[94];
+    m->inputs_missing_1 = row->value[95];
+    m->inputs_missing_2 = row->value[96];
 }
 
 static inline void sd_lcm_task_to_row(sd_row_t *row, const sixdeg_task_t *m) {
     sd_row_begin(row, (uint32_t)m->tick, SD_RATE_TASK);
     sd_row_status(row, SD_OWNER_INPUTS, (uint8_t)m->inputs_health, (uint16_t)m->inputs_why);
-    sd_row_put(row, 90, m->inputs_stale_1);
-    sd_row_put(row, 91, m->inputs_stale_2);
-    sd_row_put(row, 92, m->inputs_missing_1);
-    sd_row_put(row, 93, m->inputs_missing_2);
+    sd_row_put(row, 93, m->inputs_stale_1);
+    sd_row_put(row, 94, m->inputs_stale_2);
+    sd_row_put(row, 95, m->inputs_missing_1);
+    sd_row_put(row, 96, m->inputs_missing_2);
 }
 
 #define SD_LCM_ROWS 512 /* of a rate in one message; beyond it a message goes early */

@@ -23,13 +23,16 @@ uint64_t __sixdeg_firing_t_hash_recursive(const __lcm_hash_ptr *p)
     cp.v = (void*)__sixdeg_firing_t_get_hash;
     (void) cp;
 
-    uint64_t hash = (uint64_t)0x1469f1d2fe251db9LL
+    uint64_t hash = (uint64_t)0xdbbdacc42da09360LL
          + __int32_t_hash_recursive(&cp)
          + __int32_t_hash_recursive(&cp)
          + __int8_t_hash_recursive(&cp)
          + __int16_t_hash_recursive(&cp)
          + __int8_t_hash_recursive(&cp)
          + __int16_t_hash_recursive(&cp)
+         + __float_hash_recursive(&cp)
+         + __float_hash_recursive(&cp)
+         + __float_hash_recursive(&cp)
          + __float_hash_recursive(&cp)
          + __float_hash_recursive(&cp)
          + __float_hash_recursive(&cp)
@@ -118,6 +121,15 @@ int __sixdeg_firing_t_encode_array(void *buf, int offset, int maxlen, const sixd
         thislen = __float_encode_array(buf, offset + pos, maxlen - pos, &(p[element].misfire_cylinder), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
+        thislen = __float_encode_array(buf, offset + pos, maxlen - pos, &(p[element].misfire_monitor), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_encode_array(buf, offset + pos, maxlen - pos, &(p[element].misfire_acceleration), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_encode_array(buf, offset + pos, maxlen - pos, &(p[element].misfire_residual), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
     }
     return pos;
 }
@@ -176,6 +188,12 @@ int __sixdeg_firing_t_encoded_array_size(const sixdeg_firing_t *p, int elements)
         size += __float_encoded_array_size(&(p[element].misfire_firing), 1);
 
         size += __float_encoded_array_size(&(p[element].misfire_cylinder), 1);
+
+        size += __float_encoded_array_size(&(p[element].misfire_monitor), 1);
+
+        size += __float_encoded_array_size(&(p[element].misfire_acceleration), 1);
+
+        size += __float_encoded_array_size(&(p[element].misfire_residual), 1);
 
     }
     return size;
@@ -246,6 +264,15 @@ int __sixdeg_firing_t_decode_array(const void *buf, int offset, int maxlen, sixd
         thislen = __float_decode_array(buf, offset + pos, maxlen - pos, &(p[element].misfire_cylinder), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
+        thislen = __float_decode_array(buf, offset + pos, maxlen - pos, &(p[element].misfire_monitor), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_decode_array(buf, offset + pos, maxlen - pos, &(p[element].misfire_acceleration), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __float_decode_array(buf, offset + pos, maxlen - pos, &(p[element].misfire_residual), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
     }
     return pos;
 }
@@ -290,6 +317,12 @@ int __sixdeg_firing_t_decode_array_cleanup(sixdeg_firing_t *p, int elements)
         __float_decode_array_cleanup(&(p[element].misfire_firing), 1);
 
         __float_decode_array_cleanup(&(p[element].misfire_cylinder), 1);
+
+        __float_decode_array_cleanup(&(p[element].misfire_monitor), 1);
+
+        __float_decode_array_cleanup(&(p[element].misfire_acceleration), 1);
+
+        __float_decode_array_cleanup(&(p[element].misfire_residual), 1);
 
     }
     return 0;
@@ -356,6 +389,12 @@ int __sixdeg_firing_t_clone_array(const sixdeg_firing_t *p, sixdeg_firing_t *q, 
         __float_clone_array(&(p[element].misfire_firing), &(q[element].misfire_firing), 1);
 
         __float_clone_array(&(p[element].misfire_cylinder), &(q[element].misfire_cylinder), 1);
+
+        __float_clone_array(&(p[element].misfire_monitor), &(q[element].misfire_monitor), 1);
+
+        __float_clone_array(&(p[element].misfire_acceleration), &(q[element].misfire_acceleration), 1);
+
+        __float_clone_array(&(p[element].misfire_residual), &(q[element].misfire_residual), 1);
 
     }
     return 0;

@@ -38,6 +38,9 @@ struct _sixdeg_firing_t
     float      misfire_inhibit;
     float      misfire_firing;
     float      misfire_cylinder;
+    float      misfire_monitor;
+    float      misfire_acceleration;
+    float      misfire_residual;
 };
 
 /**

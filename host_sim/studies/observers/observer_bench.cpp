@@ -17,16 +17,17 @@ namespace sixdeg {
 namespace {
 
 constexpr int kCylinders = 4;
-constexpr double kSampleS = 1e-4, kTickHz = 1e8, kNoise = 1e-4, kStartErrorMps = 0.3;
+constexpr double kSampleS = 1e-4, kNoise = 1e-4, kStartErrorMps = 0.3;
 constexpr double kSpeedBase = 20, kAccelBase = 1000, kJerkBase = 1e5; // per-unit bases of q31
 
 using Strengths = std::vector<double>; // by place in the firing order
 
 /// One sample as an observer meets it.
 struct Sample {
-    double time_s, period_s, speed_mps;
+    double time_s, speed_mps;
     std::vector<double> input_mps3; // mean over the step before it, of each cylinder, for E = 1
     int active;                     // cylinder whose interval that step ends in
+    bool present;                   // false: a missing tooth
 };
 
 /// The common face of the observers: acceleration at a sample.
@@ -37,53 +38,38 @@ class Observer {
     virtual double step(const Sample &sample) = 0;
 };
 
-struct F32 {
+struct F32 : NumberF32 {
     using State = sd_switched_f32_t;
-    static constexpr auto init = sd_switched_init_f32;
     static constexpr auto start = sd_switched_start_f32;
     static constexpr auto step = sd_switched_step_f32;
-    static constexpr auto in = sd_from_float_f32;
-    static constexpr auto out = sd_to_float_f32;
+    static constexpr auto coast = sd_switched_coast_f32;
 };
-struct Q31 {
+struct Q31 : NumberQ31 {
     using State = sd_switched_q31_t;
-    static constexpr auto init = sd_switched_init_q31;
     static constexpr auto start = sd_switched_start_q31;
     static constexpr auto step = sd_switched_step_q31;
-    static constexpr auto in = sd_from_float_q31;
-    static constexpr auto out = sd_to_float_q31;
+    static constexpr auto coast = sd_switched_coast_q31;
 };
 
 template <class V> class Switched : public Observer {
   public:
-    Switched(const std::vector<sd_plant_step_t> &steps, double output_gain, double sliding,
-             const Strengths &believed)
-        : believed_(believed) {
-        sd_switched_config_t config{};
-        config.steps = steps.data();
-        config.step_count = std::uint8_t(steps.size());
-        config.output_gain_per_s = float(output_gain);
-        config.sliding_gain_mps3 = float(sliding);
-        config.speed_base_mps = float(kSpeedBase);
-        config.accel_base_mps2 = float(kAccelBase);
-        config.jerk_base_mps3 = float(kJerkBase);
-        if (V::init(&state_, &config) != SD_OK) throw std::logic_error("a switched observer was refused");
+    Switched(const PlantStep &step, double sliding, const Strengths &believed) : believed_(believed) {
+        if (!switched_table<V>(step, {kSpeedBase, kAccelBase, kJerkBase}, table_)) throw std::logic_error("a switched observer does not fit its bases");
+        state_.sliding = V::in(sliding / kJerkBase);
     }
     void start(double y, double speed, double accel) override {
-        V::start(&state_, in(y / kSpeedBase), in(speed / kSpeedBase), in(accel / kAccelBase));
+        V::start(&state_, &table_, V::in(y / kSpeedBase), V::in(speed / kSpeedBase), V::in(accel / kAccelBase));
     }
     double step(const Sample &sample) override {
         double input = 0;
-        for (int n = 0; n < kCylinders; ++n)
-            input += believed_[std::size_t(n)] * sample.input_mps3[std::size_t(n)];
-        const auto ticks = std::uint32_t(std::lround(sample.period_s * kTickHz));
-        return double(V::out(
-                   V::step(&state_, ticks, in(sample.speed_mps / kSpeedBase), in(input / kJerkBase)))) *
-               kAccelBase;
+        for (int n = 0; n < kCylinders; ++n) input += believed_[std::size_t(n)] * sample.input_mps3[std::size_t(n)];
+        const auto u = V::in(input / kJerkBase);
+        if (!sample.present) return kAccelBase * V::out(V::coast(&state_, &table_, u));
+        return kAccelBase * V::out(V::step(&state_, &table_, V::in(sample.speed_mps / kSpeedBase), u));
     }
 
   private:
-    static auto in(double x) { return V::in(float(x)); }
+    typename V::Table table_{};
     typename V::State state_{};
     Strengths believed_;
 };
@@ -92,7 +78,12 @@ class PerCylinder : public Observer {
   public:
     PerCylinder(const HybridEngine &engine, const Strengths &believed)
         : believed_(believed.begin(), believed.end()) {
-        const sd_plant_step_t step = plant_step({engine.k1_per_s2, engine.k2_per_s}, kSampleS, kTickHz);
+        const PlantStep exact = plant_step({engine.k1_per_s2, engine.k2_per_s}, kSampleS);
+        sd_plant_step_t step{};
+        for (int i = 0; i < 2; ++i) {
+            for (int j = 0; j < 2; ++j) step.increment[i][j] = float(exact.increment[i][j]);
+            step.from_input[i] = float(exact.from_input[i]);
+        }
         sd_input_config_t config{};
         config.step = &step;
         config.cylinders = kCylinders;
@@ -139,30 +130,21 @@ struct Trace {
     double peak_mps2 = 0;
 };
 
-/// Times of the samples: a fixed rate, or the teeth of a 60-2 wheel.
-std::vector<double> sample_times(const HybridEngine &engine, bool angle_domain) {
-    std::vector<double> times;
-    const double step = angle_domain ? M_PI / 30 / engine.speed_radps : kSampleS;
-    const long count = std::lround(kBenchRunS / step);
-    for (long k = 0; k <= count; ++k) {
-        if (!angle_domain || k % 60 < 58) times.push_back(double(k) * step);
-    }
-    return times;
-}
+/// A step: a sampling interval, or a tooth of a 60-2 wheel.
+double step_s(const HybridEngine &engine, bool angle_domain) { return angle_domain ? M_PI / 30 / engine.speed_radps : kSampleS; }
 
 Trace make_trace(const HybridEngine &engine, const FiringStrength &strength, bool angle_domain,
                  unsigned seed) {
     Trace trace;
     RandomStream noise(seed, 0);
     HybridState now = trace.start = hybrid_periodic_start(engine);
-    const auto times = sample_times(engine, angle_domain);
-    for (std::size_t k = 1; k < times.size(); ++k) {
-        now = hybrid_advance(engine, strength, now, times[k - 1], times[k]);
-        const double noisy =
-            now.speed_mps + noise.normal() * kNoise * engine.crank_radius_m * engine.speed_radps;
-        const long firing = long(std::floor(times[k] / engine.interval_s() - 1e-9));
-        trace.samples.push_back({times[k], times[k] - times[k - 1], noisy,
-                                 mean_inputs(engine, times[k - 1], times[k]), int(firing % kCylinders)});
+    const double step = step_s(engine, angle_domain);
+    for (long k = 1; double(k) * step <= kBenchRunS; ++k) {
+        const double from = double(k - 1) * step, to = double(k) * step;
+        now = hybrid_advance(engine, strength, now, from, to);
+        const double noisy = now.speed_mps + noise.normal() * kNoise * engine.crank_radius_m * engine.speed_radps;
+        const long firing = long(std::floor(to / engine.interval_s() - 1e-9));
+        trace.samples.push_back({to, noisy, mean_inputs(engine, from, to), int(firing % kCylinders), !angle_domain || k % 60 < 58});
         trace.accel_mps2.push_back(now.accel_mps2);
         trace.peak_mps2 = std::max(trace.peak_mps2, std::abs(now.accel_mps2));
     }
@@ -218,24 +200,16 @@ struct Contender {
 
 std::vector<Contender> contenders(const HybridEngine &engine, const BenchGains &gains) {
     const CrankModel model{engine.k1_per_s2, engine.k2_per_s};
-    const double tooth_s = M_PI / 30 / engine.speed_radps;
     std::vector<Contender> all;
     const auto add = [&](const std::string &name, double roo, double luenberger, double sliding) {
-        const auto make_step = [=](double period_s) {
-            return roo > 0 ? roo_step(model, roo, period_s, kTickHz)
-                           : folsmo_step(model, luenberger, period_s, kTickHz);
+        const auto make_step = [=](bool angle_domain) {
+            const double period_s = step_s(engine, angle_domain);
+            return roo > 0 ? roo_step(model, roo, period_s) : folsmo_step(model, luenberger, period_s);
         };
-        const std::vector<sd_plant_step_t> time{make_step(kSampleS)},
-            angle{make_step(tooth_s), make_step(3 * tooth_s)};
-        all.push_back({name, "time", false, [=](const auto &b) {
-                           return std::make_unique<Switched<F32>>(time, roo, sliding, b);
-                       }});
-        all.push_back({name, "time, q31", false, [=](const auto &b) {
-                           return std::make_unique<Switched<Q31>>(time, roo, sliding, b);
-                       }});
-        all.push_back({name, "angle", true, [=](const auto &b) {
-                           return std::make_unique<Switched<F32>>(angle, roo, sliding, b);
-                       }});
+        const PlantStep time = make_step(false), angle = make_step(true);
+        all.push_back({name, "time", false, [=](const auto &b) { return std::make_unique<Switched<F32>>(time, sliding, b); }});
+        all.push_back({name, "time, q31", false, [=](const auto &b) { return std::make_unique<Switched<Q31>>(time, sliding, b); }});
+        all.push_back({name, "angle", true, [=](const auto &b) { return std::make_unique<Switched<F32>>(angle, sliding, b); }});
     };
     add("ROO", gains.roo_per_s, 0, 0);
     add("FOSMO", 0, 0, gains.sliding_mps3);

@@ -6,9 +6,9 @@
 #include "sd_afr_chain.h"
 #include "sd_afr_joint.h"
 #include "sd_input_observer.h"
-#include "sd_switched.h"
+#include "sd_switched_wheel.h"
 
-enum { NOT_COUNTED, FOLSMO, FOSMO, ROO, INPUT, OSCILLATORS, FOURIER_LAW, FIXED_GAINS, GUARD, BANK, CRANK }; /* block_classes of budget.toml */
+enum { NOT_COUNTED, FOLSMO, FOSMO, ROO, JUDGES, INPUT, OSCILLATORS, FOURIER_LAW, FIXED_GAINS, GUARD, BANK, CRANK }; /* block_classes of budget.toml */
 enum { CYCLE_POSITIONS = 120, CYLINDERS = 4 };
 #define STEP_S 6.67e-4f
 
@@ -25,45 +25,78 @@ static void expect(sd_result_t result, const char *block) {
 
 /* ---- observers of document 000 ------------------------------------------------------------------------------------ */
 
-/* FOLSMO corrects both states from the sample, FOSMO by sliding alone, ROO has no speed of its own. */
-static void plant_steps(sd_plant_step_t steps[4], uint32_t block) {
-    for (uint32_t i = 0; i < 4u; i++) {
-        steps[i] = (sd_plant_step_t){ .period_ticks = 5000u + 3000u * i, .increment = { { -1e-5f, 1e-4f }, { -0.09f, -2e-3f } },
-                                      .from_input = { 5e-9f, 1e-4f }, .from_output = { 1e-5f, 0.08f } };
-        if (block == FOSMO) { steps[i].from_output[0] = steps[i].from_output[1] = 0.0f; }
-        if (block != ROO) { continue; }
-        steps[i].increment[0][0] = steps[i].increment[0][1] = steps[i].increment[1][0] = steps[i].from_output[0] = 0.0f;
+/* Tables as the host makes them for a four-cylinder on a wheel of 60 positions. FOLSMO corrects both states from the sample,
+ * FOSMO by sliding alone, ROO has no speed of its own. */
+static void fill_design(sd_wheel_tables_t *t, uint32_t kind) {
+    const float rows[SD_WHEEL_KINDS][2][4] = { { { -0.009f, 0.024f, 0.0012f, 0.009f }, { -0.67f, -0.17f, 0.095f, 0.66f } },
+                                               { { -1e-4f, 0.024f, 0.0012f, 0.0f }, { -0.013f, -0.17f, 0.095f, 0.0f } },
+                                               { { 0.0f, 0.0f, 0.0f, 0.0f }, { 0.0f, -0.32f, 0.087f, -1.2f } } };
+    const float gain[4] = { 1e-4f, 0.4f, (kind == SD_WHEEL_ROO) ? 7.0f : 0.0f, 0.026f }; /* rho, capture, l, slope */
+    for (uint32_t i = 0; i < 2u; i++) {
+        t->f32.design[kind].table.row[i] = sd_row_of_f32(rows[kind][i]);
+        t->q31.design[kind].table.row[i] = sd_row_of_q31(rows[kind][i]);
+    }
+    sd_wheel_design_f32_t *f = &t->f32.design[kind];
+    sd_wheel_design_q31_t *q = &t->q31.design[kind];
+    f->sliding = sd_gain_of_f32(gain[0]), f->capture = sd_gain_of_f32(gain[1]);
+    q->sliding = sd_gain_of_q31(gain[0]), q->capture = sd_gain_of_q31(gain[1]);
+    f->table.output_gain = sd_gain_of_f32(gain[2]), f->table.slope = sd_gain_of_f32(gain[3]);
+    q->table.output_gain = sd_gain_of_q31(gain[2]), q->table.slope = sd_gain_of_q31(gain[3]);
+    f->table.reduced = q->table.reduced = (kind == SD_WHEEL_ROO) ? 1u : 0u;
+    t->delay[kind] = 5;
+}
+
+static void fill_tables(sd_wheel_tables_t *t) {
+    const float common[3] = { 0.15f, 0.03f, 0.03f }, accel = 0.04f, per_tooth = 64.0f / 30.0f; /* pulse, mean, jump */
+    t->positions = CYCLE_POSITIONS / 2, t->cylinders = CYLINDERS, t->pulse_positions = 6, t->speed_shift = 6;
+    t->accel_exponent = 17, t->energy_exponent = 19, t->work_exponent = 12;
+    t->speed_per_tick = 102.3f, t->speed_numerator = 3432592179u;
+    for (uint32_t kind = 0; kind < SD_WHEEL_KINDS; kind++) { fill_design(t, kind); }
+    t->f32.pulse = sd_gain_of_f32(common[0]), t->f32.mean = sd_gain_of_f32(common[1]), t->f32.jump = sd_gain_of_f32(common[2]);
+    t->q31.pulse = sd_gain_of_q31(common[0]), t->q31.mean = sd_gain_of_q31(common[1]), t->q31.jump = sd_gain_of_q31(common[2]);
+    for (uint32_t k = 0; k < CYCLE_POSITIONS / 2; k++) { t->inertia_q31[k] = 0x7ff00000; }
+    for (uint32_t i = 0; i < CYLINDERS; i++) {
+        const uint32_t tdc = CYCLE_POSITIONS / CYLINDERS * i;
+        t->f32.accel[i] = sd_gain_of_f32(accel), t->f32.per_tooth[i] = sd_gain_of_f32(per_tooth);
+        t->q31.accel[i] = sd_gain_of_q31(accel), t->q31.per_tooth[i] = sd_gain_of_q31(per_tooth);
+        t->mark[tdc] = (uint16_t)(t->mark[tdc] | (i + 1u) | ((i + 1u) << 12));
+        t->mark[(tdc + 30u) % CYCLE_POSITIONS] |= (uint16_t)((i + 1u) << 4);
+        t->mark[(tdc + 50u) % CYCLE_POSITIONS] |= (uint16_t)((i + 1u) << 8);
     }
 }
 
-static void count_switched(uint32_t block) {
-    static sd_switched_f32_t f32;
-    static sd_switched_q31_t q31;
-    sd_plant_step_t steps[4];
-    plant_steps(steps, block);
-    const sd_switched_config_t config = {
-        .steps = steps, .step_count = 4, .speed_base_mps = 20.0f, .accel_base_mps2 = 1000.0f, .jerk_base_mps3 = 1e5f, .settle_steps = 100,
-        .sliding_gain_mps3 = (block == ROO) ? 0.0f : 40.0f, .output_gain_per_s = (block == ROO) ? 13.0f : 0.0f };
-    expect(sd_switched_init_f32(&f32, &config), "switched f32");
-    expect(sd_switched_init_q31(&q31, &config), "switched q31");
-    sd_switched_start_f32(&f32, 0.1f, 0.1f, 0.0f);
-    sd_switched_start_q31(&q31, 1 << 27, 1 << 27, 0);
+/* A firing is judged where it is read, which is a class of its own: `judges`. */
+static void count_switched(uint32_t block, uint32_t kind) {
+    static sd_wheel_tables_t tables;
+    static sd_wheel_f32_t f32;
+    static sd_wheel_q31_t q31;
+    const sd_wheel_config_f32_t in_f32 = { .definition = 0.5f, .work_min = 0.001f, .speed_change = 0.3f, .start_firings = 16, .hold_firings = 8, .kind = (uint8_t)kind };
+    const sd_wheel_config_q31_t in_q31 = { .definition = 1 << 30, .work_min = 1 << 21, .speed_change = 1 << 29, .start_firings = 16, .hold_firings = 8, .kind = (uint8_t)kind };
+    fill_tables(&tables);
+    expect(sd_wheel_init_f32(&f32, &in_f32, &tables), "switched f32");
+    expect(sd_wheel_init_q31(&q31, &in_q31, &tables), "switched q31");
     budget_class(NOT_COUNTED);
-    for (uint32_t k = 0; k < 200u; k++) {
-        const uint32_t period = 6000u + 100u * (k & 31u);
-        kept_f32 = sd_switched_step_f32(&f32, period, 0.1f + 0.001f * (float)(k & 7u), 0.01f);
-        kept_q31 = sd_switched_step_q31(&q31, period, (1 << 27) + (int32_t)(k & 7u) * 1000, 1 << 24);
-        budget_class((k < 10u) ? NOT_COUNTED : block);
+    for (uint32_t k = 0; k < 10u * CYCLE_POSITIONS; k++) {
+        const sd_wheel_tooth_t tooth = { .cycle_position = (uint16_t)(k % CYCLE_POSITIONS), .advance = 1, .period_ticks = 660u + ((k * 7u) & 15u), .trusted = 1 };
+        const uint32_t read = sd_wheel_tooth_f32(&f32, &tables, &tooth, 0.1f);
+        if (sd_wheel_tooth_q31(&q31, &tables, &tooth, 1 << 28) != read) { board_print("switched: f32 and q31 differ\n"), failed = 1u; }
+        budget_class((k < CYCLE_POSITIONS) ? NOT_COUNTED : block);
+        if (read == 0u) { continue; }
+        sd_wheel_verdict_f32_t said_f32;
+        sd_wheel_verdict_q31_t said_q31;
+        sd_wheel_judge_f32(&f32, &tables, read - 1u, 0, &said_f32);
+        sd_wheel_judge_q31(&q31, &tables, read - 1u, 0, &said_q31);
+        kept_f32 = said_f32.residual, kept_q31 = said_q31.residual;
+        budget_class((k < 5u * CYCLE_POSITIONS) ? NOT_COUNTED : JUDGES);
     }
-    if ((f32.running == 0u) || (q31.running == 0u)) { board_print("switched: it stopped\n"), failed = 1u; }
+    if ((f32.observer.running == 0u) || (q31.observer.running == 0u)) { board_print("switched: it stopped\n"), failed = 1u; }
 }
 
 static void count_input(void) {
     static sd_input_observer_t observer;
-    sd_plant_step_t steps[4];
-    plant_steps(steps, FOLSMO);
+    const sd_plant_step_t step = { .increment = { { -1e-5f, 1e-4f }, { -0.09f, -2e-3f } }, .from_input = { 5e-9f, 1e-4f } };
     const sd_input_config_t config = {
-        .step = steps, .cylinders = CYLINDERS, .noise_mps = 1e-3f, .start_speed_mps = 0.3f, .start_accel_mps2 = 50.0f,
+        .step = &step, .cylinders = CYLINDERS, .noise_mps = 1e-3f, .start_speed_mps = 0.3f, .start_accel_mps2 = 50.0f,
         .start_strength = 0.5f, .walk_strength = 1e-5f, .alarm_sd = 4.0f, .settle_steps = 100 };
     const float strength[CYLINDERS] = { 1.0f, 1.0f, 1.0f, 1.0f }, input[CYLINDERS] = { 1000.0f, 10.0f, 0.0f, 0.0f };
     expect(sd_input_init(&observer, &config), "input observer");
@@ -83,8 +116,9 @@ static float    psi_f32[SD_EXHAUST_PSI + 1];
 static sd_q31_t psi_q31[SD_EXHAUST_PSI + 1];
 
 static void start_exhaust(void) {
-    static float share[SD_EXHAUST_OPEN];
-    for (uint32_t i = 0; i < 45u; i++) { share[i] = 1.0f / 46.0f; }
+    static float    share_f32[SD_EXHAUST_OPEN];
+    static sd_q31_t share_q31[SD_EXHAUST_OPEN];
+    for (uint32_t i = 0; i < 45u; i++) { share_f32[i] = 1.0f / 46.0f, share_q31[i] = sd_from_float_q31(share_f32[i]); }
     sd_exhaust_config_t config = {
         .cycle_positions = CYCLE_POSITIONS, .cylinders = CYLINDERS, .open_position = 25, .mass_base_kg = 4.2e-3f };
     for (uint32_t i = 0; i < CYLINDERS; i++) { config.firing_position[i] = (uint16_t)(CYCLE_POSITIONS / CYLINDERS * i); }
@@ -95,8 +129,8 @@ static void start_exhaust(void) {
     const sd_exhaust_point_t point = { .charge_kg = 7e-4f, .rate_hz = 100.0f, .z0_kg = 1.3e-3f, .pipe_kg = 8e-4f, .delay_positions = 8.5f };
     expect(sd_exhaust_init_f32(&exhaust_f32, &config), "exhaust f32");
     expect(sd_exhaust_init_q31(&exhaust_q31, &config), "exhaust q31");
-    expect(sd_exhaust_shares_f32(&exhaust_f32, 0, SD_EXHAUST_OPEN, share), "exhaust f32, shares");
-    expect(sd_exhaust_shares_q31(&exhaust_q31, 0, SD_EXHAUST_OPEN, share), "exhaust q31, shares");
+    expect(sd_exhaust_shares_f32(&exhaust_f32, 0, SD_EXHAUST_OPEN, share_f32), "exhaust f32, shares");
+    expect(sd_exhaust_shares_q31(&exhaust_q31, 0, SD_EXHAUST_OPEN, share_q31), "exhaust q31, shares");
     expect(sd_exhaust_set_f32(&exhaust_f32, &point, STEP_S), "exhaust f32, point");
     expect(sd_exhaust_set_q31(&exhaust_q31, &point, STEP_S), "exhaust q31, point");
 }
@@ -126,8 +160,8 @@ static void count_chain(uint32_t block) {
     expect(sd_afr_chain_init_f32(&f32, &config), "chain f32");
     expect(sd_afr_chain_init_q31(&q31, &config), "chain q31");
     start_exhaust();
-    sd_afr_chain_set_f32(&f32, sine_q31, STEP_S, (block == OSCILLATORS) ? &gains : 0, 1.0f / 6.0f);
-    sd_afr_chain_set_q31(&q31, sine_q31, STEP_S, (block == OSCILLATORS) ? &gains : 0, 1.0f / 6.0f);
+    sd_afr_chain_set_f32(&f32, sine_q31, STEP_S, (block == OSCILLATORS) ? &gains : 0, exhaust_f32.charge);
+    sd_afr_chain_set_q31(&q31, sine_q31, STEP_S, (block == OSCILLATORS) ? &gains : 0, exhaust_q31.charge);
     budget_class(NOT_COUNTED);
     for (uint32_t k = 0; k < 600u; k++) {
         const float air = 0.5f + 0.01f * (float)((k * 7u) & 15u) / 16.0f;
@@ -161,9 +195,9 @@ static void count_fixed_gains(void) {
 }
 
 int main(void) {
-    count_switched(FOLSMO);
-    count_switched(FOSMO);
-    count_switched(ROO);
+    count_switched(FOLSMO, SD_WHEEL_FOLSMO);
+    count_switched(FOSMO, SD_WHEEL_FOSMO);
+    count_switched(ROO, SD_WHEEL_ROO);
     count_input();
     count_chain(OSCILLATORS);
     count_chain(FOURIER_LAW);

@@ -48,7 +48,8 @@ static uint32_t inhibits(const sd_ecu_t *self, const sd_tooth_t *tooth) {
     const float level = sd_inputs_value(inputs, SD_INPUT_FUEL_LEVEL), least = self->working.misfire_fuel_level_min_percent;
     uint32_t why = 0;
     if (above_half(sd_inputs_value(inputs, SD_INPUT_DRIVELINE_SHIFT))) { why |= (uint32_t)SD_INHIBIT_SHIFT; }
-    if (sd_inputs_fresh(inputs, SD_INPUT_FUEL_LEVEL) && (sd_bits_order(level) < sd_bits_order(least))) { why |= (uint32_t)SD_INHIBIT_LEVEL; }
+    const bool known = sd_inputs_fresh(inputs, SD_INPUT_FUEL_LEVEL);
+    if (known && (sd_bits_order(level) < sd_bits_order(least))) { why |= (uint32_t)SD_INHIBIT_LEVEL; }
     if (tooth->phase_known == 0u) { why |= (uint32_t)SD_INHIBIT_ESTIMATE; }
     return why;
 }
@@ -56,7 +57,8 @@ static uint32_t inhibits(const sd_ecu_t *self, const sd_tooth_t *tooth) {
 /* Returns true when a firing was read. */
 static bool step_misfire(sd_ecu_t *self, const sd_calibration_t *page, const sd_port_t *port, const sd_tooth_t *tooth) {
     const bool known = sd_inputs_fresh(&self->inputs, SD_INPUT_FUEL_INJECTED);
-    const uint32_t read = sd_fixed_misfire_tooth(&self->misfire, page, tooth, known ? sd_inputs_value(&self->inputs, SD_INPUT_FUEL_INJECTED) : -1.0f);
+    const float fuel_mg = known ? sd_inputs_value(&self->inputs, SD_INPUT_FUEL_INJECTED) : -1.0f;
+    const uint32_t read = sd_fixed_misfire_tooth(&self->misfire, page, tooth, fuel_mg);
     if (read == 0u) { return false; }
     sd_wheel_verdict_q31_t verdict;
     sd_fixed_misfire_judge(&self->misfire, page, read - 1u, inhibits(self, tooth), &verdict);

@@ -29,7 +29,9 @@ static bool above_half(float x) { return sd_bits_order(x) > sd_bits_order(0.5f);
 static sd_trims_wish_t wish_of(const sd_ecu_t *self, const sd_calibration_t *page) {
     const sd_input_t enable = SD_INPUT_BALANCE_ENABLE;
     if (!above_half(self->working.balance_source) || (page->cylinders < 2u)) { return SD_TRIMS_OFF; }
-    if (sd_inputs_fresh(&self->inputs, enable)) { return above_half(sd_inputs_value(&self->inputs, enable)) ? SD_TRIMS_LEARN : SD_TRIMS_OFF; }
+    if (sd_inputs_fresh(&self->inputs, enable)) {
+        return above_half(sd_inputs_value(&self->inputs, enable)) ? SD_TRIMS_LEARN : SD_TRIMS_OFF;
+    }
     return (self->trims_wanted != 0u) ? SD_TRIMS_FREEZE : SD_TRIMS_OFF;
 }
 
@@ -103,7 +105,8 @@ static void read_mixture(sd_ecu_t *self, const sd_calibration_t *page) {
         sd_status_worst_of(status, SD_DEGRADED, SD_WHY_STALE_INPUT);
     }
     if (!self->work.cycle.phase_known) { sd_status_worst_of(status, SD_INVALID, SD_WHY_NO_PHASE); }
-    if ((status->why & ((uint32_t)SD_WHY_UNCALIBRATED | (uint32_t)SD_WHY_NOT_BUILT)) == 0u) { sd_inputs_judge(inputs, SD_OWNER_AFR, status); }
+    const uint32_t none = (uint32_t)SD_WHY_UNCALIBRATED | (uint32_t)SD_WHY_NOT_BUILT;
+    if ((status->why & none) == 0u) { sd_inputs_judge(inputs, SD_OWNER_AFR, status); }
     sd_fixed_say_mixture(self, page);
 }
 

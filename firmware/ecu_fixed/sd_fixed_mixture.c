@@ -37,7 +37,8 @@ sd_result_t sd_fixed_mixture_init(sd_fixed_mixture_t *self, const sd_calibration
     const bool built = (page->afr.present != 0u) && (method >= (uint32_t)SD_AFR_OSCILLATORS);
     const sd_afr_point_config_t point = point_of(page, p);
     const sd_afr_chain_config_t chain = chain_of(page, p);
-    if (built && ((sd_afr_point_check_q31(&point, &page->afr) != SD_OK) || (sd_afr_chain_check_q31(&chain) != SD_OK))) { return SD_ERR_CONFIG; }
+    const bool ok = (sd_afr_point_check_q31(&point, &page->afr) == SD_OK) && (sd_afr_chain_check_q31(&chain) == SD_OK);
+    if (built && !ok) { return SD_ERR_CONFIG; }
     memset(self, 0, sizeof *self);
     self->present = (uint8_t)(built ? RUNS : (page->afr.present != 0u) ? NOT_BUILT : NO_EXHAUST);
     if (!built) { return SD_OK; }
@@ -134,7 +135,8 @@ bool sd_fixed_mixture_tooth(sd_fixed_mixture_t *self, const sd_calibration_t *pa
 void sd_fixed_mixture_read(sd_fixed_mixture_t *self, const sd_afr_conditions_t *at, sd_afr_estimate_t *out, sd_status_t *status) {
     memset(out, 0, sizeof *out);
     if (!runs(self)) {
-        *status = (sd_status_t){ .health = SD_INVALID, .why = (self->present == (uint8_t)NOT_BUILT) ? SD_WHY_NOT_BUILT : SD_WHY_UNCALIBRATED };
+        const bool not_built = self->present == (uint8_t)NOT_BUILT;
+        *status = (sd_status_t){ .health = SD_INVALID, .why = not_built ? SD_WHY_NOT_BUILT : SD_WHY_UNCALIBRATED };
         return;
     }
     const bool running = self->chain.observer.running != 0u;

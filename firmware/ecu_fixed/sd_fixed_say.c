@@ -27,7 +27,8 @@ float sd_ecu_say_edge(sd_ecu_t *self, const sd_calibration_t *page, const sd_too
     if (tooth->period_ticks == 0u) { return 0.0f; }
     /* sd_crank_motion_of, with as few divisions as there can be. */
     const sd_crank_clock_t *lead = &crank->clocks[crank->now].clock[crank->clocks[crank->now].leader];
-    const sd_scaled_t tick_hz = sd_scaled_of(page->tick_hz), turn_ticks = sd_scaled_make((int64_t)crank->turn_spacings * tooth->period_ticks, 0);
+    const sd_scaled_t tick_hz = sd_scaled_of(page->tick_hz);
+    const sd_scaled_t turn_ticks = sd_scaled_make((int64_t)crank->turn_spacings * tooth->period_ticks, 0);
     const sd_scaled_t turns_per_s = sd_scaled_div(sd_scaled_mul(sd_scaled_int((int32_t)tooth->span_spacings), tick_hz), turn_ticks);
     const sd_scaled_t period = sd_scaled_int(lead->period), grown = sd_scaled_mul(sd_scaled_int(-64 * lead->change), tick_hz);
     const sd_scaled_t shrinks = sd_scaled_div(grown, sd_scaled_mul(period, period));
@@ -94,5 +95,6 @@ void sd_fixed_say_mixture(sd_ecu_t *self, const sd_calibration_t *page) {
 
 void sd_fixed_say_trims(sd_ecu_t *self, const sd_calibration_t *page) {
     if (page->cylinders < 2u) { return; }
-    for (uint32_t i = 0; i < page->cylinders; ++i) { self->say.signals.balance_trim[physical(page, i)] = sd_float_q31(self->trims.trim[i]); }
+    float *const trim = self->say.signals.balance_trim;
+    for (uint32_t i = 0; i < page->cylinders; ++i) { trim[physical(page, i)] = sd_float_q31(self->trims.trim[i]); }
 }

@@ -33,11 +33,12 @@ extern "C" {
 
 typedef enum sd_wheel_kind { SD_WHEEL_FOLSMO, SD_WHEEL_FOSMO, SD_WHEEL_ROO, SD_WHEEL_KINDS } sd_wheel_kind_t;
 
-/// What happens at a position of the cycle: each a firing + 1, or 0.
-#define SD_WHEEL_OPENS(mark)  ((uint32_t)(mark) & 15u)         ///< Its window begins behind this position,
-#define SD_WHEEL_CLOSES(mark) (((uint32_t)(mark) >> 4) & 15u)  ///< or ends at it: both `delay` positions later.
-#define SD_WHEEL_READS(mark)  (((uint32_t)(mark) >> 8) & 15u)  ///< Its window has ended, and it is read here.
-#define SD_WHEEL_FIRES(mark)  (((uint32_t)(mark) >> 12) & 15u) ///< Its pulse begins behind this position.
+/// What happens at a position of the cycle: a firing + 1, or 0; flags.
+#define SD_WHEEL_OPENS(mark) ((uint32_t)(mark) & 15u)         ///< Its window begins behind this position.
+#define SD_WHEEL_READS(mark) (((uint32_t)(mark) >> 4) & 15u)  ///< Its window has ended, and it is read here.
+#define SD_WHEEL_FIRES(mark) (((uint32_t)(mark) >> 8) & 15u)  ///< Its pulse begins behind this position.
+#define SD_WHEEL_CLOSES 0x1000u ///< The open window ends at this position.
+#define SD_WHEEL_BURNED 0x2000u ///< The pulse ends at it.
 
 /// Tables in one number type. Per unit of: energy_base (v1, w^2/2), accel_base (v2), accel_base a radian (input), work_base.
 #define SD_WHEEL_TABLES_DECLARE(N)                                                                                     \
@@ -62,14 +63,13 @@ SD_WHEEL_TABLES_DECLARE(q31)
 typedef struct sd_wheel_tables {
     uint8_t  positions;       ///< Of a revolution, up to SD_WHEEL_POSITIONS_MAX; 0: no tables, the engine file tells no heat release.
     uint8_t  cylinders;       ///< 1 to SD_CYLINDERS_MAX.
-    uint8_t  pulse_positions; ///< That a pulse lasts, 1 to positions.
     uint8_t  speed_shift;     ///< Of speed_numerator, [0, 24].
-    uint8_t  delay[SD_WHEEL_KINDS]; ///< Positions by which windows come later, below positions.
-    uint8_t  reserved;        ///< 0.
+    uint8_t  delay[SD_WHEEL_KINDS]; ///< Positions by which windows come later than TDCs; for the reader, they stand in `mark`.
+    uint8_t  reserved[2];     ///< 0.
     int8_t   energy_exponent, accel_exponent, work_exponent, more; ///< Bases are 2^exponent, (rad/s)^2, rad/s^2, J; [0, 30]. more: 0.
     float    speed_per_tick;  ///< The same in f32: speed is speed_per_tick / period.
     uint32_t speed_numerator; ///< Speed, per unit of sqrt(2 energy_base), is speed_numerator 2^speed_shift / period / 2^31.
-    uint16_t mark[2 * SD_WHEEL_POSITIONS_MAX];
+    uint16_t mark[SD_WHEEL_KINDS][2 * SD_WHEEL_POSITIONS_MAX];
     int32_t  inertia_q31[SD_WHEEL_POSITIONS_MAX]; ///< Inertia half a pitch before each position of a revolution, over the largest.
     sd_wheel_tables_f32_t f32;
     sd_wheel_tables_q31_t q31;
@@ -110,7 +110,6 @@ typedef struct sd_wheel_tooth {
         uint16_t since_start, hold, rejected; /* Firings, saturating; still held; not judged. */                       \
         uint16_t in_row;        /* Misfires without a healthy firing between, up to two cycles. */                     \
         uint8_t  open;          /* The firing whose window is open, + 1; 0: none. */                                   \
-        uint8_t  pulse_left;    /* Positions of the pulse to come. */                                                  \
         uint8_t  closed;        /* Bit n: accel[n] is of a whole window. */                                            \
         sd_wheel_config_##N##_t config;                                                                                \
     } sd_wheel_##N##_t;                                                                                                \

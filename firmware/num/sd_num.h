@@ -109,6 +109,10 @@ static inline bool sd_row_fits_q31(const sd_row_q31_t *row) {
     return sum <= INT32_MAX;
 }
 
+/* size with the sign of `like`; that of 0 is positive. */
+static inline float    sd_signed_f32(float size, float like)       { return __builtin_copysignf(size, like); }
+static inline sd_q31_t sd_signed_q31(sd_q31_t size, sd_q31_t like) { return (size ^ (like >> 31)) - (like >> 31); }
+
 /* x / 2^n, q31 rounds down; 0 <= n < 31. */
 static inline float    sd_shift_f32(float x, int n)    { return x * (1.0f / (float)(1u << n)); }
 static inline sd_q31_t sd_shift_q31(sd_q31_t x, int n) { return x >> n; }

@@ -5,12 +5,20 @@
 #define SD_VALUE_H
 #include "sd_num.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 #ifdef SD_ECU_FIXED
 #define V(verb) sd_real_##verb##_q31
 typedef sd_real_q31_t sd_value_t;
 #else
 #define V(verb) sd_real_##verb##_f32
 typedef sd_real_f32_t sd_value_t;
+#endif
+
+#ifdef __cplusplus
+}
 #endif
 
 #endif

@@ -33,6 +33,23 @@ double separation_bound(const Scenario &scenario, const std::optional<FiringBoun
     return 2 / (noise + std::hypot(noise, scenario.cyclic_cov.at(scenario.bmep_pa.at(0))));
 }
 
+std::string method_of(const sd_parameters_t &tune) {
+    static const char *const names[] = {"monitor", "FOLSMO", "FOSMO", "ROO"};
+    const int method = int(tune.misfire_method);
+    return method == 0 ? names[0] : fmt::format("{}, {}", names[method], tune.misfire_arithmetic > 0.5f ? "q31" : "f32");
+}
+
+Json beside_json(const MisfireFigures &f) {
+    return {{"detected", rate_json(f.detected, f.missed)}, {"false_alarms", rate_json(f.false_alarms, f.healthy)},
+            {"wrong_cylinder", f.wrong_cylinder}, {"not_judged", f.not_judged}};
+}
+
+void print_beside(const char *heading, const MisfireFigures &f) {
+    fmt::print("{:<34}{} firings not judged\n", heading, f.not_judged);
+    print_rate("misfires detected", f.detected, f.missed);
+    print_rate("false alarms", f.false_alarms, f.healthy);
+}
+
 Json misfire_json(const MisfireFigures &f, double separation_bound) {
     return {{"detected", rate_json(f.detected, f.missed)},
             {"false_alarms", rate_json(f.false_alarms, f.healthy)},

@@ -23,7 +23,7 @@ class Run {
           score_(int(calibration.parameters.torque_harmonics), plant_.model().tables().steps, kScoredCycles),
           waveform_(kWaveformHarmonics, plant_.model().tables().steps, kScoredCycles),
           cylinder_score_(scenario.engine.shared.cylinders(), kScoredCycles), firing_(scenario.engine.shared),
-          misfire_(scenario.engine.shared), afr_score_(kScoredCycles), balance_score_(kScoredCycles) {
+          misfire_(scenario.engine.shared), monitor_(scenario.engine.shared), afr_score_(kScoredCycles), balance_score_(kScoredCycles) {
         plant_.record_steps(&steps_);
         ecu_.record_answers(&heard_);
     }
@@ -38,6 +38,7 @@ class Run {
         ecu_.record_answers(nullptr);
         result_.stalled = plant_.stalled();
         result_.misfire = misfire_.result();
+        result_.monitor = monitor_.result();
         result_.sync_losses = said_.sync_losses();
         result_.unanswered = answers_.missing();
         result_.afr_late_s = double(said_.signals().afr_late_s);
@@ -186,6 +187,7 @@ class Run {
         firing_.said(crank_deg, int(s.firing_cylinder), double(s.firing_torque_nm), double(s.firing_sd_nm),
                      double(s.firing_mean_nm), double(s.firing_mean_sd_nm), said_.health(SD_OWNER_FIRING) == SD_VALID);
         misfire_.said(crank_deg, int(s.firing_cylinder), int(s.misfire_verdict), double(s.misfire_index));
+        monitor_.said(crank_deg, int(s.firing_cylinder), int(s.misfire_monitor), double(s.misfire_index));
     }
 
     void take_cycles() {
@@ -195,6 +197,7 @@ class Run {
             result_.misfires += cycle.misfire;
             firing_.truth(cycle);
             misfire_.truth(cycle);
+            monitor_.truth(cycle);
             cylinder_score_.truth(cycle);
             if (tables_) tables_->true_cycle(cycle);
             if (truth_) truth_->cycle(cycle);
@@ -210,7 +213,7 @@ class Run {
     TorqueScore score_, waveform_;
     CylinderScore cylinder_score_;
     FiringScore firing_;
-    MisfireScore misfire_;
+    MisfireScore misfire_, monitor_;
     AfrScore afr_score_;
     BalanceScore balance_score_;
     std::size_t firings_ = 0;

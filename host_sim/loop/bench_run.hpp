@@ -36,7 +36,8 @@ struct RunResult {
     std::optional<CylinderFigures> cylinders; ///< The same.
     std::optional<TorqueFigures> waveform; ///< As torque, of the filter on tooth times, on kWaveformHarmonics.
     std::optional<FiringFigures> firing;
-    MisfireFigures misfire;
+    MisfireFigures misfire; ///< Of the method that judges.
+    MisfireFigures monitor; ///< Of the monitor beside it; the same where it is the method.
     sd_pattern_sums_t learned{};         ///< Tooth pattern at the end of the run,
     double pattern_sd_deg = 0;           ///< and its standard deviation; 0: nothing learned.
     std::optional<AfrFigures> afr;            ///< With a wideband sensor only.

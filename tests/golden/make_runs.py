@@ -29,6 +29,9 @@ FIGURE16, TIP_IN, LEARN = "figure16_1500rpm_9bar.toml", "tip_in.toml", "learn_pa
 PLAIN = "harmonics_1500rpm_2bar.toml"  # no exhaust sensor
 USUAL = ["encoder.jitter_deg=0.01", "encoder.pattern_rms_deg=0.02", "cyclic.cov_percent=2"]
 
+MISFIRING = USUAL + ["run={duration_s=6}", "speed={mode=\"dyno\",rpm=[2000,3500],time_s=[0,6]}", "load.bmep_bar=8", "load.fuel_cut_s=[2.5,2.7]",
+                     "misfires.one_in=25", "encoder.drop_rate=0.0003"]
+
 # name: scenario; what is set in it; tune; and (second, command...) put into the stream: "p NAME VALUE" sets a parameter,
 # "d NAME" restores it ("d all": the whole page), "q NAME" reads it, "g" is a gap. ticks: what the timer stands at first.
 RUNS = {
@@ -39,6 +42,10 @@ RUNS = {
                                  "misfires.burned_fraction=0.1"], {},
                  [(3, "q misfire.cyclic"), (4, "p misfire.definition 0.6"), (5, "p misfire.partial 0.3"),
                   (5.2, "d misfire.definition")], 0),
+    "folsmo": (PLAIN, MISFIRING, {"misfire.method": 1}, [(3, "q misfire.method"), (4, "p misfire.definition 0.6"), (5, "p misfire.method 0"),
+                                                         (5.5, "p misfire.method 1")], 0),
+    "folsmo_q31": (PLAIN, MISFIRING, {"misfire.method": 1, "misfire.arithmetic": 1},
+                   [(3, "p misfire.method 3"), (4, "p misfire.method 2"), (5, "p misfire.arithmetic 0")], 0),
     "fuel_cut": (LEARN, ["load.bmep_bar=6", "load.fuel_cut_s=[0.3,6.5]"], {},
                  [(7.5, "p firing.enabled 0"), (7.6, "p firing.enabled 1")], 0),
     "tip_in": (TIP_IN, ["run.duration_s=8", "load.time_s=[0,4,4.2,6,6.2]", "encoder.jitter_deg=0.01", "uego.sample_us=2000"],

@@ -185,10 +185,10 @@ class BusFolder(Folder):
 class BusCases:
     """Mixed into a BusFolder that names a transport."""
 
-    def test_in_lock_step_every_byte_is_that_of_one_process(self):
-        scenario = self.scenario(more=MIXTURE)
-        self.sixdeg("run", scenario, "--nominal", "--out", self.folder / "one")
-        done = self.sixdeg("run", scenario, "--out", self.folder / "two", "--transport", self.transport, "--record", self.folder / "log")
+    def same_bytes(self, scenario, *options):
+        """Rows of a run over the bus that are those of one process to the byte, and its summary."""
+        self.sixdeg("run", scenario, "--nominal", "--out", self.folder / "one", *options)
+        done = self.sixdeg("run", scenario, "--out", self.folder / "two", "--transport", self.transport, "--record", self.folder / "log", *options)
         self.assertEqual(self.csv_bytes("one"), self.csv_bytes("two"))
         one, two = (json.loads((self.folder / n / "summary.json").read_text()) for n in ("one", "two"))
         bus = two.pop("bus")
@@ -196,12 +196,29 @@ class BusCases:
         for summary in (one, two):
             summary.pop("realtime_factor")
         self.assertEqual(one, two)
-        valid = [r for r in table(self.folder / "two" / "cycles.csv") if r["health"] == "valid"]
+        self.replays(self.folder / "log")
+        print("\n" + done.out, file=sys.stderr)
+        return table(self.folder / "two" / "cycles.csv"), two
+
+    def test_in_lock_step_every_byte_is_that_of_one_process(self):
+        cycles, _ = self.same_bytes(self.scenario(more=MIXTURE))
+        valid = [r for r in cycles if r["health"] == "valid"]
         self.assertGreater(len(valid), 20, "the comparison must be about estimates")
         for column in ("burned", "burned_true", "trim", "misfire_index"):
             self.assertGreater(sum(float(r[column] or 0) != 0 for r in valid), 10, column)
-        self.replays(self.folder / "log")
-        print("\n" + done.out, file=sys.stderr)
+
+    def test_verdicts_of_the_switched_observers_are_those_of_one_process(self):
+        """FOLSMO in the ecu, f32 and q31: acceleration, residual and verdict of each firing."""
+        for arithmetic in (0, 1):
+            with self.subTest(arithmetic=arithmetic):
+                cycles, summary = self.same_bytes(self.scenario("cycles = 60"), "--set", "misfires.one_in=12",
+                                                  "--set", "misfire.method=1", "--set", f"misfire.arithmetic={arithmetic}")
+                self.assertEqual(summary["misfire"]["method"], f"FOLSMO, {'q31' if arithmetic else 'f32'}")
+                judged = [r for r in cycles if r["misfire_verdict"] in ("0", "2")]
+                self.assertGreater(len(judged), 100)
+                self.assertGreater(sum(r["misfire_verdict"] == "2" for r in judged), 5)
+                for column in ("misfire_acceleration", "misfire_residual", "misfire_index"):
+                    self.assertGreater(sum(float(r[column]) != 0 for r in judged), 100, column)
 
     def test_the_chain_in_q31_says_the_same_bytes_over_the_bus(self):
         """Document 004's chain in fixed point, with a pressure sensor in the manifold and trims by a PI law."""

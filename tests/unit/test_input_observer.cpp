@@ -2,78 +2,54 @@
 // The per-cylinder-input observer on the hybrid engine in closed form, and document 000's benchmark as a whole.
 #include <cmath>
 #include <cstring>
+#include <functional>
 #include <gtest/gtest.h>
 #include <limits>
+#include <stdexcept>
 
-#include "studies/observers/observer_bench.hpp"
-#include "design/misfire/switched_design.hpp"
 #include "common/random.hpp"
-extern "C" {
-#include "sd_input_observer.h"
-}
+#include "studies/observers/input_observer.hpp"
+#include "studies/observers/observer_bench.hpp"
 
 using namespace sixdeg;
 
 namespace {
 
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kStep = 1e-4, kNoise = 3.5e-4;
 constexpr CrankModel kModel{900, 20};
 
-sd_plant_step_t single_precision(const PlantStep &exact) {
-    sd_plant_step_t step{};
-    for (int i = 0; i < 2; ++i) {
-        for (int j = 0; j < 2; ++j) step.increment[i][j] = float(exact.increment[i][j]);
-        step.from_input[i] = float(exact.from_input[i]);
-    }
-    return step;
+InputConfig configured() {
+    InputConfig config{};
+    config.step = plant_step(kModel, kStep);
+    config.inputs = 4;
+    config.noise = kNoise;
+    config.start_speed = 0.3;
+    config.start_accel = 50;
+    config.start_strength = 0.5;
+    config.walk_strength = 1e-5;
+    config.alarm_sd = 4;
+    config.settle_steps = 1257;
+    return config;
 }
-
-struct Configured {
-    sd_plant_step_t step = single_precision(plant_step(kModel, kStep));
-    sd_input_config_t config{};
-    Configured() {
-        config.step = &step;
-        config.cylinders = 4;
-        config.noise_mps = float(kNoise);
-        config.start_speed_mps = 0.3f;
-        config.start_accel_mps2 = 50;
-        config.start_strength = 0.5f;
-        config.walk_strength = 1e-5f;
-        config.alarm_sd = 4;
-        config.settle_steps = 1257;
-    }
-};
 
 /// The observer beside the engine; sample by sample.
 struct Bench {
     HybridEngine engine;
     HybridState truth = hybrid_periodic_start(engine);
-    sd_input_observer_t observer;
+    InputObserver observer{configured()};
     FiringStrength strength;
     RandomStream noise;
     long k = 0;
 
-    explicit Bench(FiringStrength of, unsigned seed = 1) : strength(std::move(of)), noise(seed, 0) {
-        const Configured setup;
-        EXPECT_EQ(SD_OK, sd_input_init(&observer, &setup.config));
-        sd_input_start(&observer, float(truth.speed_mps), 0, nullptr);
-    }
-    float go(float spoil = 0) {
+    explicit Bench(FiringStrength of, unsigned seed = 1) : strength(std::move(of)), noise(seed, 0) { observer.start(truth.speed_mps, 0); }
+    double go(double spoil = 0) {
         const double t0 = double(k) * kStep, t1 = double(++k) * kStep, interval = engine.interval_s();
         truth = hybrid_advance(engine, strength, truth, t0, t1);
-        float in[4] = {};
-        for (long f = long(t0 / interval); double(f) * interval < t1; ++f) {
-            const double part = std::fmin(t1, f * interval + engine.pulse_s()) - std::fmax(t0, f * interval);
-            if (part > 0) in[f % 4] += float(engine.pulse_input_mps3() * part / kStep);
-        }
+        std::vector<double> in(4, 0.0);
+        for (long f = long(t0 / interval); double(f) * interval < t1; ++f) in[std::size_t(f % 4)] += engine.mean_input(t0 - f * interval, t1 - f * interval);
         const long firing = long(t1 / interval - 1e-9);
-        return sd_input_step(&observer, float(truth.speed_mps + kNoise * noise.normal()) + spoil, in, std::uint8_t(firing % 4));
-    }
-    sd_input_estimate_t read() const {
-        sd_input_estimate_t e;
-        sd_input_read(&observer, &e);
-        return e;
+        return observer.step(truth.speed_mps + kNoise * noise.normal() + spoil, in, int(firing % 4));
     }
 };
 
@@ -81,9 +57,8 @@ TEST(InputObserver, LearnsEveryCylindersStrengthInOneCycle) {
     const double truth[4] = {1.2, 0, 0.7, 1};
     Bench b([&](long f) { return truth[f % 4]; });
     for (int i = 0; i < 1257; ++i) b.go();
-    const sd_input_estimate_t e = b.read();
-    for (int n = 0; n < 4; ++n) EXPECT_NEAR(truth[n], e.strength[n], 0.01) << n;
-    EXPECT_EQ(SD_VALID, e.status.health);
+    for (int n = 0; n < 4; ++n) EXPECT_NEAR(truth[n], b.observer.strength(n), 0.01) << n;
+    EXPECT_EQ(SD_VALID, b.observer.health());
 }
 
 /// The engine's strengths walk as the observer is told; each is compared where its own pulse ends,
@@ -98,9 +73,8 @@ TEST(InputObserver, StatesItsErrorHonestly) {
         Bench b([&](long f) { return truth[std::size_t(f)]; }, unsigned(seed));
         const int last = 4 * cycles - 1 - seed % 4;
         while (double(b.k + 1) * kStep < last * b.engine.interval_s() + b.engine.pulse_s()) b.go();
-        const sd_input_estimate_t e = b.read();
-        accel += std::pow((double(e.accel_mps2) - b.truth.accel_mps2) / double(e.accel_sd_mps2), 2) / runs;
-        strength += std::pow((double(e.strength[last % 4]) - truth[std::size_t(last)]) / double(e.strength_sd[last % 4]), 2) / runs;
+        accel += std::pow((b.observer.accel() - b.truth.accel_mps2) / b.observer.accel_sd(), 2) / runs;
+        strength += std::pow((b.observer.strength(last % 4) - truth[std::size_t(last)]) / b.observer.strength_sd(last % 4), 2) / runs;
     }
     EXPECT_NEAR(1, std::sqrt(accel), 0.3);
     EXPECT_NEAR(1, std::sqrt(strength), 0.3);
@@ -110,36 +84,36 @@ TEST(InputObserver, AnAlarmLearnsASuddenMisfireAndItsEnd) {
     Bench b([](long f) { return f == 18 ? 0.0 : 1.0; }); // of the third in firing order
     const auto run_to = [&](double firings) { while (double(b.k) * kStep < firings * b.engine.interval_s()) b.go(); };
     run_to(18);
-    EXPECT_EQ(0u, b.observer.alarms);
+    EXPECT_EQ(0, b.observer.alarms());
     run_to(18.9);
-    EXPECT_GT(b.observer.alarms, 0u);
-    EXPECT_NEAR(0, b.read().strength[2], 0.02);
+    EXPECT_GT(b.observer.alarms(), 0);
+    EXPECT_NEAR(0, b.observer.strength(2), 0.02);
     run_to(22.9);
-    EXPECT_NEAR(1, b.read().strength[2], 0.02);
-    const auto alarms = b.observer.alarms;
+    EXPECT_NEAR(1, b.observer.strength(2), 0.02);
+    const long alarms = b.observer.alarms();
     run_to(40);
-    EXPECT_EQ(alarms, b.observer.alarms);
+    EXPECT_EQ(alarms, b.observer.alarms());
 }
 
 TEST(InputObserver, OneOutlierIsNoAlarm) {
     Bench b([](long) { return 1.0; });
     for (int i = 0; i < 2000; ++i) b.go();
-    b.go(5e-3f); // 14 deviations
+    b.go(5e-3); // 14 deviations
     for (int i = 0; i < 2000; ++i) EXPECT_NEAR(b.truth.accel_mps2, b.go(), 0.5);
-    EXPECT_EQ(0u, b.observer.alarms);
+    EXPECT_EQ(0, b.observer.alarms());
 }
 
 TEST(InputObserver, NaNSamplesAreLeftOutAndTooManyEndInvalidUntilTheNextGoodOne) {
     Bench b([](long) { return 1.0; });
     for (int i = 0; i < 2000; ++i) b.go();
     for (int i = 0; i < 12; ++i) EXPECT_NEAR(b.truth.accel_mps2, b.go(kNan), 10);
-    EXPECT_EQ(SD_DEGRADED, b.read().status.health);
-    EXPECT_EQ(12, b.read().status.rejected);
-    EXPECT_NEAR(1, b.read().strength[0], 0.01);
+    EXPECT_EQ(SD_DEGRADED, b.observer.health());
+    EXPECT_EQ(12, b.observer.rejected());
+    EXPECT_NEAR(1, b.observer.strength(0), 0.01);
     EXPECT_EQ(0, b.go(kNan));
-    EXPECT_EQ(SD_INVALID, b.read().status.health);
+    EXPECT_EQ(SD_INVALID, b.observer.health());
     for (int i = 0; i < 3000; ++i) b.go();
-    EXPECT_EQ(SD_VALID, b.read().status.health);
+    EXPECT_EQ(SD_VALID, b.observer.health());
     EXPECT_NEAR(b.truth.accel_mps2, b.go(), 1);
 }
 
@@ -147,36 +121,41 @@ TEST(InputObserver, SurvivesEveryFloat) {
     Bench b([](long) { return 1.0; });
     std::uint32_t x = 1;
     for (int k = 0; k < 100000; ++k) {
-        float in[5];
-        for (float &f : in) {
+        std::vector<double> in(5);
+        for (double &value : in) {
             x = x * 1664525u + 1013904223u;
+            float f;
             std::memcpy(&f, &x, sizeof f);
-            if (k % 7) f = std::fmod(f, 100.0f);
+            value = k % 7 ? std::fmod(double(f), 100.0) : double(f);
         }
-        ASSERT_TRUE(std::isfinite(sd_input_step(&b.observer, in[4], in, std::uint8_t(x >> 29))));
-        const sd_input_estimate_t e = b.read();
-        for (float v : {e.speed_mps, e.accel_mps2, e.accel_sd_mps2, e.strength[0], e.strength_sd[3]}) ASSERT_TRUE(std::isfinite(v));
+        const double y = in.back();
+        in.pop_back();
+        ASSERT_TRUE(std::isfinite(b.observer.step(y, in, int(x >> 29))));
+        if (!b.observer.running()) continue;
+        for (double v : {b.observer.speed(), b.observer.accel(), b.observer.accel_sd(), b.observer.strength(0), b.observer.strength_sd(3)})
+            ASSERT_TRUE(std::isfinite(v));
     }
 }
 
-TEST(InputObserver, InitRefusesWhatIsOutOfRange) {
-    const auto refused = [](float sd_input_config_t::*field, float value) {
-        Configured setup;
-        setup.config.*field = value;
-        sd_input_observer_t s{};
-        s.steps = 77;
-        return sd_input_init(&s, &setup.config) == SD_ERR_CONFIG && s.steps == 77;
+TEST(InputObserver, RefusesWhatIsOutOfRange) {
+    const auto refused = [](double InputConfig::*field, double value) {
+        InputConfig config = configured();
+        config.*field = value;
+        try {
+            InputObserver observer(config);
+        } catch (const std::invalid_argument &) {
+            return true;
+        }
+        return false;
     };
-    static constexpr float sd_input_config_t::*fields[] = {&sd_input_config_t::noise_mps, &sd_input_config_t::start_speed_mps, &sd_input_config_t::start_accel_mps2,
-                       &sd_input_config_t::start_strength, &sd_input_config_t::alarm_sd};
-    for (const auto field : fields) {
-        for (float bad : {kNan, 0.0f, -1.0f, std::numeric_limits<float>::infinity()}) EXPECT_TRUE(refused(field, bad));
+    EXPECT_FALSE(refused(&InputConfig::noise, kNoise));
+    for (const auto field : {&InputConfig::noise, &InputConfig::start_speed, &InputConfig::start_accel, &InputConfig::start_strength, &InputConfig::alarm_sd}) {
+        for (double bad : {kNan, 0.0, -1.0, std::numeric_limits<double>::infinity()}) EXPECT_TRUE(refused(field, bad));
     }
-    EXPECT_TRUE(refused(&sd_input_config_t::walk_strength, kNan));
-    Configured setup;
-    setup.step.increment[1][0] = kNan;
-    sd_input_observer_t s;
-    EXPECT_EQ(SD_ERR_CONFIG, sd_input_init(&s, &setup.config));
+    EXPECT_TRUE(refused(&InputConfig::walk_strength, kNan));
+    InputConfig config = configured();
+    config.step.increment[1][0] = kNan;
+    EXPECT_THROW(InputObserver{config}, std::invalid_argument);
 }
 
 const BenchRow &find(const std::vector<BenchRow> &rows, const std::string &observer, const std::string &domain, const std::string &condition) {

@@ -159,10 +159,10 @@ int window_positions(const EngineFile &engine, int from, int to) {
     return std::min(longest, (to - from - 1 + cycle) % cycle + 1);
 }
 
-void mark(sd_wheel_tables_t &t, int position, int shift, std::size_t firing) {
+/// Writes into the marks of one observer at `position`, which may lie outside the cycle.
+std::uint16_t &mark_at(sd_wheel_tables_t &t, int kind, int position) {
     const int cycle = 2 * t.positions;
-    std::uint16_t &at = t.mark[(position % cycle + cycle) % cycle];
-    at = std::uint16_t((at & ~(15 << shift)) | int(firing + 1) << shift);
+    return t.mark[kind][(position % cycle + cycle) % cycle];
 }
 
 template <class V, class Tables>
@@ -187,25 +187,30 @@ void fill(const EngineFile &engine, const WheelModel &model, const sd_wheel_tabl
     }
 }
 
-/// Everything but the numbers of the two types. Returns the length of each firing's window.
-std::vector<int> place(const EngineFile &engine, const sd_calibration_t &c, const WheelModel &model, sd_wheel_tables_t &t) {
-    const std::size_t n = c.cylinders;
-    const Inputs in = inputs_of(engine, model);
+/// Length of each firing's window, from its TDC to the next.
+std::vector<int> window_lengths(const EngineFile &engine, const sd_calibration_t &c) {
     std::vector<int> windows;
-    t.positions = c.positions;
-    t.cylinders = c.cylinders;
-    t.pulse_positions = std::uint8_t(in.positions);
+    for (std::size_t i = 0; i < c.cylinders; ++i)
+        windows.push_back(window_positions(engine, c.firing_position[i], c.firing_position[(i + 1) % c.cylinders]));
+    return windows;
+}
+
+/// What happens where, by one observer's delay.
+void place(const EngineFile &engine, const sd_calibration_t &c, const Inputs &in, const std::vector<int> &windows, int kind, sd_wheel_tables_t &t) {
+    const int burns = std::min(in.positions, *std::min_element(windows.begin(), windows.end()) - 1), delay = t.delay[kind];
+    for (std::size_t i = 0; i < windows.size(); ++i) {
+        const int tdc = c.firing_position[i], number = int(i) + 1;
+        mark_at(t, kind, tdc + delay) |= std::uint16_t(number);
+        mark_at(t, kind, position_after(engine, i, kReadDeg)) |= std::uint16_t(number << 4);
+        mark_at(t, kind, tdc + in.start) |= std::uint16_t(number << 8);
+        mark_at(t, kind, tdc + delay + windows[i]) |= SD_WHEEL_CLOSES;
+        mark_at(t, kind, tdc + in.start + burns) |= SD_WHEEL_BURNED;
+    }
+}
+
+void copy_inertia(const EngineFile &engine, const WheelModel &model, sd_wheel_tables_t &t) {
     for (int k = 0; k < t.positions; ++k)
         t.inertia_q31[k] = std::int32_t(std::min(2147483647.0, inertia_before(engine, k) / model.inertia_kgm2 * 2147483648.0));
-    for (std::size_t i = 0; i < n; ++i) {
-        const int from = c.firing_position[i], length = window_positions(engine, from, c.firing_position[(i + 1) % n]);
-        windows.push_back(length);
-        mark(t, from, 0, i);
-        mark(t, from + length, 4, i);
-        mark(t, position_after(engine, i, kReadDeg), 8, i);
-        mark(t, from + in.start, 12, i);
-    }
-    return windows;
 }
 
 void scale(const EngineFile &engine, const sd_parameters_t &p, sd_wheel_tables_t &t) {
@@ -261,12 +266,16 @@ sd_wheel_tables_t wheel_tables(const EngineFile &engine, const sd_calibration_t 
     sd_wheel_tables_t t{};
     if (engine.pulses.empty()) return t;
     const WheelModel model = wheel_model(engine);
-    const std::vector<int> windows = place(engine, c, model, t);
+    const std::vector<int> windows = window_lengths(engine, c);
+    t.positions = c.positions;
+    t.cylinders = c.cylinders;
+    copy_inertia(engine, model, t);
     scale(engine, c.parameters, t);
     std::vector<WheelCapture> captures;
     for (int kind = 0; kind < SD_WHEEL_KINDS; ++kind) {
         captures.push_back(wheel_capture(engine, model, sd_wheel_kind_t(kind)));
         t.delay[kind] = std::uint8_t(captures.back().delay);
+        place(engine, c, inputs_of(engine, model), windows, kind, t);
     }
     fill<NumberF32>(engine, model, t, windows, captures, t.f32);
     fill<NumberQ31>(engine, model, t, windows, captures, t.q31);

@@ -53,7 +53,12 @@ void RunTables::tooth(const EncoderEdge &truth, const EcuSaid &ecu) {
 
 void RunTables::edge(const EncoderEdge &truth, double crank_deg, const EcuSaid &ecu, bool cycle_ended) {
     const sd_signals_t &s = ecu.signals();
-    if (ecu.firings() != firings_) verdicts_.said(crank_deg, int(s.firing_cylinder), int(s.misfire_verdict), double(s.misfire_index));
+    if (ecu.firings() != firings_) {
+        const int cylinder = int(s.firing_cylinder), verdict = int(s.misfire_verdict);
+        verdicts_.said(crank_deg, cylinder, verdict, double(s.misfire_index));
+        accelerations_.said(crank_deg, cylinder, verdict, double(s.misfire_acceleration_radps2));
+        residuals_.said(crank_deg, cylinder, verdict, double(s.misfire_residual_radps2));
+    }
     firings_ = ecu.firings();
     tooth(truth, ecu);
     if (cycle_ended) firmware_[ended_cycle(engine_, crank_deg)] = {s, ecu.health(SD_OWNER_CYLINDER), ecu.health(SD_OWNER_AFR)};
@@ -61,7 +66,7 @@ void RunTables::edge(const EncoderEdge &truth, double crank_deg, const EcuSaid &
 
 std::string RunTables::cycles_csv() const {
     std::string text = "cycle,cylinder,torque_true_nm,torque_nm,sd_nm,imep_true_bar,misfire_true,misfire_index,misfire_verdict,"
-                       "rough,rpm,health,burned_true,burned,burned_sd,trim,t_s\n";
+                       "misfire_acceleration,misfire_residual,rough,rpm,health,burned_true,burned,burned_sd,trim,t_s\n";
     const auto number = [&text](double value, int decimals) { append_fixed(text, value, decimals); };
     for (const CycleTruth &truth : truths_) {
         const auto &order = engine_.firing_order;
@@ -82,6 +87,10 @@ std::string RunTables::cycles_csv() const {
         if (verdict) number(verdict->second, 4);
         text += ',';
         if (verdict) number(verdict->first, 0);
+        text += ',';
+        if (verdict) number(accelerations_.verdict(truth.cycle, truth.cylinder)->second, 3);
+        text += ',';
+        if (verdict) number(residuals_.verdict(truth.cycle, truth.cylinder)->second, 3);
         text += ',';
         if (heard) number(int(said->second.signals.firing_rough), 0);
         text += ',';

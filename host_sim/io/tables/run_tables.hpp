@@ -24,7 +24,7 @@ std::int64_t ended_cycle(const EngineFile &engine, double crank_deg);
 
 class RunTables {
   public:
-    explicit RunTables(const EngineFile &engine) : engine_(engine), verdicts_(engine) {}
+    explicit RunTables(const EngineFile &engine) : engine_(engine), verdicts_(engine), accelerations_(engine), residuals_(engine) {}
 
     /// A crank edge at the true angle `crank_deg` (never wraps), all that the firmware has said up to it, and whether the
     /// edge ended a cycle of the firmware's.
@@ -42,6 +42,7 @@ class RunTables {
     };
     EngineFile engine_;
     MisfireScore verdicts_;
+    MisfireScore accelerations_, residuals_; ///< Of document 000\'s observer, kept by firing as verdicts are.
     std::size_t firings_ = 0; ///< Of which the verdict is taken.
     std::string teeth_ =
         "t_s,angle_deg,rpm_true,rpm,torque_true_nm,torque_nm,class,tooth,tooth_true,health,torque_health\n";

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
-// The hybrid engine of document 000, in closed form: v'' = -k2 v' - k1 v + C Q(t), with Q a pulse of constant
-// power over the first part of every firing interval. Shares nothing with the observers.
+// The hybrid engine of document 000. Linear, its equation (2), in closed form: v'' = -k2 v' - k1 v + C Q(t), with Q a pulse of constant
+// power over the first part of every firing interval. Nonlinear, its equation (1), as restored in docs/observers.md: the whole
+// interval is the pulse, and its power falls as the gas expands, with x_t / x to the adiabatic 1.4, x the piston's distance from the head.
+// Shares nothing with the observers.
 #pragma once
 #include <cmath>
 #include <functional>
@@ -13,9 +15,15 @@ struct HybridEngine {
     double speed_radps = 100, crank_radius_m = 0.035;
     double mean_input_mps3 = 0.3 / (20 * 0.0296) * 7457; ///< C Q over a whole firing interval.
     double pulse_deg = 45, interval_deg = 180;
+    bool nonlinear = false;
+    double head_m = 0.0296, adiabatic = 1.4; ///< x_t; nonlinear only.
     double interval_s() const { return interval_deg * M_PI / 180 / speed_radps; }
     double pulse_s() const { return pulse_deg * M_PI / 180 / speed_radps; }
     double pulse_input_mps3() const { return mean_input_mps3 * interval_deg / pulse_deg; }
+    /// C Q of a firing at `since_s` from its TDC, m/s^3.
+    double input_mps3(double since_s) const;
+    /// Its mean from `from_s` to `to_s` after that TDC.
+    double mean_input(double from_s, double to_s) const;
 };
 
 struct HybridState {

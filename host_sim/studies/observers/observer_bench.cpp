@@ -8,10 +8,7 @@
 
 #include "design/misfire/switched_design.hpp"
 #include "common/random.hpp"
-extern "C" {
-#include "sd_input_observer.h"
-#include "sd_switched.h"
-}
+#include "studies/observers/input_observer.hpp"
 
 namespace sixdeg {
 namespace {
@@ -36,6 +33,7 @@ class Observer {
     virtual ~Observer() = default;
     virtual void start(double y_mps, double speed_mps, double accel_mps2) = 0;
     virtual double step(const Sample &sample) = 0;
+    virtual double speed() const = 0; ///< v1^, m/s; the sample itself in ROO.
 };
 
 struct F32 : NumberF32 {
@@ -67,6 +65,7 @@ template <class V> class Switched : public Observer {
         if (!sample.present) return kAccelBase * V::out(V::coast(&state_, &table_, u));
         return kAccelBase * V::out(V::step(&state_, &table_, V::in(sample.speed_mps / kSpeedBase), u));
     }
+    double speed() const override { return kSpeedBase * V::out(table_.reduced ? state_.output : state_.state[0]); }
 
   private:
     typename V::Table table_{};
@@ -76,65 +75,49 @@ template <class V> class Switched : public Observer {
 
 class PerCylinder : public Observer {
   public:
-    PerCylinder(const HybridEngine &engine, const Strengths &believed)
-        : believed_(believed.begin(), believed.end()) {
-        const PlantStep exact = plant_step({engine.k1_per_s2, engine.k2_per_s}, kSampleS);
-        sd_plant_step_t step{};
-        for (int i = 0; i < 2; ++i) {
-            for (int j = 0; j < 2; ++j) step.increment[i][j] = float(exact.increment[i][j]);
-            step.from_input[i] = float(exact.from_input[i]);
-        }
-        sd_input_config_t config{};
-        config.step = &step;
-        config.cylinders = kCylinders;
-        config.noise_mps = float(kNoise * engine.crank_radius_m * engine.speed_radps);
-        config.start_speed_mps = float(kStartErrorMps);
-        config.start_accel_mps2 = 50;
-        config.start_strength = 0.5f;
-        config.walk_strength = 1e-5f;
-        config.alarm_sd = 4;
-        if (sd_input_init(&state_, &config) != SD_OK)
-            throw std::logic_error("the input observer was refused");
-    }
-    void start(double, double speed, double accel) override {
-        sd_input_start(&state_, float(speed), float(accel), believed_.data());
-    }
-    double step(const Sample &sample) override {
-        const std::vector<float> input(sample.input_mps3.begin(), sample.input_mps3.end());
-        return double(
-            sd_input_step(&state_, float(sample.speed_mps), input.data(), std::uint8_t(sample.active)));
-    }
+    PerCylinder(const HybridEngine &engine, const Strengths &believed) : observer_(config(engine)), believed_(believed) {}
+    void start(double, double speed, double accel) override { observer_.start(speed, accel, believed_); }
+    double step(const Sample &sample) override { return observer_.step(sample.speed_mps, sample.input_mps3, sample.active); }
+    double speed() const override { return observer_.speed(); }
 
   private:
-    sd_input_observer_t state_{};
-    std::vector<float> believed_;
+    static InputConfig config(const HybridEngine &engine) {
+        InputConfig config{};
+        config.step = plant_step({engine.k1_per_s2, engine.k2_per_s}, kSampleS);
+        config.inputs = kCylinders;
+        config.noise = kNoise * engine.crank_radius_m * engine.speed_radps;
+        config.start_speed = kStartErrorMps;
+        config.start_accel = 50;
+        config.start_strength = 0.5;
+        config.walk_strength = 1e-5;
+        config.alarm_sd = 4;
+        return config;
+    }
+    InputObserver observer_;
+    Strengths believed_;
 };
 
 /// Mean input of each cylinder over [from, to].
 std::vector<double> mean_inputs(const HybridEngine &engine, double from_s, double to_s) {
     std::vector<double> mean(kCylinders, 0.0);
     const double interval = engine.interval_s();
-    for (long k = long(std::floor(from_s / interval)); k * interval < to_s; ++k) {
-        const double overlap =
-            std::min(to_s, k * interval + engine.pulse_s()) - std::max(from_s, k * interval);
-        if (overlap > 0)
-            mean[std::size_t(k % kCylinders)] += engine.pulse_input_mps3() * overlap / (to_s - from_s);
-    }
+    for (long k = long(std::floor(from_s / interval)); k * interval < to_s; ++k)
+        mean[std::size_t(k % kCylinders)] += engine.mean_input(from_s - k * interval, to_s - k * interval);
     return mean;
 }
 
 struct Trace {
     HybridState start;
     std::vector<Sample> samples;
-    std::vector<double> accel_mps2; // true, at the samples
+    std::vector<double> speed_mps, accel_mps2; // true, at the samples
     double peak_mps2 = 0;
 };
 
 /// A step: a sampling interval, or a tooth of a 60-2 wheel.
 double step_s(const HybridEngine &engine, bool angle_domain) { return angle_domain ? M_PI / 30 / engine.speed_radps : kSampleS; }
 
-Trace make_trace(const HybridEngine &engine, const FiringStrength &strength, bool angle_domain,
-                 unsigned seed) {
+/// `told`: the engine whose input the observers are given.
+Trace make_trace(const HybridEngine &engine, const HybridEngine &told, const FiringStrength &strength, bool angle_domain, unsigned seed) {
     Trace trace;
     RandomStream noise(seed, 0);
     HybridState now = trace.start = hybrid_periodic_start(engine);
@@ -144,7 +127,8 @@ Trace make_trace(const HybridEngine &engine, const FiringStrength &strength, boo
         now = hybrid_advance(engine, strength, now, from, to);
         const double noisy = now.speed_mps + noise.normal() * kNoise * engine.crank_radius_m * engine.speed_radps;
         const long firing = long(std::floor(to / engine.interval_s() - 1e-9));
-        trace.samples.push_back({to, noisy, mean_inputs(engine, from, to), int(firing % kCylinders), !angle_domain || k % 60 < 58});
+        trace.samples.push_back({to, noisy, mean_inputs(told, from, to), int(firing % kCylinders), !angle_domain || k % 60 < 58});
+        trace.speed_mps.push_back(now.speed_mps);
         trace.accel_mps2.push_back(now.accel_mps2);
         trace.peak_mps2 = std::max(trace.peak_mps2, std::abs(now.accel_mps2));
     }
@@ -226,12 +210,16 @@ FiringStrength repeating(const Strengths &strengths) {
 } // namespace
 
 std::vector<BenchRow> run_observer_bench(const HybridEngine &engine, const BenchGains &gains, unsigned seed) {
+    return run_observer_bench(engine, engine, gains, seed);
+}
+
+std::vector<BenchRow> run_observer_bench(const HybridEngine &engine, const HybridEngine &told, const BenchGains &gains, unsigned seed) {
     std::vector<BenchRow> rows;
     for (const Contender &contender : contenders(engine, gains)) {
         for (const Condition &condition : conditions()) {
             BenchRow row{contender.name, contender.domain, condition.name, 0, 0, 0, 0, 0, 0};
             for (const Strengths &truth : condition.truths) {
-                const Trace trace = make_trace(engine, repeating(truth), contender.angle_domain, seed);
+                const Trace trace = make_trace(engine, told, repeating(truth), contender.angle_domain, seed);
                 const auto observer = contender.make(condition.known ? truth : Strengths(kCylinders, 1.0));
                 add_run(row, trace, errors_percent(*observer, trace));
             }
@@ -243,8 +231,7 @@ std::vector<BenchRow> run_observer_bench(const HybridEngine &engine, const Bench
 
 IsolatedMisfire run_isolated_misfire(const HybridEngine &engine, unsigned seed) {
     constexpr long kMissing = 21;
-    const Trace trace = make_trace(
-        engine, [](long k) { return k == kMissing ? 0.0 : 1.0; }, false, seed);
+    const Trace trace = make_trace(engine, engine, [](long k) { return k == kMissing ? 0.0 : 1.0; }, false, seed);
     PerCylinder observer(engine, Strengths(kCylinders, 1.0));
     const auto errors = errors_percent(observer, trace);
     IsolatedMisfire result{0, 0};
@@ -256,6 +243,21 @@ IsolatedMisfire run_isolated_misfire(const HybridEngine &engine, unsigned seed) 
             result.longest_s = std::max(result.longest_s, std::fmod(since, engine.interval_s()));
     }
     return result;
+}
+
+std::vector<FigurePoint> figure_trace(const HybridEngine &engine, const BenchGains &gains, unsigned seed, bool misfire, bool known) {
+    Strengths truth(kCylinders, 1.0);
+    if (misfire) truth[1] = 0;
+    const Trace trace = make_trace(engine, engine, repeating(truth), false, seed);
+    const PlantStep step = folsmo_step({engine.k1_per_s2, engine.k2_per_s}, gains.luenberger_per_s2, kSampleS);
+    Switched<F32> observer(step, gains.sliding_mps3, known ? truth : Strengths(kCylinders, 1.0));
+    observer.start(trace.start.speed_mps, trace.start.speed_mps + kStartErrorMps, 0);
+    std::vector<FigurePoint> points;
+    for (std::size_t k = 0; k < trace.samples.size(); ++k) {
+        const double accel = observer.step(trace.samples[k]);
+        points.push_back({trace.samples[k].time_s, trace.speed_mps[k], observer.speed(), trace.accel_mps2[k], accel});
+    }
+    return points;
 }
 
 } // namespace sixdeg

@@ -31,6 +31,16 @@ constexpr double kBenchRunS = 1.5;
 
 /// Rows by observer, then condition; of misfires the worst over the four cylinders.
 std::vector<BenchRow> run_observer_bench(const HybridEngine &engine, const BenchGains &gains, unsigned seed);
+/// The same, with observers that are given the input of another engine than the one that runs.
+std::vector<BenchRow> run_observer_bench(const HybridEngine &engine, const HybridEngine &told, const BenchGains &gains, unsigned seed);
+
+/// A point of the document's Figures 1 to 4: FOLSMO beside the truth.
+struct FigurePoint {
+    double time_s, speed_mps, speed_estimate_mps, accel_mps2, accel_estimate_mps2;
+};
+/// With misfire the second cylinder in firing order fails from time 0 on; known: the observer's input knows.
+std::vector<FigurePoint> figure_trace(const HybridEngine &engine, const BenchGains &gains, unsigned seed, bool misfire, bool known);
+
 IsolatedMisfire run_isolated_misfire(const HybridEngine &engine, unsigned seed);
 
 } // namespace sixdeg

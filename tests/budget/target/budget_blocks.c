@@ -5,10 +5,9 @@
 #include "budget_blocks.h"
 #include "sd_afr_chain.h"
 #include "sd_afr_joint.h"
-#include "sd_input_observer.h"
 #include "sd_switched_wheel.h"
 
-enum { NOT_COUNTED, FOLSMO, FOSMO, ROO, JUDGES, INPUT, OSCILLATORS, FOURIER_LAW, FIXED_GAINS, GUARD, BANK, CRANK }; /* block_classes of budget.toml */
+enum { NOT_COUNTED, FOLSMO, FOSMO, ROO, JUDGES, OSCILLATORS, FOURIER_LAW, FIXED_GAINS, GUARD, BANK, CRANK }; /* block_classes of budget.toml */
 enum { CYCLE_POSITIONS = 120, CYLINDERS = 4 };
 #define STEP_S 6.67e-4f
 
@@ -48,7 +47,7 @@ static void fill_design(sd_wheel_tables_t *t, uint32_t kind) {
 
 static void fill_tables(sd_wheel_tables_t *t) {
     const float common[3] = { 0.15f, 0.03f, 0.03f }, accel = 0.04f, per_tooth = 64.0f / 30.0f; /* pulse, mean, jump */
-    t->positions = CYCLE_POSITIONS / 2, t->cylinders = CYLINDERS, t->pulse_positions = 6, t->speed_shift = 6;
+    t->positions = CYCLE_POSITIONS / 2, t->cylinders = CYLINDERS, t->speed_shift = 6;
     t->accel_exponent = 17, t->energy_exponent = 19, t->work_exponent = 12;
     t->speed_per_tick = 102.3f, t->speed_numerator = 3432592179u;
     for (uint32_t kind = 0; kind < SD_WHEEL_KINDS; kind++) { fill_design(t, kind); }
@@ -59,9 +58,13 @@ static void fill_tables(sd_wheel_tables_t *t) {
         const uint32_t tdc = CYCLE_POSITIONS / CYLINDERS * i;
         t->f32.accel[i] = sd_gain_of_f32(accel), t->f32.per_tooth[i] = sd_gain_of_f32(per_tooth);
         t->q31.accel[i] = sd_gain_of_q31(accel), t->q31.per_tooth[i] = sd_gain_of_q31(per_tooth);
-        t->mark[tdc] = (uint16_t)(t->mark[tdc] | (i + 1u) | ((i + 1u) << 12));
-        t->mark[(tdc + 30u) % CYCLE_POSITIONS] |= (uint16_t)((i + 1u) << 4);
-        t->mark[(tdc + 50u) % CYCLE_POSITIONS] |= (uint16_t)((i + 1u) << 8);
+        for (uint32_t kind = 0; kind < SD_WHEEL_KINDS; kind++) {
+            uint16_t *mark = t->mark[kind];
+            mark[tdc] = (uint16_t)(mark[tdc] | ((i + 1u) << 8));
+            mark[(tdc + 6u) % CYCLE_POSITIONS] |= (uint16_t)SD_WHEEL_BURNED;
+            mark[(tdc + 5u) % CYCLE_POSITIONS] |= (uint16_t)(SD_WHEEL_CLOSES | (i + 1u));
+            mark[(tdc + 50u) % CYCLE_POSITIONS] |= (uint16_t)((i + 1u) << 4);
+        }
     }
 }
 
@@ -90,22 +93,6 @@ static void count_switched(uint32_t block, uint32_t kind) {
         budget_class((k < 5u * CYCLE_POSITIONS) ? NOT_COUNTED : JUDGES);
     }
     if ((f32.observer.running == 0u) || (q31.observer.running == 0u)) { board_print("switched: it stopped\n"), failed = 1u; }
-}
-
-static void count_input(void) {
-    static sd_input_observer_t observer;
-    const sd_plant_step_t step = { .increment = { { -1e-5f, 1e-4f }, { -0.09f, -2e-3f } }, .from_input = { 5e-9f, 1e-4f } };
-    const sd_input_config_t config = {
-        .step = &step, .cylinders = CYLINDERS, .noise_mps = 1e-3f, .start_speed_mps = 0.3f, .start_accel_mps2 = 50.0f,
-        .start_strength = 0.5f, .walk_strength = 1e-5f, .alarm_sd = 4.0f, .settle_steps = 100 };
-    const float strength[CYLINDERS] = { 1.0f, 1.0f, 1.0f, 1.0f }, input[CYLINDERS] = { 1000.0f, 10.0f, 0.0f, 0.0f };
-    expect(sd_input_init(&observer, &config), "input observer");
-    sd_input_start(&observer, 0.0f, 0.0f, strength);
-    budget_class(NOT_COUNTED);
-    for (uint32_t k = 0; k < 200u; k++) {
-        kept_f32 = sd_input_step(&observer, 1e-3f * (float)(k & 7u), input, (uint8_t)((k / 30u) & 3u));
-        budget_class((k < 10u) ? NOT_COUNTED : INPUT);
-    }
 }
 
 /* ---- AFR ------------------------------------------------------------------------------------------------------------ */
@@ -198,7 +185,6 @@ int main(void) {
     count_switched(FOLSMO, SD_WHEEL_FOLSMO);
     count_switched(FOSMO, SD_WHEEL_FOSMO);
     count_switched(ROO, SD_WHEEL_ROO);
-    count_input();
     count_chain(OSCILLATORS);
     count_chain(FOURIER_LAW);
     count_fixed_gains();

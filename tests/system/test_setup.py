@@ -33,10 +33,10 @@ class Setup(Folder):
         path.write_text(f"#!/bin/sh\n{body}\n")
         path.chmod(0o755)
 
-    def setup_with(self, apt_get, patience_s="60"):
+    def setup_with(self, apt_get, patience_s="60", *options):
         self.program("apt-get", f'echo "$@" >> {self.folder}/called\n{apt_get}')
         environment = dict(os.environ, PATH=f"{self.folder}/bin:{os.environ['PATH']}", SD_SETUP_PAUSE_S="0", SD_SETUP_PATIENCE_S=patience_s)
-        done = subprocess.run([self.folder / "tools" / "setup"], capture_output=True, text=True, env=environment, timeout=60)
+        done = subprocess.run([self.folder / "tools" / "setup", *options], capture_output=True, text=True, env=environment, timeout=60)
         return done, (self.folder / "called").read_text().splitlines()
 
     def test_tries_again_until_the_lock_is_free(self):
@@ -52,6 +52,14 @@ class Setup(Folder):
         self.assertEqual((done.returncode, len(called)), (100, 1))
         done, called = self.setup_with("echo 'E: Failed to fetch' >&2; exit 100")
         self.assertEqual((done.returncode, len(called)), (100, 2))
+
+    def test_leaves_python_for_later_where_told(self):
+        stamp = self.folder / "build" / "venv" / ".installed"
+        stamp.write_text("of another day\n")
+        done, called = self.setup_with("exit 0", "60", "--cross", "--no-python")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("gcc-arm-none-eabi", called[1])
+        self.assertEqual(stamp.read_text(), "of another day\n")
 
 
 if __name__ == "__main__":

@@ -51,11 +51,11 @@ void EngineModel::start(std::int64_t cycle, int step, double time_s, double spee
         const auto l = std::size_t(lane);
         mass_[l] = intake_pa_[l] * volume(lane) / (gas::kR * charge_k_);
         inhaling_[l] = shut_[lane] = false;
-        manifold_[lane] = intake_pa_[l];
-        y_[lane] = Twins{intake_pa_[l], intake_pa_[l]};
-        work_[lane] = 0.5 * power_of(lane);
-        lost_[lane] = released_[lane] = heat_[lane] = peak_[lane] = 0;
-        inverse_mr_[lane] = 1 / (mass_[l] * gas::kR);
+        lane_[lane].manifold = intake_pa_[l];
+        lane_[lane].y = Twins{intake_pa_[l], intake_pa_[l]};
+        lane_[lane].work = 0.5 * power_of(lane);
+        lane_[lane].lost = lane_[lane].released = lane_[lane].heat = lane_[lane].peak = 0;
+        lane_[lane].inverse_mr = 1 / (mass_[l] * gas::kR);
         running_[l] = CycleTruth{};
     }
     sort_lanes();
@@ -96,14 +96,14 @@ void EngineModel::set_load(double torque_nm, double slope_nmps) {
 void EngineModel::set_intake_pressure(int lane, double pressure_pa) {
     const auto l = std::size_t(lane);
     intake_pa_[l] = pressure_pa;
-    if (inhaling_[l]) manifold_[lane] = pressure_pa;
+    if (inhaling_[l]) lane_[lane].manifold = pressure_pa;
 }
 
 void EngineModel::set_mean_speed(double speed_radps) {
     wall_speed_ = wall_factor_ * kEichelberg * std::cbrt(stroke_m_ * speed_radps / kPi);
-    for (int lane = 0; lane < n_; ++lane) wall_factor_now_[lane] = wall_gain_[lane] * wall_speed_;
+    for (int lane = 0; lane < n_; ++lane) lane_[lane].wall_factor = lane_[lane].wall_gain * wall_speed_;
     for (int i = 0; i < shut_count_; ++i) {
-        calm_[lanes_[i]] = 0;
+        lane_[lanes_[i]].calm = 0;
         find_change(lanes_[i]);
     }
 }
@@ -117,9 +117,9 @@ void EngineModel::set_charge(int lane, const Charge &charge) {
     cycle.misfire = charge.burned_fraction < 0.5;
     const double could_burn = std::min(charge.fuel_kg, mass_[l] / stoichiometric_);
     const double heat = heating_value_ * could_burn * charge.burned_fraction * charge.heat_factor;
-    Burn &burn = burn_[lane];
+    Burn &burn = lane_[lane].burn;
     burn.heat_j = heat;
-    released_[lane] = 0;
+    lane_[lane].released = 0;
     if (burn.points.empty() || burn.start_shift_rad != charge.start_shift_rad || burn.duration_factor != charge.duration_factor)
         lay_burn(lane, charge);
     const double start = theta(2 * step_, lane), from = burn.from_rad;
@@ -128,7 +128,7 @@ void EngineModel::set_charge(int lane, const Charge &charge) {
 
 /// Heat of every step from the one in which the first pulse begins to the one in which the last ends.
 void EngineModel::lay_burn(int lane, const Charge &charge) {
-    Burn &burn = burn_[lane];
+    Burn &burn = lane_[lane].burn;
     burn.start_shift_rad = charge.start_shift_rad, burn.duration_factor = charge.duration_factor;
     std::vector<WiebePulse> pulses;
     double from = 1e9, to = -1e9;
@@ -202,14 +202,14 @@ void EngineModel::apply(const Event &event) {
         running_[l].combustion_torque_nm = (work_of_fuel_j(lane) - work_at_tdc_[l]) / kPi;
         break;
     case EventKind::exhaust_open:
-        y_[lane] = pressure_of(lane);
+        lane_[lane].y = pressure_of(lane);
         shut_[lane] = false;
         sort_lanes();
-        manifold_[lane] = exhaust_pa_;
+        lane_[lane].manifold = exhaust_pa_;
         break;
     case EventKind::exchange:
         inhaling_[l] = true;
-        manifold_[lane] = intake_pa_[l];
+        lane_[lane].manifold = intake_pa_[l];
         finish_cycle(lane);
         break;
     }
@@ -218,16 +218,16 @@ void EngineModel::apply(const Event &event) {
 void EngineModel::shut(int lane) {
     const auto l = std::size_t(lane);
     inhaling_[l] = false;
-    const double pressure = y_[lane][0];
-    work_[lane][1] += 0.5 * (pressure - y_[lane][1]) * here(lane).volume_slope; // the twin's p V' jumps
-    y_[lane] = Twins{pressure, pressure} / here(lane).pressure;
+    const double pressure = lane_[lane].y[0];
+    lane_[lane].work[1] += 0.5 * (pressure - lane_[lane].y[1]) * here(lane).volume_slope; // the twin's p V' jumps
+    lane_[lane].y = Twins{pressure, pressure} / here(lane).pressure;
     mass_[l] = pressure * volume(lane) / (gas::kR * charge_k_);
     shut_[lane] = true;
     sort_lanes();
-    inverse_mr_[lane] = 1 / (mass_[l] * gas::kR);
-    wall_gain_[lane] = std::sqrt(inverse_mr_[lane]);
-    wall_factor_now_[lane] = wall_gain_[lane] * wall_speed_;
-    calm_[lane] = 0, heat_[lane] = 0, peak_[lane] = 0;
+    lane_[lane].inverse_mr = 1 / (mass_[l] * gas::kR);
+    lane_[lane].wall_gain = std::sqrt(lane_[lane].inverse_mr);
+    lane_[lane].wall_factor = lane_[lane].wall_gain * wall_speed_;
+    lane_[lane].calm = 0, lane_[lane].heat = 0, lane_[lane].peak = 0;
     set_charge(lane, Charge{});
     find_change(lane);
 }
@@ -239,13 +239,13 @@ void EngineModel::finish_cycle(int lane) {
     cycle.work_j = work_j(lane);
     cycle.imep_pa = cycle.work_j / displacement_m3_;
     cycle.combustion_work_j = work_of_fuel_j(lane);
-    cycle.wall_loss_j = lost_[lane];
-    cycle.heat_j = released_[lane];
-    cycle.peak_pressure_pa = peak_[lane];
+    cycle.wall_loss_j = lane_[lane].lost;
+    cycle.heat_j = lane_[lane].released;
+    cycle.peak_pressure_pa = lane_[lane].peak;
     finished_[l] = cycle;
     cycle = CycleTruth{};
-    work_[lane] = 0.5 * power_of(lane);
-    lost_[lane] = 0;
+    lane_[lane].work = 0.5 * power_of(lane);
+    lane_[lane].lost = 0;
 }
 
 } // namespace sixdeg

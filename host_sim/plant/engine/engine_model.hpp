@@ -144,8 +144,8 @@ class EngineModel {
     /// last event `exchange`, heat from the last intake_close.
     double pressure_pa(int lane) const { return pressure_of(lane)[0]; }
     double trapped_kg(int lane) const { return mass_[std::size_t(lane)]; }
-    double heat_lost_j(int lane) const { return lost_[lane]; }
-    double heat_released_j(int lane) const { return released_[lane]; }
+    double heat_lost_j(int lane) const { return lane_[lane].lost; }
+    double heat_released_j(int lane) const { return lane_[lane].released; }
     double work_j(int lane) const { return work_of(lane)[0]; }
     /// Gas torque of one cylinder at the angle just reached, N m.
     double gas_torque_nm(int lane) const { return power_of(lane)[0] - crankcase_pa_ * here(lane).volume_slope; }
@@ -164,6 +164,7 @@ class EngineModel {
     struct Motion {
         double energy, time, twist, secondary;
         double speed, slowness; ///< rad/s and its inverse, which belong to energy and angle.
+        double early_slowness;  ///< Before friction and load were corrected: known sooner, and good enough for the walls.
     };
     struct GasTorque { // of all cylinders, crankcase pressure behind the pistons, over a step
         double start, middle, end;
@@ -242,9 +243,9 @@ class EngineModel {
     void lay_burn(int lane, const Charge &charge);
     double theta(int half, int lane) const;
     const CylinderPoint &here(int lane) const { return tables_.row(2 * step_)[lane]; }
-    Twins pressure_of(int lane) const { return shut_[lane] ? y_[lane] * here(lane).pressure : y_[lane]; }
-    Twins power_of(int lane) const { return y_[lane] * (shut_[lane] ? here(lane).push : here(lane).volume_slope); }
-    Twins work_of(int lane) const { return (work_[lane] - 0.5 * power_of(lane)) * (tables_.step_rad / 3); }
+    Twins pressure_of(int lane) const { return shut_[lane] ? lane_[lane].y * here(lane).pressure : lane_[lane].y; }
+    Twins power_of(int lane) const { return lane_[lane].y * (shut_[lane] ? here(lane).push : here(lane).volume_slope); }
+    Twins work_of(int lane) const { return (lane_[lane].work - 0.5 * power_of(lane)) * (tables_.step_rad / 3); }
     double work_of_fuel_j(int lane) const { return work_of(lane)[0] - work_of(lane)[1]; }
 
     StepTables tables_;
@@ -267,24 +268,27 @@ class EngineModel {
     Motion crank_{};
     double friction_and_load_nm_ = 0;               ///< Here.
     double gas_before_nm_ = 0, load_before_nm_ = 0; ///< Gas torque, and friction and load, a step ago.
-    Twins y_[kMaxCylinders] = {};    ///< Of open lanes p, Pa; of shut ones p V^k.
-    Twins work_[kMaxCylinders] = {}; ///< J over a third of a step, more than work by half of p V' here.
-    // Of shut lanes. calm counts steps since the change last had a kink; differences up to that order are good.
+    struct Lane {
+        Twins y = {0, 0};    ///< Open: p, Pa; shut: p V^k.
+        Twins work = {0, 0}; ///< J over a third of a step, more than work by half of p V' here.
+        Course course{};     ///< Of a shut one, like all below.
+        double wall_factor = 0, inverse_mr = 0;
+        double heat = 0, released = 0; ///< J/rad; J, of the cycle under way.
+        double lost = 0;               ///< J, to the walls of the fired twin.
+        double peak = 0;               ///< Pa, of the cycle under way.
+        double manifold = 0;           ///< Pa; of an open one.
+        double wall_gain = 0;          ///< wall_factor without wall_speed_.
+        int calm = 0;                  ///< Steps since the change last had a kink; differences up to that order are good.
+        Burn burn;
+    };
     static constexpr int kCalm = 3;
-    Course course_[kMaxCylinders] = {};
-    int calm_[kMaxCylinders] = {};
-    double lost_[kMaxCylinders] = {};                                ///< J, to the walls of the fired twin.
-    double heat_[kMaxCylinders] = {}, released_[kMaxCylinders] = {}; ///< J/rad; J, of the cycle under way.
+    Lane lane_[kMaxCylinders];
     // Per lane, for both twins alike.
     bool shut_[kMaxCylinders] = {};
-    double manifold_[kMaxCylinders] = {}, inverse_mr_[kMaxCylinders] = {};
-    double wall_gain_[kMaxCylinders] = {}, wall_factor_now_[kMaxCylinders] = {}; ///< The second times wall_speed_.
     int lanes_[kMaxCylinders] = {}; // those with shut valves first
     int shut_count_ = 0;
     std::array<double, kMaxCylinders> intake_pa_{}, mass_{};
     std::array<bool, kMaxCylinders> inhaling_{}; // from the exchange to intake closing
-    Burn burn_[kMaxCylinders];
-    double peak_[kMaxCylinders] = {}; // Pa, of the cycle under way
     double load_nm_ = 0, load_slope_ = 0, load_time_ = 0;
     bool prescribed_ = false;
     double speed0_ = 0, speed_slope_ = 0, speed_time_ = 0;

@@ -21,16 +21,17 @@ double EngineModel::theta(int half, int lane) const {
 // dy = V^(k-1) ((Q' - Qw' - p V')/(c_v/R) + (k - 1) p V') da.
 inline EngineModel::Twins EngineModel::change_at(const CylinderPoint &point, int lane, Twins y, double slowness, double heat_rate,
                                           double &loss) const {
-    const Twins t = y * (point.warmth * inverse_mr_[lane]), power = y * point.push;
+    const Twins t = y * (point.warmth * lane_[lane].inverse_mr), power = y * point.push;
     const Twins cv = gas::kB0 + t * (gas::kB1 + t * gas::kB2);
-    const Twins to_walls = y * (t - wall_k_) * (wall_factor_now_[lane] * point.wall * point.pressure * slowness);
+    const Twins to_walls = y * (t - wall_k_) * (lane_[lane].wall_factor * point.wall * point.pressure * slowness);
     loss = to_walls[0] * tables_.step_rad;
-    return ((Twins{heat_rate, 0} - to_walls - power) / cv + (StepTables::kPolytropic - 1) * power) * point.rise;
+    // The inverse waits for nothing, the rest for the speed.
+    return (Twins{heat_rate, 0} - power - to_walls) * (point.rise / cv) + power * ((StepTables::kPolytropic - 1) * point.rise);
 }
 
 void EngineModel::find_change(int lane) {
-    course_[lane].change =
-        change_at(tables_.row(2 * step_)[lane], lane, y_[lane], crank_.slowness, heat_[lane], course_[lane].loss);
+    lane_[lane].course.change =
+        change_at(tables_.row(2 * step_)[lane], lane, lane_[lane].y, crank_.slowness, lane_[lane].heat, lane_[lane].course.loss);
 }
 
 /// Slowness from the torque and its last change, for lanes that cannot wait for the crank.
@@ -48,8 +49,8 @@ EngineModel::Ahead EngineModel::look_ahead() const {
 /// A shut cylinder whose change has been smooth for some steps: Adams and Bashforth's fourth-order rule to the step's middle and
 /// end.
 inline void EngineModel::step_shut(int lane, Ending &end) const {
-    const Course &c = course_[lane];
-    const Twins start = y_[lane], change = c.change, first = c.first, second = c.second, third = c.third;
+    const Course &c = lane_[lane].course;
+    const Twins start = lane_[lane].y, change = c.change, first = c.first, second = c.second, third = c.third;
     const Twins middle = start + 0.5 * change + 0.125 * first + (1.0 / 12) * second + (25.0 / 384) * third;
     const Twins y = start + change + 0.5 * first + (5.0 / 12) * second + (3.0 / 8) * third;
     end.y[lane] = y;
@@ -59,22 +60,22 @@ inline void EngineModel::step_shut(int lane, Ending &end) const {
 /// A shut cylinder whose change has just had a kink: Runge and Kutta's rule, which remembers nothing.
 void EngineModel::step_rough(int lane, const Ahead &ahead, Ending &end) const {
     const CylinderPoint &half = end.at_middle[lane], &last = end.at_end[lane];
-    const Course &c = course_[lane];
+    const Course &c = lane_[lane].course;
     const double rate = end.heat[lane].rate_middle;
     double lost[3];
     const Twins k1 = c.change;
-    const Twins k2 = change_at(half, lane, y_[lane] + k1 * 0.5, ahead.middle, rate, lost[0]);
-    const Twins k3 = change_at(half, lane, y_[lane] + k2 * 0.5, ahead.middle, rate, lost[1]);
-    const Twins k4 = change_at(last, lane, y_[lane] + k3, ahead.end, end.heat[lane].rate, lost[2]);
+    const Twins k2 = change_at(half, lane, lane_[lane].y + k1 * 0.5, ahead.middle, rate, lost[0]);
+    const Twins k3 = change_at(half, lane, lane_[lane].y + k2 * 0.5, ahead.middle, rate, lost[1]);
+    const Twins k4 = change_at(last, lane, lane_[lane].y + k3, ahead.end, end.heat[lane].rate, lost[2]);
     end.lost[lane] = (c.loss + 2 * (lost[0] + lost[1]) + lost[2]) / 6;
-    end.y[lane] = y_[lane] + (k1 + 2 * (k2 + k3) + k4) / 6;
-    end.add(lane, (0.5 * (y_[lane] + end.y[lane]) + 0.125 * (k1 - k4)) * half.push, end.y[lane] * last.push);
+    end.y[lane] = lane_[lane].y + (k1 + 2 * (k2 + k3) + k4) / 6;
+    end.add(lane, (0.5 * (lane_[lane].y + end.y[lane]) + 0.125 * (k1 - k4)) * half.push, end.y[lane] * last.push);
 }
 
 /// An open cylinder follows its manifold, which has a closed form.
 inline void EngineModel::step_open(int lane, Ending &end) const {
-    const double manifold = manifold_[lane];
-    const Twins away = y_[lane] - manifold, p = manifold + away * stay_[1];
+    const double manifold = lane_[lane].manifold;
+    const Twins away = lane_[lane].y - manifold, p = manifold + away * stay_[1];
     end.y[lane] = p;
     end.add(lane, (manifold + away * stay_[0]) * end.at_middle[lane].volume_slope, p * end.at_end[lane].volume_slope);
 }
@@ -102,6 +103,7 @@ inline bool EngineModel::turn_free(const GasTorque &gas, Motion &to) const {
     const double less_half = h * (1.0 / 24) * (8 * more_half - more - 3 * rise), less = h * (1.0 / 6) * (4 * more_half + more - 3 * rise);
     const double gain_half = 0.5 * less_half * rate_half * slow_half * slow_half, gain = 0.5 * less * rate * slow * slow;
     to.energy = whole - less;
+    to.early_slowness = slow;
     to.speed = speed - speed * gain;
     to.slowness = slow + slow * gain;
     to.time = time + h * (1.0 / 6) * slow * (4 * gain_half + gain);
@@ -113,7 +115,7 @@ EngineModel::Motion EngineModel::flywheel_slope(int half, double gas_nm, const M
                  lead = speed - at.secondary;
     const double carried = dual_mass_->stiffness_nmprad * at.twist + dual_mass_->damping_nmsprad * lead;
     return {gas_nm - friction_nm(speed) - carried, slowness, lead * slowness,
-            (carried - load_nm(at.time)) / secondary_inertia_ * slowness, speed, slowness};
+            (carried - load_nm(at.time)) / secondary_inertia_ * slowness, speed, slowness, slowness};
 }
 
 /// Spring and secondary mass are as fast as the crank: Runge and Kutta's rule for the four of them.
@@ -122,7 +124,7 @@ bool EngineModel::turn_with_flywheel(const GasTorque &gas, Motion &to) const {
     const int middle = 2 * step_ + 1;
     const auto ahead = [this](double by, const Motion &k) {
         return Motion{crank_.energy + by * k.energy, crank_.time + by * k.time, crank_.twist + by * k.twist,
-                      crank_.secondary + by * k.secondary, 0, 0};
+                      crank_.secondary + by * k.secondary, 0, 0, 0};
     };
     const Motion k1 = flywheel_slope(2 * step_, gas.start, crank_);
     Motion at = ahead(h / 2, k1);
@@ -135,10 +137,10 @@ bool EngineModel::turn_with_flywheel(const GasTorque &gas, Motion &to) const {
     if (stands_still(at.energy)) return false;
     const Motion k4 = flywheel_slope(end_point(), gas.end, at);
     const auto mean = [&](double Motion::*part) { return (k1.*part + 2 * (k2.*part + k3.*part) + k4.*part) / 6; };
-    to = ahead(h, {mean(&Motion::energy), mean(&Motion::time), mean(&Motion::twist), mean(&Motion::secondary), 0, 0});
+    to = ahead(h, {mean(&Motion::energy), mean(&Motion::time), mean(&Motion::twist), mean(&Motion::secondary), 0, 0, 0});
     if (stands_still(to.energy)) return false;
     to.speed = std::sqrt(to.energy * tables_.two_over_inertia[std::size_t(end_point())]);
-    to.slowness = 1 / to.speed;
+    to.slowness = to.early_slowness = 1 / to.speed;
     return true;
 }
 
@@ -149,7 +151,7 @@ bool EngineModel::turn_prescribed(Motion &to) const {
     to = crank_;
     to.time += 2 * tables_.step_rad / (crank_.speed + std::sqrt(square));
     to.speed = speed0_ + speed_slope_ * (to.time - speed_time_);
-    to.slowness = 1 / to.speed;
+    to.slowness = to.early_slowness = 1 / to.speed;
     to.energy = 0.5 * tables_.inertia[std::size_t(end_point())] * to.speed * to.speed;
     return to.speed > 0;
 }
@@ -163,31 +165,31 @@ bool EngineModel::turn(const GasTorque &gas, Motion &to) const {
 /// Returns by how much that corrects p V'.
 inline EngineModel::Twins EngineModel::settle(int lane, const Ending &end) {
     const CylinderPoint &point = end.at_end[lane];
-    Course &c = course_[lane];
+    Course &c = lane_[lane].course;
     double loss;
-    heat_[lane] = end.heat[lane].rate, released_[lane] = end.heat[lane].released;
-    const Twins change = change_at(point, lane, end.y[lane], crank_.slowness, heat_[lane], loss);
+    lane_[lane].heat = end.heat[lane].rate, lane_[lane].released = end.heat[lane].released;
+    const Twins change = change_at(point, lane, end.y[lane], crank_.early_slowness, lane_[lane].heat, loss);
     const Twins first = change - c.change, second = first - c.first, third = second - c.second;
     const double loss_first = loss - c.loss, loss_second = loss_first - c.loss_first, loss_third = loss_second - c.loss_second;
     Twins correction = {0, 0};
     if (end.calm[lane] < kCalm) {
-        calm_[lane] = end.calm[lane] + 1;
-        lost_[lane] += end.lost[lane];
+        lane_[lane].calm = end.calm[lane] + 1;
+        lane_[lane].lost += end.lost[lane];
     } else {
         correction = (third - c.third) * (251.0 / 720);
-        lost_[lane] += loss - 0.5 * loss_first - (1.0 / 12) * loss_second - (1.0 / 24) * loss_third;
+        lane_[lane].lost += loss - 0.5 * loss_first - (1.0 / 12) * loss_second - (1.0 / 24) * loss_third;
     }
     c = {change, first, second, third, loss, loss_first, loss_second};
     const Twins y = end.y[lane] + correction;
-    y_[lane] = y;
-    work_[lane] += end.work[lane];
-    peak_[lane] = std::max(peak_[lane], y[0] * point.pressure);
+    lane_[lane].y = y;
+    lane_[lane].work += end.work[lane];
+    lane_[lane].peak = std::max(lane_[lane].peak, y[0] * point.pressure);
     return correction * point.push;
 }
 
 /// Heat of a lane that burns, from what its charge has laid down.
 inline void EngineModel::find_heat(int lane, Ending &end) const {
-    const Burn &burn = burn_[lane];
+    const Burn &burn = lane_[lane].burn;
     const BurnPoint &point = burn.points[std::size_t(burn.at)];
     end.heat[lane] = {burn.heat_j * point.rate, burn.heat_j * point.released, burn.heat_j * point.rate_middle};
     if (point.rough) end.calm[lane] = 0;
@@ -198,9 +200,9 @@ inline void EngineModel::step_lanes(Ending &end) const {
     std::optional<Ahead> ahead;
     for (int i = 0; i < shut_count_; ++i) {
         const int lane = lanes_[i];
-        end.heat[lane] = {0, released_[lane], 0};
-        end.calm[lane] = calm_[lane];
-        if (burn_[lane].at >= 0) find_heat(lane, end);
+        end.heat[lane] = {0, lane_[lane].released, 0};
+        end.calm[lane] = lane_[lane].calm;
+        if (lane_[lane].burn.at >= 0) find_heat(lane, end);
         if (end.calm[lane] == kCalm) {
             step_shut(lane, end);
         } else {
@@ -226,13 +228,13 @@ SD_FLATTEN bool EngineModel::step() {
     if (++step_ == tables_.steps) step_ = 0, ++cycle_, next_event_ = 0, point_at_next_event();
     Twins power = end.sum;
     for (int i = 0; i < shut_count_; ++i) {
-        Burn &burn = burn_[lanes_[i]];
+        Burn &burn = lane_[lanes_[i]].burn;
         if (++burn.at == burn.end) burn.at = kNeverBurns;
         power += settle(lanes_[i], end);
     }
     for (int i = shut_count_; i < n_; ++i) {
-        y_[lanes_[i]] = end.y[lanes_[i]];
-        work_[lanes_[i]] += end.work[lanes_[i]];
+        lane_[lanes_[i]].y = end.y[lanes_[i]];
+        lane_[lanes_[i]].work += end.work[lanes_[i]];
     }
     first_event_ = next_event_;
     if (next_event_step_ == step_) {

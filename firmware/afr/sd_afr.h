@@ -3,27 +3,22 @@
 /// filter (sd_afr_joint.h) or document 004's chain (sd_afr_chain.h), at the present operating point of a grid from the
 /// calibration.
 ///
-/// Once a cycle the point is interpolated over speed, intake pressure and mean lambda: sd_afr_cycle notes where it is, and
-/// sd_afr_work, called once a tooth while it returns true, does it in SD_AFR_PIECES pieces, with the last of which the new
-/// point takes effect as a whole. Once a wheel position, missing ones included, comes the step. Tables are read where the
-/// caller keeps them, and must be the same in every call. Lambda here is document 004's, 1 - air/gas. Real-time contract: no
-/// heap, no globals, no libm; a piece costs no more than a step does. One writer per state.
+/// Once a cycle sd_afr_cycle notes the operating point of the coming one, and sd_afr_work, called once a tooth while it returns
+/// true, makes it (sd_afr_point.h). Once a wheel position, missing ones included, comes the step. The chain runs in f32 or in q31; the
+/// joint filter in f32. Tables are read where the caller keeps them, and must be the same in every call. Lambda here is document 004's,
+/// 1 - air/gas. Real-time contract: no heap, no globals, no libm; a piece costs no more than a step does, but in q31 where the new
+/// point takes effect. One writer per state.
 #ifndef SD_AFR_H
 #define SD_AFR_H
 #include "sd_afr_chain.h"
 #include "sd_afr_delay.h"
 #include "sd_afr_joint.h"
+#include "sd_afr_point.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
 
-#define SD_AFR_SPEEDS    4
-#define SD_AFR_PRESSURES 3
-#define SD_AFR_LAMBDAS   2
-#define SD_AFR_OPEN      SD_EXHAUST_OPEN /* positions of a cycle that a point holds */
-#define SD_AFR_PIECE     8  /* of them are interpolated at a time */
-#define SD_AFR_PIECES    (SD_AFR_OPEN / SD_AFR_PIECE + 2)
 #define SD_AFR_NO_SAMPLE 100.0f
 
 /// Which estimator stands on manifold and delay.
@@ -32,27 +27,6 @@ typedef enum sd_afr_method {
     SD_AFR_OSCILLATORS = 2, ///< Chain, sensor inverted as oscillators with gains of the calibration.
     SD_AFR_FOURIER     = 3, ///< Chain, sensor inverted by the document's law.
 } sd_afr_method_t;
-
-/// Where the exhaust is in one node of the grid.
-typedef struct sd_afr_node {
-    uint16_t share[SD_AFR_OPEN]; ///< Of the charge, times 65536, from open_position after firing TDC on.
-    float    rate_hz, z0_kg;     ///< As in sd_exhaust_point_t.
-    float    transport_kg;       ///< Gas between turbine and sensor.
-} sd_afr_node_t;
-
-/// Part of the calibration page.
-typedef struct sd_afr_grid {
-    uint8_t  present;            ///< 0: no exhaust side was calibrated.
-    uint16_t open_position;      ///< Positions after firing TDC.
-    float    speed_radps[SD_AFR_SPEEDS], pressure_bar[SD_AFR_PRESSURES], lambda[SD_AFR_LAMBDAS]; ///< Ascending.
-    float    air_kg_per_bar;     ///< Air of one cylinder and cycle, per bar of intake pressure.
-    float    dead_s;             ///< Sensor's dead time.
-    float    tau1_s, tau2_s;     ///< Sensor's lags.
-    float    mass_base_kg;
-    float    psi[SD_EXHAUST_PSI + 1];
-    sd_uego_gains_t inversion[SD_AFR_SPEEDS]; ///< Of the oscillators, at speed_radps.
-    sd_afr_node_t node[SD_AFR_SPEEDS][SD_AFR_PRESSURES][SD_AFR_LAMBDAS];
-} sd_afr_grid_t;
 
 /// What is read in place, of the calibration.
 typedef struct sd_afr_tables {
@@ -63,6 +37,7 @@ typedef struct sd_afr_tables {
 /// Choices; read by init only.
 typedef struct sd_afr_config {
     uint8_t  method;             ///< sd_afr_method_t.
+    uint8_t  fixed_point;        ///< 1: the chain in q31; the joint filter has f32 only.
     uint16_t cycle_positions;
     uint8_t  cylinders;
     uint16_t firing_position[SD_AFR_CYLINDERS_MAX];
@@ -72,37 +47,26 @@ typedef struct sd_afr_config {
     float    slow_above;         ///< Slow mode where speed (rad/s) times the sum of the lags is above this.
     float    gain_air, gain_cylinder;         ///< Of the chain, as in sd_afr_chain_config_t.
     float    inversion_gain, inversion_floor;
+    float    gain_mass;          ///< L1 of the chain, as in sd_exhaust_config_t.
+    float    turbine_drop, turbine_rpm; ///< As in sd_afr_point_config_t.
 } sd_afr_config_t;
-
-/// The coming point, as far as it is done.
-typedef struct sd_afr_coming {
-    float    speed_radps, intake_bar, fuel_mg;
-    float    part[3];                     ///< Where the point is between two nodes, on each axis, [0, 1],
-    uint8_t  node[3];                     ///< and the first of them.
-    uint8_t  piece;                       ///< The next piece; SD_AFR_PIECES: none.
-    float    rate_hz, z0_kg, transport_kg;
-} sd_afr_coming_t;
-
-/// All cylinders, by firing order, at one time. 0 while there is no estimate.
-typedef struct sd_afr_estimate {
-    float lambda[SD_AFR_CYLINDERS_MAX];
-    float deviation[SD_AFR_CYLINDERS_MAX]; ///< From the mean, over the mean.
-    float sd[SD_AFR_CYLINDERS_MAX];        ///< What the deviation may be off by (standard deviation): the filter's, or what the chain
-                                           ///< scatters by, and what delay and lags may be off by.
-} sd_afr_estimate_t;
 
 typedef struct sd_afr {
     sd_afr_config_t    config;
-    sd_exhaust_f32_t   exhaust;
-    union {                               /* which one: config.method */
+    union {                               /* which one: config.fixed_point */
+        sd_afr_point_f32_t point;
+        sd_afr_point_q31_t point_q31;
+    };
+    union {                               /* which one: config.method, config.fixed_point */
         sd_afr_joint_t     joint;
         sd_afr_chain_f32_t chain;
+        sd_afr_chain_q31_t chain_q31;
     };
     sd_afr_inflow_t in;                   ///< What came to the sensor at the last position.
     sd_afr_learned_t known;               ///< Of delay and lags, and how well.
     float    doubt;                       ///< What that leaves in deviations: sd_afr_delay_doubt.
-    sd_afr_coming_t coming;
     float    mean_lambda;                 ///< Of all cylinders, last cycle.
+    float    speed_radps;                 ///< Of the coming point.
     uint32_t cycles;                      ///< Since a start.
     uint8_t  slow;                        ///< Slow mode: settles in tens of seconds; the chain has none and stays degraded.
     uint8_t  placed;                      ///< A point has been set.
@@ -112,9 +76,8 @@ typedef struct sd_afr {
 uint8_t sd_afr_harmonics(uint8_t cylinders);
 /// SD_OK, or SD_ERR_CONFIG with the state untouched: no grid, or a field out of its range.
 sd_result_t sd_afr_init(sd_afr_t *self, const sd_afr_config_t *config, const sd_afr_tables_t *tables);
-/// Ends a cycle: the operating point of the coming one. Out of the grid its edge stands; numbers not above 0 (NaN too) keep
-/// the last point. Whatever was left to do for an earlier point is left out.
-void sd_afr_cycle(sd_afr_t *self, float speed_radps, float intake_bar, float fuel_mg);
+/// Ends a cycle: the operating point of the coming one, as sd_afr_point_begin.
+void sd_afr_cycle(sd_afr_t *self, const sd_afr_conditions_t *at);
 /// The next piece of that. True while more is left: call it again with the next tooth.
 bool sd_afr_work(sd_afr_t *self, const sd_afr_tables_t *tables);
 /// From the next point on the delay is longer by late_s and the lags by the share lag (sd_afr_delay.h), +-50 ms and +-0.5;
@@ -122,8 +85,9 @@ bool sd_afr_work(sd_afr_t *self, const sd_afr_tables_t *tables);
 void sd_afr_correct(sd_afr_t *self, const sd_afr_learned_t *known);
 /// Angle lost, or off by a revolution: begins anew.
 void sd_afr_restart(sd_afr_t *self);
-/// Next wheel position; lambda: mean of its samples, or SD_AFR_NO_SAMPLE.
-void sd_afr_step(sd_afr_t *self, const sd_afr_tables_t *tables, uint32_t cycle_position, float lambda);
+/// Next wheel position; lambda: mean of its samples, or SD_AFR_NO_SAMPLE; exhaust_bar: the pressure in the manifold likewise, 0: no
+/// sample. The chain alone takes it, with gain_mass above 0.
+void sd_afr_step(sd_afr_t *self, const sd_afr_tables_t *tables, uint32_t cycle_position, float lambda, float exhaust_bar);
 /// A cylinder's fuel was changed by this factor, and its gas is about to arrive.
 void sd_afr_trimmed(sd_afr_t *self, uint32_t cylinder, float fuel_factor);
 /// Of a cylinder by firing order; 0 while there is no estimate.

@@ -20,6 +20,14 @@
 extern "C" {
 #endif
 
+/// All cylinders, by firing order, at one time. 0 while there is no estimate.
+typedef struct sd_afr_estimate {
+    float lambda[SD_AFR_CYLINDERS_MAX];
+    float deviation[SD_AFR_CYLINDERS_MAX]; ///< From the mean, over the mean.
+    float sd[SD_AFR_CYLINDERS_MAX];        ///< What the deviation may be off by (standard deviation): the filter's, or what the chain
+                                           ///< scatters by, and what delay and lags may be off by.
+} sd_afr_estimate_t;
+
 /// Read by init only.
 typedef struct sd_afr_chain_config {
     uint16_t cycle_positions;               ///< As in sd_uego_config_t.
@@ -35,8 +43,8 @@ typedef struct sd_afr_chain_config {
     typedef struct sd_afr_chain_##N {                                                                                  \
         sd_uego_##N##_t uego;                        /* D */                                                           \
         sd_afr_observer_##N##_t observer;            /* A */                                                           \
-        float    last[SD_AFR_CYLINDERS_MAX];         /* deviations a cycle ago */                                      \
-        float    change_square;                      /* of them in a cycle, mean */                                    \
+        sd_real_##N##_t last[SD_AFR_CYLINDERS_MAX];  /* deviations a cycle ago */                                      \
+        sd_real_##N##_t change_square;               /* of them in a cycle, mean */                                    \
         uint8_t  cycles;                             /* that are in it, up to 8 */                                     \
     } sd_afr_chain_##N##_t;                                                                                            \
     /* SD_OK if init takes it, else SD_ERR_CONFIG. */                                                                  \
@@ -44,9 +52,9 @@ typedef struct sd_afr_chain_config {
     /* SD_OK, or SD_ERR_CONFIG with the state untouched. */                                                            \
     sd_result_t sd_afr_chain_init_##N(sd_afr_chain_##N##_t *self, const sd_afr_chain_config_t *config);                \
     /* Once a cycle. Duration of a position, (0, 0.1] s; gains: oscillator form of D, NULL: Fourier form; */           \
-    /* charge_pu: one cylinder's gas in one cycle over mass_base, (0, 1). What is outside keeps its last value. */     \
+    /* charge: one cylinder's gas in one cycle over mass_base, (0, 1). What is outside keeps its last value. */     \
     void sd_afr_chain_set_##N(sd_afr_chain_##N##_t *self, const int32_t *sine_q31, float step_s,                       \
-                              const sd_uego_gains_t *gains, float charge_pu);                                          \
+                              const sd_uego_gains_t *gains, T charge);                                          \
     /* The next sample begins anew, all cylinders alike. */                                                            \
     void sd_afr_chain_restart_##N(sd_afr_chain_##N##_t *self);                                                         \
     /* Next position. measured: air fraction, mean of the samples within the position; anything outside (-1, 1) */     \
@@ -57,6 +65,10 @@ typedef struct sd_afr_chain_config {
     void sd_afr_chain_move_##N(sd_afr_chain_##N##_t *self, uint32_t cylinder, float lambda_change);                    \
     /* lambda = 1 - a of a cylinder, by firing order; 0 beyond, or while not running. */                               \
     float sd_afr_chain_lambda_##N(const sd_afr_chain_##N##_t *self, uint32_t cylinder);                                \
+    /* Their mean; 0 while not running. */                                                                             \
+    sd_real_##N##_t sd_afr_chain_mean_##N(const sd_afr_chain_##N##_t *self);                                           \
+    /* All of them in one pass. */                                                                                     \
+    void sd_afr_chain_read_##N(const sd_afr_chain_##N##_t *self, sd_afr_estimate_t *out);                              \
     /* Of a cylinder's lambda less the mean of all, from its own scatter; large at a start. */                         \
     float sd_afr_chain_deviation_variance_##N(const sd_afr_chain_##N##_t *self);                                       \
     /* Invalid until the first sample, degraded while it converges. innovation: of the sensor, air fraction. */        \

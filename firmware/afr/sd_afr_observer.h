@@ -43,8 +43,8 @@ typedef struct sd_afr_observer_config {
     sd_result_t sd_afr_observer_check_##N(const sd_afr_observer_config_t *config);                                     \
     /* SD_OK, or SD_ERR_CONFIG with the state untouched. */                                                            \
     sd_result_t sd_afr_observer_init_##N(sd_afr_observer_##N##_t *self, const sd_afr_observer_config_t *config);       \
-    /* charge_pu: one cylinder's gas in one cycle over mass_base, (0, 1); ignored outside. Once a cycle, it divides. */\
-    void sd_afr_observer_set_##N(sd_afr_observer_##N##_t *self, float charge_pu);                                      \
+    /* charge: one cylinder's gas in one cycle over mass_base, (0, 1); ignored outside. Once a cycle, it divides. */\
+    void sd_afr_observer_set_##N(sd_afr_observer_##N##_t *self, T charge);                                      \
     /* The next step begins anew from its own air fraction, all cylinders alike. */                                    \
     void sd_afr_observer_restart_##N(sd_afr_observer_##N##_t *self);                                                   \
     /* Next position; air_fraction in (-1, 1), anything else (NaN too) is left out. */                                 \

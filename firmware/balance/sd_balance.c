@@ -13,6 +13,7 @@ enum { IDLE = 0, WATCH, LEARN }; /* what is next */
 
 static bool config_ok(const sd_balance_config_t *c) {
     return (c->cylinders >= 2u) && (c->cylinders <= SD_BALANCE_CYLINDERS_MAX) && sd_above_to(c->gain, 0.0f, 1.0f) &&
+           sd_within(c->proportional, 0.0f, 1.0f) &&
            sd_above_to(c->rate, 0.0f, 1.0f) && sd_above_to(c->limit, 0.0f, 0.5f) && sd_above_to(c->sd_max, 0.0f, 1.0f);
 }
 
@@ -30,13 +31,13 @@ void sd_balance_restart(sd_balance_t *self) {
     self->mean_square = self->noise = 0.0f;
     self->learned = 0;
     self->hold = 0;
-    self->diverged = self->at_limit = 0;
+    self->diverged = self->at_limit = self->has_last = 0;
     self->at_work = IDLE;
 }
 
 void sd_balance_resume(sd_balance_t *self) {
     sd_watch_init(&self->watch, self->config.cylinders);
-    self->diverged = 0;
+    self->diverged = self->has_last = 0;
     self->at_work = IDLE;
     self->hold = self->config.hold_cycles;
 }
@@ -78,11 +79,15 @@ static void learn(sd_balance_t *self) {
     const uint32_t n = self->config.cylinders;
     const float real = (self->mean_square > self->noise) ? 1.0f - self->noise / self->mean_square : 0.0f;
     const float gain = self->config.gain * (GAIN_LEAST + (1.0f - GAIN_LEAST) * real);
+    const float proportional = (self->has_last != 0u) ? self->config.proportional : 0.0f; /* across a hold no change is known */
     float mean = 0.0f;
     for (uint32_t i = 0; i < n; ++i) {
-        self->trim[i] -= limited(gain * self->deviation[i], self->config.rate);
+        const float change = proportional * (self->deviation[i] - self->last[i]);
+        self->trim[i] -= limited(gain * self->deviation[i] + change, self->config.rate);
+        self->last[i] = self->deviation[i];
         mean += self->trim[i] / (float)n;
     }
+    self->has_last = 1;
     self->at_limit = 0;
     for (uint32_t i = 0; i < n; ++i) {
         const float wanted = self->trim[i] - mean;
@@ -104,6 +109,7 @@ void sd_balance_begin(sd_balance_t *self, const sd_balance_input_t *in) {
     }
     if ((in->transient != 0u) || !usable(self, in)) {
         self->hold = (self->config.hold_cycles > 0u) ? self->config.hold_cycles : 1u;
+        self->has_last = 0;
         sd_watch_resume(&self->watch);
         return;
     }

@@ -2,8 +2,9 @@
 /// sd_balance.h - fuel trims that make all cylinders alike, from what each deviates from their mean: its lambda or its
 /// torque, over the mean.
 ///
-/// Once a cycle, a pure integrator for each cylinder, its step limited, its value limited:
-///     trim_i -= clamp(g deviation_i, rate);  trims less their mean;  clamp(trim_i, limit)
+/// Once a cycle, a PI law for each cylinder as in document 004, its step limited, its value limited:
+///     trim_i -= clamp(g deviation_i + P (deviation_i - last deviation_i), rate);  trims less their mean;  clamp(trim_i, limit)
+/// With P 0, the default, it is a pure integrator.
 /// g = gain (0.5 + 0.5 w), w the share of the deviations' mean square, smoothed over 4 cycles, that their stated variance
 /// does not explain: fast while there is something to do, quiet when there is only noise. The clamp is the anti-windup: a
 /// trim at its limit leaves it with the first deviation of the other sign. Trims hold while the estimate is not valid, its
@@ -28,6 +29,7 @@ extern "C" {
 typedef struct sd_balance_config {
     uint8_t  cylinders;    ///< 2 to SD_BALANCE_CYLINDERS_MAX.
     float    gain;         ///< Of the deviation, a cycle, (0, 1].
+    float    proportional; ///< P, [0, 1].
     float    rate;         ///< Largest change of a trim in a cycle, before the mean of all is taken off, (0, 1].
     float    limit;        ///< Largest |trim|, (0, 0.5].
     float    sd_max;       ///< Of a deviation, above which nothing is learned, (0, 1].
@@ -50,6 +52,8 @@ typedef struct sd_balance {
     float    mean_square, noise;             ///< Of the deviations, smoothed; of their stated variance.
     uint32_t learned;                        ///< Cycles since restart in which trims moved.
     float    deviation[SD_BALANCE_CYLINDERS_MAX]; ///< Of the cycle at work.
+    float    last[SD_BALANCE_CYLINDERS_MAX];      ///< Of the last one that moved the trims.
+    uint8_t  has_last;
     uint16_t hold;                           ///< Cycles left on hold.
     uint8_t  diverged, at_limit;
     uint8_t  at_work;                        ///< What sd_balance_work does next, 0: nothing.

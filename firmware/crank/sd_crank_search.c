@@ -152,12 +152,21 @@ static void gap_seen(sd_crank_t *self, const sd_gap_t *gap) {
     for (uint32_t mark = 0; mark < self->mark_count; ++mark) { follow(self, mark, gap); }
 }
 
+/* Where a wheel's marks lie nearly evenly, each can be followed as the next one with a count that is mended by a tooth. The sight
+ * whose counts were right for a whole revolution is the wheel then, and one whose counts never were is not. */
+static bool is_whole(const sd_crank_t *self, const sd_crank_sight_t *s) { return s->clean >= self->mark_count; }
+static bool counts_less(const sd_crank_t *self, const sd_crank_sight_t *s, const sd_crank_sight_t *than) {
+    return (self->mark_count > 1u) && (s->clean == 0u) && is_whole(self, than);
+}
+
 /* Another gap that may as well be the mark. */
 static bool has_rival(const sd_crank_t *self, const sd_crank_sight_t *own, uint32_t hits, bool is_noisy) {
     const bool settled = hits >= (uint32_t)self->mark_count + SETTLED;
     for (uint32_t i = 0; i < SD_CRANK_SIGHTS; ++i) {
         const sd_crank_sight_t *s = &self->sight[i];
         if ((s == own) || (s->hits == 0u) || (s->strange > own->strange) || ((s->raw == 1u) && (s->hits == 1u))) { continue; }
+        if (counts_less(self, s, own)) { continue; }
+        if (counts_less(self, own, s)) { return true; }
         if (settled || is_noisy ? (s->width > own->width) && (s->hits + SETTLED > hits)
                     : (RIVAL_PARTS + 1u) * s->width > RIVAL_PARTS * (uint32_t)own->width) {
             return true;

@@ -4,9 +4,10 @@
 #include "sd_math.h"
 
 #define TORQUE_MOST_NM 20000.0f
+#define MEAN_TEETH     16.0f
 #define STRIKES_MOST   8u /* teeth left out in a row: the filter begins anew */
 
-_Static_assert(sizeof(sd_driveline_guard_t) == 72, "without pointers, the same size on every target");
+_Static_assert(sizeof(sd_driveline_guard_t) == 76, "without pointers, the same size on every target");
 
 static bool in_range(const sd_driveline_tables_t *t) {
     bool ok = sd_above_to(t->tick_s, 0.0f, 1e-3f) && sd_above_to(t->pitch_rad, 0.0f, 0.6f) && sd_within(t->wheel_pitch_rad, 0.0f, 3.2f) &&
@@ -15,6 +16,7 @@ static bool in_range(const sd_driveline_tables_t *t) {
               sd_above_to(t->per_vehicle, 0.0f, 1e4f) && sd_within(t->soft_nmprad, 0.0f, 1e7f) && sd_within(t->stiff_nmprad, 1.0f, 1e7f) &&
               sd_within(t->damping_nms, 0.0f, 1e6f) && sd_above_to(t->kink_rad, 0.0f, 1.0f) && sd_within(t->rolling_nm, 0.0f, 1e5f) &&
               sd_within(t->drag_nms2, 0.0f, 1e4f) && sd_above_to(t->reject_rad, 0.0f, 1.0f) && sd_within(t->per_reject, 1.0f, 1e9f) &&
+              sd_above_to(t->doubt_rad, 0.0f, 1.0f) &&
                   sd_within(t->settle_s, 0.0f, 100.0f) &&
               sd_within(t->moving_radps, 0.0f, 1e6f) && sd_within(t->moving_hold_s, 0.0f, 100.0f) &&
               (t->gears <= SD_DRIVELINE_GEARS_MAX) && (t->guard <= (uint8_t)SD_GUARD_TORQUE);
@@ -30,18 +32,20 @@ sd_result_t sd_driveline_guard_init(sd_driveline_guard_t *self, const sd_driveli
 
 void sd_driveline_guard_restart(sd_driveline_guard_t *self) { self->gear = 0; }
 
-static uint8_t location_of(float value, float limit) { return (value > limit) ? 3u : (value < -limit) ? 1u : 2u; }
+static uint8_t location_of(float value, float limit) {
+    if (__builtin_fabsf(value) <= limit) { return 2u; }
+    return (value > 0.0f) ? 3u : 1u;
+}
 
 /* The spring's torque: stiffness times torsion, plus what the law of the torsion's own location adds. */
 typedef struct law {
     float stiffness_nmprad, constant_nm;
 } law_t;
 
-static inline law_t law_of(const sd_driveline_tables_t *t, float twist_rad) {
+static inline law_t law_of(const sd_driveline_tables_t *t, uint8_t location) {
+    if (location == 2u) { return (law_t){ t->soft_nmprad, 0.0f }; }
     const float preload = (t->stiff_nmprad - t->soft_nmprad) * t->kink_rad;
-    if (twist_rad > t->kink_rad) { return (law_t){ t->stiff_nmprad, -preload }; }
-    if (twist_rad < -t->kink_rad) { return (law_t){ t->stiff_nmprad, preload }; }
-    return (law_t){ t->soft_nmprad, 0.0f };
+    return (law_t){ t->stiff_nmprad, (location == 3u) ? -preload : preload };
 }
 
 static float road_nm(const sd_driveline_tables_t *t, float wheel_radps) {
@@ -53,7 +57,7 @@ static float road_nm(const sd_driveline_tables_t *t, float wheel_radps) {
 static void propagate(sd_driveline_guard_t *self, const sd_driveline_tables_t *t, float ratio, float h) {
     float *x = self->x;
     const float half = 0.5f * h, torque = self->torque_nm + x[SD_DRIVELINE_BIAS], road = road_nm(t, x[SD_DRIVELINE_WHEEL]);
-    const law_t law = law_of(t, x[SD_DRIVELINE_TWIST]);
+    const law_t law = law_of(t, self->by_angle);
     const float speed = x[SD_DRIVELINE_SPEED], wheel = x[SD_DRIVELINE_WHEEL], twist = x[SD_DRIVELINE_TWIST];
     const float winding = ratio * speed - wheel;
     const float shaft = law.stiffness_nmprad * twist + law.constant_nm + t->damping_nms * winding;
@@ -86,7 +90,7 @@ static void correct(sd_driveline_guard_t *self, const sd_driveline_gain_t *gain,
 static void correct_by_tooth(sd_driveline_guard_t *self, const sd_driveline_tables_t *t, const sd_driveline_gear_t *gear, float step,
                              float late) {
     const uint8_t table = (uint8_t)(((self->location == 2u) ? 0u : 1u) + ((self->settled_s < t->settle_s) ? 2u : 0u));
-    if ((table != self->table) || !sd_within(step, 0.97f * self->gain_s, 1.03f * self->gain_s)) {
+    if ((table != self->table) || !(__builtin_fabsf(step - self->gain_s) <= 0.03f * self->gain_s)) {
         const sd_driveline_gain_t *octaves = (table >= 2u) ? gear->start[table - 2u] : gear->tooth[table];
         blend(octaves, step / t->shortest_s, &self->gain);
         self->gain_s = step;
@@ -111,10 +115,10 @@ static void begin(sd_driveline_guard_t *self, const sd_driveline_tables_t *t, co
     self->x[SD_DRIVELINE_WHEEL] = ratio * speed;
     self->x[SD_DRIVELINE_WHEEL_PHASE] = 0.0f;
     self->gear = tooth->gear;
-    self->location = location;
+    self->location = self->by_angle = location;
     self->settled_s = self->still_s = 0.0f;
     self->strikes = 0;
-    self->gain_s = 0.0f;
+    self->gain_s = self->mean_late_rad = 0.0f;
 }
 
 static void judge(sd_driveline_guard_t *self, const sd_driveline_tables_t *t, const sd_driveline_tooth_t *tooth, bool taken,
@@ -132,13 +136,15 @@ static void judge(sd_driveline_guard_t *self, const sd_driveline_tables_t *t, co
 /* Where the shaft stands, and what is said of it. */
 static void say(sd_driveline_guard_t *self, const sd_driveline_tables_t *t, float ratio, float step, float late, sd_driveline_out_t *out) {
     const float twist = self->x[SD_DRIVELINE_TWIST], winding = ratio * self->x[SD_DRIVELINE_SPEED] - self->x[SD_DRIVELINE_WHEEL];
-    const law_t law = law_of(t, twist);
+    const uint8_t by_angle = location_of(twist, t->kink_rad);
+    const law_t law = law_of(t, by_angle);
     const float spring = law.stiffness_nmprad * twist + law.constant_nm;
     /* By torque: what the model lacks is laid to the shaft, not to the engine. */
     const uint8_t location = (t->guard == (uint8_t)SD_GUARD_ANGLE)
-                                 ? location_of(twist, t->kink_rad)
+                                 ? by_angle
                                  : location_of(spring - self->x[SD_DRIVELINE_BIAS] / ratio, t->soft_nmprad * t->kink_rad);
     out->changed = (location != self->location) ? 1u : 0u;
+    self->by_angle = by_angle;
     self->location = out->location = location;
     self->still_s = (__builtin_fabsf(winding) > t->moving_radps) ? 0.0f : self->still_s + step;
     out->moving = (self->still_s < t->moving_hold_s) ? 1u : 0u;
@@ -162,7 +168,7 @@ static void rest(sd_driveline_guard_t *self, const sd_driveline_tables_t *t, sd_
 
 void sd_driveline_guard_step(sd_driveline_guard_t *self, const sd_driveline_tables_t *t, const sd_driveline_tooth_t *tooth,
                              sd_driveline_out_t *out) {
-    if (sd_within(tooth->torque_nm, -TORQUE_MOST_NM, TORQUE_MOST_NM)) { self->torque_nm = tooth->torque_nm; }
+    if (__builtin_fabsf(tooth->torque_nm) <= TORQUE_MOST_NM) { self->torque_nm = tooth->torque_nm; }
     const bool usable = (tooth->gear >= 1u) && (tooth->gear <= t->gears) && (tooth->period_ticks != 0u) && (tooth->advance >= 1u) &&
                         (tooth->advance <= 120u);
     if (!usable) {
@@ -179,9 +185,15 @@ void sd_driveline_guard_step(sd_driveline_guard_t *self, const sd_driveline_tabl
         const float h = (tooth->advance == 1u) ? step : step / (float)tooth->advance;
         for (uint32_t k = 0; k < tooth->advance; ++k) { propagate(self, t, gear->ratio, h); }
         late = tooth->place_rad - self->x[SD_DRIVELINE_PHASE];
-        const bool near = sd_within(late, -t->reject_rad, t->reject_rad);
+        const bool near = __builtin_fabsf(late) <= t->reject_rad;
         taken = near && (tooth->health == (uint8_t)SD_VALID);
-        if (taken) { correct_by_tooth(self, t, gear, step, late); }
+        if (taken) {
+            correct_by_tooth(self, t, gear, step, late);
+            self->mean_late_rad += (late - self->mean_late_rad) * (1.0f / MEAN_TEETH);
+        }
+        if (__builtin_fabsf(self->mean_late_rad) > t->doubt_rad) {
+            self->settled_s = self->mean_late_rad = 0.0f; /* it is not where it believes to be */
+        }
         self->strikes = (uint8_t)(near ? 0u : self->strikes + 1u);
         if (self->settled_s < t->settle_s) { self->settled_s += step; }
     }

@@ -9,7 +9,8 @@
 /// It steps from tooth to tooth by the midpoint rule, and is corrected by how late the tooth comes, which is white where a period's
 /// error is not. Location is where its own torsion stands: no residual has to grow first. Gains are those of the steady filter of the
 /// location, for the time that the step took.
-/// With wheel teeth it carries the wheels' phase too, and an edge of theirs corrects all of it.
+/// Where the mean lateness of some 16 teeth is beyond doubt_rad, the filter is not where it believes to be, and settles anew: it says
+/// converging. With wheel teeth it carries the wheels' phase too, and an edge of theirs corrects all of it.
 ///
 /// Torsion and shaft torque are those at the wheels; "at the crank" says otherwise.
 ///
@@ -54,11 +55,13 @@ typedef struct sd_driveline_guard {
     sd_driveline_gain_t gain; ///< Of the last tooth,
     float    gain_s;       ///< made for so long a step
     float    torque_nm;    ///< Last good one.
+    float    mean_late_rad; ///< Mean lateness of some 16 teeth.
     float    settled_s;    ///< Time that the filter has run in this gear.
     float    still_s;      ///< Time since the shaft last moved fast.
     uint16_t rejected;     ///< Teeth left out since init, saturating.
     uint8_t  gear;         ///< Of the last step; 0: it does not run.
     uint8_t  location;
+    uint8_t  by_angle;     ///< Location that the torsion stands in.
     uint8_t  table;        ///< from which gains: 1: stiff, and 2: of the start.
     uint8_t  strikes;      ///< Teeth left out in a row.
 } sd_driveline_guard_t;

@@ -55,6 +55,7 @@ typedef struct sd_driveline_tables {
     float    drag_nms2;         ///< Of the air, [0, 1e4].
     float    reject_rad;        ///< Lateness of a tooth beyond which it is left out, (0, 1].
     float    per_reject;        ///< One over it.
+    float    doubt_rad;         ///< Mean lateness of some 16 teeth beyond which the estimate is not believed, (0, 1].
     float    settle_s;          ///< Time in a gear until the estimate counts, [0, 100].
     float    moving_radps;      ///< Rate of torsion above which the driveline counts as moving.
     float    moving_hold_s;     ///< For how long after that it still does.

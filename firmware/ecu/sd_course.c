@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "sd_course.h"
 
+#include "sd_value.h"
+
 #define TWO_PI 6.2831853f
 
 static void begin_cycle(sd_course_t *self) {
@@ -24,9 +26,11 @@ sd_course_jump_t sd_course_follow(sd_course_t *self, const sd_tooth_t *tooth, ui
 
 bool sd_course_ended(sd_course_t *self, const sd_tooth_t *tooth, uint32_t positions, float tick_hz, sd_cycle_t *cycle) {
     if (tooth->cycle_position >= self->position) { return false; }
-    const float turns = (float)self->cycle_positions / (float)positions;
+    const sd_value_t turns = V(div)(V(int)((int32_t)self->cycle_positions), V(int)((int32_t)positions));
+    const sd_value_t radians_hz = V(mul)(V(mul)(V(of)(TWO_PI), turns), V(of)(tick_hz));
+    const bool turned = self->cycle_ticks > 0u;
     *cycle = (sd_cycle_t){ .tick = tooth->tick,
-                           .speed_radps = (self->cycle_ticks > 0u) ? TWO_PI * turns * tick_hz / (float)self->cycle_ticks : 0.0f,
+                           .speed_radps = turned ? V(float)(V(div)(radians_hz, V(int)((int32_t)self->cycle_ticks))) : 0.0f,
                            .whole = self->cycle_positions >= 2u * positions,
                            .clean = self->spoilt == 0u,
                            .phase_known = tooth->phase_known != 0u };

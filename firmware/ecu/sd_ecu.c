@@ -131,7 +131,7 @@ static bool step_firings(sd_ecu_t *self, const sd_calibration_t *page, const sd_
     return true;
 }
 
-static void on_tooth(sd_ecu_t *self, const sd_calibration_t *page, const sd_port_t *port, const sd_tooth_t *tooth, float speed_radps) {
+void sd_ecu_tooth(sd_ecu_t *self, const sd_calibration_t *page, const sd_port_t *port, const sd_tooth_t *tooth, float speed_radps) {
     sd_cycle_t cycle;
     const sd_course_jump_t moved = sd_course_follow(&self->course, tooth, page->positions);
     if (moved != SD_COURSE_NONE) { jump(self, moved); }
@@ -144,9 +144,14 @@ static void on_tooth(sd_ecu_t *self, const sd_calibration_t *page, const sd_port
     if (!burdened && !catches_up) { sd_ecu_do_piece(self, page, port); }
 }
 
-/* ---- events ---------------------------------------------------------------------------------------------------- */
+/* ---- beside teeth ---------------------------------------------------------------------------------------------- */
 
-static void lose_angle(sd_ecu_t *self, uint16_t why) {
+void sd_ecu_spurious(sd_ecu_t *self, const sd_calibration_t *page) {
+    sd_firings_spurious(&self->firings, &page->kalman);
+    sd_stage_misfire_spurious(&self->misfire, page);
+}
+
+void sd_ecu_lose_angle(sd_ecu_t *self, uint16_t why) {
     sd_course_lose(&self->course);
     sd_stage_mixture_restart(&self->mixture);
     self->say.signals.torque_mass_nm = 0.0f;
@@ -154,71 +159,16 @@ static void lose_angle(sd_ecu_t *self, uint16_t why) {
     sd_publish_worst_of(&self->say, SD_OWNER_FIRING, SD_INVALID, why);
 }
 
-static void on_crank_edge(sd_ecu_t *self, const sd_calibration_t *page, const sd_port_t *port, uint32_t tick) {
-    sd_tooth_t tooth;
-    sd_crank_edge(&self->crank, tick, &tooth);
-    const sd_crank_motion_t motion = sd_crank_motion_of(&self->crank, &tooth, page->tick_hz);
-    sd_say_tooth(&self->say, page, &tooth, &motion);
-    if (tooth.edge_class == (uint8_t)SD_EDGE_UNSYNCED) {
-        lose_angle(self, SD_WHY_NO_SYNC);
-        sd_ecu_do_piece(self, page, port);
-    } else if (tooth.edge_class != (uint8_t)SD_EDGE_SPURIOUS) {
-        on_tooth(self, page, port, &tooth, motion.speed_radps);
-    } else {
-        sd_firings_spurious(&self->firings, &page->kalman);
-        sd_stage_misfire_spurious(&self->misfire, page);
-    }
-    self->edge_seen = 1;
-    sd_publish_row(&self->say, port, tick, SD_RATE_EDGE);
+float sd_ecu_say_edge(sd_ecu_t *self, const sd_calibration_t *page, const sd_tooth_t *tooth) {
+    const sd_crank_motion_t motion = sd_crank_motion_of(&self->crank, tooth, page->tick_hz);
+    sd_say_tooth(&self->say, page, tooth, &motion);
+    return motion.speed_radps;
 }
 
-static void publish_lost_angle(sd_ecu_t *self, const sd_port_t *port, uint32_t tick, uint16_t why) {
-    lose_angle(self, why);
-    sd_say_lost_angle(&self->say, SD_INVALID, why);
-    sd_publish_row(&self->say, port, tick, SD_RATE_EDGE);
-}
-
-static void on_sample(sd_ecu_t *self, const sd_event_t *event) {
-    float value;
-    memcpy(&value, &event->value, sizeof value);
-    const bool taken = sd_inputs_take(&self->inputs, event->channel, event->tick, value);
-    if (taken && (event->channel == (uint16_t)SD_INPUT_EXHAUST_LAMBDA)) {
+void sd_ecu_sample(sd_ecu_t *self, sd_input_t input, float value) {
+    if (input == SD_INPUT_EXHAUST_LAMBDA) {
         sd_stage_mixture_sample(&self->mixture, value, self->working.afr_stoichiometric);
+    } else if (input == SD_INPUT_EXHAUST_PRESSURE) {
+        sd_stage_mixture_pressure(&self->mixture, value);
     }
-}
-
-static void on_time(sd_ecu_t *self, const sd_calibration_t *page, const sd_port_t *port, uint32_t tick) {
-    sd_inputs_age(&self->inputs, tick, page->tick_hz);
-    if (sd_crank_poll(&self->crank, tick)) { publish_lost_angle(self, port, tick, SD_WHY_STALL); }
-    if (self->edge_seen == 0u) { sd_ecu_do_piece(self, page, port); } /* no tooth comes to do it */
-    self->edge_seen = 0;
-    sd_say_inputs(&self->say, &self->inputs);
-    sd_publish_row(&self->say, port, tick, SD_RATE_TASK);
-    const sd_event_t done = { .tick = tick, .kind = SD_EVENT_DONE, .value = self->say.unsent, .flags = self->unknown_events };
-    (void)port->send(port->context, &done, 1u);
-}
-
-/* The decoder would take lost edges for a mark or a change of speed, so it starts afresh. */
-static void on_gap(sd_ecu_t *self, const sd_port_t *port, uint32_t tick) {
-    sd_crank_lose_sync(&self->crank);
-    publish_lost_angle(self, port, tick, SD_WHY_NO_SYNC);
-}
-
-uint32_t sd_ecu_run(sd_ecu_t *self, const sd_calibration_t *page, const sd_port_t *port) {
-    sd_event_t event;
-    uint32_t handled = 0;
-    while ((self->ready != 0u) && (port->receive(port->context, &event, 1u) == 1u)) {
-        switch (event.kind) {
-        case SD_EVENT_CRANK_EDGE: on_crank_edge(self, page, port, event.tick); break;
-        case SD_EVENT_CAM_EDGE:   sd_crank_cam_edge(&self->crank, event.tick); break;
-        case SD_EVENT_WHEEL_EDGE: break; /* nothing takes it yet */
-        case SD_EVENT_TIME:       on_time(self, page, port, event.tick); break;
-        case SD_EVENT_SAMPLE:     on_sample(self, &event); break;
-        case SD_EVENT_GAP:        on_gap(self, port, event.tick); break;
-        case SD_EVENT_PARAMETER:  sd_ecu_parameter(self, page, port, &event); break;
-        default:                  self->unknown_events++; break;
-        }
-        handled++;
-    }
-    return handled;
 }

@@ -5,7 +5,7 @@
 ///                 and one piece of the work that the end of a cycle left: cylinders, delay, mixture, trims, the cycle's signals
 ///   cam edge   -> phase
 ///   time       -> every 10 ms: age of inputs, stall, signals of that rate, and the answer that all up to now is done
-///   sample     -> inputs; those of the lambda sensor are averaged between teeth
+///   sample     -> inputs; those of the lambda sensor and of the exhaust pressure are averaged between teeth
 ///   gap        -> events were lost: angle and phase are unknown until they are found again
 ///   parameter  -> the working parameters; since events are handled one by one, a change falls between two teeth
 ///
@@ -15,8 +15,13 @@
 /// Real-time contract: no heap, no globals, no I/O of its own; one writer. Call sd_ecu_run from the tooth interrupt or
 /// whenever the port may hold events. Work is counted in events, never in time, so the same events give the same answers on every port
 /// and target.
+///
+/// With SD_ECU_FIXED the same interface is that of an ecu of fixed point: sd_ecu_fixed.h.
 #ifndef SD_ECU_H
 #define SD_ECU_H
+#ifdef SD_ECU_FIXED
+#include "sd_ecu_fixed.h"
+#else
 #include "hal.h"
 #include "sd_calibration.h"
 #include "sd_firings.h"
@@ -75,4 +80,5 @@ uint32_t sd_ecu_run(sd_ecu_t *self, const sd_calibration_t *page, const sd_port_
 #ifdef __cplusplus
 }
 #endif
+#endif /* SD_ECU_FIXED */
 #endif

@@ -1,15 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* The working parameters while the engine runs. A value goes to the stage that owns it; what is learned stays where that is
  * possible, and a block that must begin anew says converging. */
-#include <stddef.h>
-#include <string.h>
-
 #include "sd_ecu_parts.h"
 
-#define INDEX_OF(field) ((uint32_t)(offsetof(sd_parameters_t, field) / sizeof(float)))
-
-static float *working(sd_ecu_t *self) { return (float *)&self->working; }
-static const float *reference(const sd_ecu_t *self) { return (const float *)&self->reference; }
+#define INDEX_OF SD_PARAMETER_INDEX
 
 sd_firings_config_t sd_ecu_firings_config(const sd_calibration_t *page, const sd_parameters_t *p) {
     return (sd_firings_config_t){ .torque_base_nm = p->torque_torque_base_nm,
@@ -50,8 +44,7 @@ static sd_result_t apply_afr(sd_ecu_t *self, const sd_calibration_t *page, uint3
     return read_each_cycle ? SD_OK : sd_stage_mixture_configure(&self->mixture, page, &self->working);
 }
 
-/* Takes the working parameters over into the stage that owns this one: whole, or on an error not at all. */
-static sd_result_t apply(sd_ecu_t *self, const sd_calibration_t *page, uint32_t index) {
+sd_result_t sd_ecu_apply(sd_ecu_t *self, const sd_calibration_t *page, uint32_t index) {
     switch (sd_parameter_infos[index].owner) {
     case SD_OWNER_CRANK:   return sd_crank_set_stall(&self->crank, sd_calibration_crank(page, &self->working).stall_ticks);
     case SD_OWNER_TORQUE:  return apply_torque(self, page, index);
@@ -61,52 +54,4 @@ static sd_result_t apply(sd_ecu_t *self, const sd_calibration_t *page, uint32_t 
     case SD_OWNER_BALANCE: return apply_balance(self, page, index);
     default:               return SD_ERR_CONFIG; /* no other stage has any */
     }
-}
-
-static sd_parameter_result_t set(sd_ecu_t *self, const sd_calibration_t *page, uint32_t index, float value) {
-    const sd_signal_info_t *info = &sd_parameter_infos[index];
-    float *const at = &working(self)[index], before = *at;
-    if (!((value >= info->low) && (value <= info->high))) { return SD_PARAMETER_RANGE; } /* NaN too */
-    if (value == before) { return SD_PARAMETER_OK; }
-    if (info->at_start != 0u) { return SD_PARAMETER_AT_START; }
-    *at = value;
-    if (apply(self, page, index) == SD_OK) { return SD_PARAMETER_OK; }
-    *at = before;
-    return SD_PARAMETER_REFUSED;
-}
-
-/* All at once: one by one, a value may not go with one that is still to come. */
-static sd_parameter_result_t restore_all(sd_ecu_t *self, const sd_calibration_t *page) {
-    const sd_parameters_t before = self->working;
-    self->working = self->reference;
-    for (uint32_t i = 0; i < SD_PARAMETER_COUNT; ++i) {
-        if (((const float *)&before)[i] != reference(self)[i]) { (void)apply(self, page, i); } /* it has run with this page */
-    }
-    return SD_PARAMETER_OK;
-}
-
-static sd_parameter_result_t command(sd_ecu_t *self, const sd_calibration_t *page, uint32_t index, uint32_t what, float value) {
-    switch (what) {
-    case SD_PARAMETER_SET:     return set(self, page, index, value);
-    case SD_PARAMETER_RESTORE: return set(self, page, index, reference(self)[index]);
-    default:                   return SD_PARAMETER_OK;
-    }
-}
-
-void sd_ecu_parameter(sd_ecu_t *self, const sd_calibration_t *page, const sd_port_t *port, const sd_event_t *request) {
-    sd_event_t answer = *request;
-    sd_parameter_result_t result = SD_PARAMETER_UNKNOWN;
-    const uint32_t index = request->channel;
-    answer.value = 0;
-    if ((index == SD_PARAMETER_ALL) && (request->flags == SD_PARAMETER_RESTORE)) {
-        result = restore_all(self, page);
-    } else if ((index < SD_PARAMETER_COUNT) && (request->flags <= SD_PARAMETER_RESTORE)) {
-        float value;
-        memcpy(&value, &request->value, sizeof value);
-        result = command(self, page, index, request->flags, value);
-        const float *shown = (request->flags == SD_PARAMETER_READ_REFERENCE) ? reference(self) : working(self);
-        memcpy(&answer.value, &shown[index], sizeof answer.value);
-    }
-    answer.flags = (request->flags & 0xffu) | ((uint32_t)result << 8);
-    (void)port->send(port->context, &answer, 1u);
 }

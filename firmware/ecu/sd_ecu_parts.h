@@ -2,11 +2,21 @@
 /* sd_ecu_parts.h - what the files of the ecu share; no part of its interface. sd_ecu.c calls the others, and none calls back. */
 #ifndef SD_ECU_PARTS_H
 #define SD_ECU_PARTS_H
+#include <stddef.h>
+
 #include "sd_ecu.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
+
+/* What an ecu makes of events. An edge is said, speed in rad/s returned; a placed tooth with that speed; an edge that is none; the
+ * angle is lost; a sample was taken. */
+float sd_ecu_say_edge(sd_ecu_t *self, const sd_calibration_t *page, const sd_tooth_t *tooth);
+void sd_ecu_tooth(sd_ecu_t *self, const sd_calibration_t *page, const sd_port_t *port, const sd_tooth_t *tooth, float speed_radps);
+void sd_ecu_spurious(sd_ecu_t *self, const sd_calibration_t *page);
+void sd_ecu_lose_angle(sd_ecu_t *self, uint16_t why);
+void sd_ecu_sample(sd_ecu_t *self, sd_input_t input, float value);
 
 /* sd_ecu_cycle.c: pieces of work, in their order. */
 typedef enum sd_piece {
@@ -27,9 +37,15 @@ void sd_ecu_begin_work(sd_ecu_t *self, const sd_calibration_t *page, const sd_po
 /* Does one piece, if any is due. */
 void sd_ecu_do_piece(sd_ecu_t *self, const sd_calibration_t *page, const sd_port_t *port);
 
+/* Takes the working parameters over into the stage that owns this one: whole, or on an error not at all. */
+sd_result_t sd_ecu_apply(sd_ecu_t *self, const sd_calibration_t *page, uint32_t index);
+#define SD_PARAMETER_INDEX(field) ((uint32_t)(offsetof(sd_parameters_t, field) / sizeof(float)))
+
+#ifndef SD_ECU_FIXED
 /* sd_ecu_parameters.c */
 sd_firings_config_t sd_ecu_firings_config(const sd_calibration_t *page, const sd_parameters_t *p);
-/* Reads or changes a parameter and sends the answer. */
+#endif
+/* sd_ecu_command.c: reads or changes a parameter and sends the answer. */
 void sd_ecu_parameter(sd_ecu_t *self, const sd_calibration_t *page, const sd_port_t *port, const sd_event_t *request);
 
 #ifdef __cplusplus

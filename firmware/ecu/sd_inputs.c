@@ -3,11 +3,13 @@
 
 #include <stddef.h>
 
+#include "sd_value.h"
+
 _Static_assert(SD_INPUT_COUNT <= 32u, "a bit for each input");
 
 bool sd_inputs_take(sd_inputs_t *self, uint16_t channel, uint32_t tick, float value) {
     const sd_input_info_t *info = (channel < SD_INPUT_COUNT) ? &sd_input_infos[channel] : NULL;
-    if ((info == NULL) || !((value >= info->low) && (value <= info->high))) { /* written so that NaN is out of range */
+    if ((info == NULL) || !sd_bits_within(value, info->low, info->high)) { /* NaN is out of range */
         self->rejected++;
         return false;
     }
@@ -23,7 +25,8 @@ void sd_inputs_age(sd_inputs_t *self, uint32_t tick, float tick_hz) {
          * ticks wraps. */
         const int32_t age_ticks = (int32_t)(tick - self->reading[i].tick);
         const float limit_s = sd_input_infos[i].age_s; /* 0: for ever */
-        if ((limit_s > 0.0f) && ((float)age_ticks > limit_s * tick_hz)) { self->fresh &= ~(1u << i); }
+        const bool ages = sd_bits_order(limit_s) > 0;
+        if (ages && V(less)(V(mul)(V(of)(limit_s), V(of)(tick_hz)), V(int)(age_ticks))) { self->fresh &= ~(1u << i); }
     }
 }
 

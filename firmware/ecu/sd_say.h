@@ -3,8 +3,7 @@
 #ifndef SD_SAY_H
 #define SD_SAY_H
 #include "sd_firings.h"
-#include "sd_inputs.h"
-#include "sd_publish.h"
+#include "sd_say_edge.h"
 #include "sd_stage_misfire.h"
 #include "sd_stage_mixture.h"
 #include "sd_stage_torque.h"
@@ -15,10 +14,6 @@ extern "C" {
 
 /// Angle, speed, class and health of an edge. Speed and acceleration stay when the tooth has no period.
 void sd_say_tooth(sd_publish_t *say, const sd_calibration_t *page, const sd_tooth_t *tooth, const sd_crank_motion_t *motion);
-/// The angle is lost: what depends on it is 0.
-void sd_say_lost_angle(sd_publish_t *say, uint8_t health, uint16_t why);
-/// Which inputs are missing or stale, bit by bit.
-void sd_say_inputs(sd_publish_t *say, const sd_inputs_t *inputs);
 void sd_say_torque(sd_publish_t *say, const sd_torque_out_t *torque);
 void sd_say_cylinders(sd_publish_t *say, const sd_calibration_t *page, const sd_cylinders_out_t *cylinders);
 void sd_say_firing(sd_publish_t *say, const sd_calibration_t *page, const sd_firings_out_t *firings);

@@ -27,7 +27,10 @@ static sd_result_t init_afr(sd_afr_t *afr, const sd_calibration_t *page, const s
                                .cylinders = page->cylinders, .noise_per_rthz = p->afr_noise, .drift = p->afr_drift,
                                .drift_slow = p->afr_drift_slow, .jump = p->afr_jump, .slow_above = p->afr_slow_above,
                                .gain_air = p->afr_gain_air, .gain_cylinder = p->afr_gain_cylinder,
-                               .inversion_gain = p->afr_inversion_gain, .inversion_floor = p->afr_inversion_floor };
+                               .inversion_gain = p->afr_inversion_gain, .inversion_floor = p->afr_inversion_floor,
+                               .gain_mass = p->afr_gain_mass, .turbine_drop = p->afr_turbine_drop, .turbine_rpm = p->afr_turbine_rated_rpm };
+    /* The joint filter has one arithmetic. */
+    config.fixed_point = ((p->afr_arithmetic > 0.5f) && (config.method != (uint8_t)SD_AFR_JOINT)) ? 1u : 0u;
     for (uint32_t i = 0; i < page->cylinders; ++i) { config.firing_position[i] = page->firing_position[i]; }
     const sd_afr_tables_t tables = tables_of(page);
     return sd_afr_init(afr, &config, &tables);
@@ -63,44 +66,60 @@ void sd_stage_mixture_sample(sd_stage_mixture_t *self, float lambda, float stoic
     self->cycle_samples++;
 }
 
-static void wait_for(sd_stage_mixture_t *self, float burned) {
+void sd_stage_mixture_pressure(sd_stage_mixture_t *self, float bar) {
+    self->pressure_sum += bar;
+    self->pressure_count++;
+}
+
+bool sd_stage_mixture_takes_pressure(const sd_stage_mixture_t *self) {
+    return ready(self) && !is_told(self) && (self->afr.config.gain_mass > 0.0f);
+}
+
+static void wait_for(sd_stage_mixture_t *self, float burned, float bar) {
     if (self->waiting_count == SD_MIXTURE_WAITING) { return; } /* coasted over half a wheel: the angle is about to be lost */
-    self->waiting[(self->waiting_first + self->waiting_count) % SD_MIXTURE_WAITING] = burned;
+    const uint32_t at = (self->waiting_first + self->waiting_count) % SD_MIXTURE_WAITING;
+    self->waiting[at] = burned;
+    self->waiting_bar[at] = bar;
     self->waiting_count++;
 }
 
-static void step(sd_stage_mixture_t *self, const sd_afr_tables_t *tables, uint32_t position, float burned) {
-    sd_afr_step(&self->afr, tables, position, burned);
+static void step(sd_stage_mixture_t *self, const sd_afr_tables_t *tables, uint32_t position, float burned, float bar) {
+    sd_afr_step(&self->afr, tables, position, burned, bar);
     sd_afr_delay_step(&self->delay, &self->afr.in, position, 1.0f - burned); /* no sample is none there either */
 }
 
 static void step_oldest(sd_stage_mixture_t *self, const sd_afr_tables_t *tables) {
     const uint32_t position = self->waiting_position;
-    const float burned = self->waiting[self->waiting_first];
+    const float burned = self->waiting[self->waiting_first], bar = self->waiting_bar[self->waiting_first];
     self->waiting_position = (uint16_t)((position + 1u == self->afr.config.cycle_positions) ? 0u : position + 1u);
     self->waiting_first = (uint8_t)((self->waiting_first + 1u) % SD_MIXTURE_WAITING);
     self->waiting_count--;
-    step(self, tables, position, burned);
+    step(self, tables, position, burned, bar);
+}
+
+static float take_mean(float *sum, uint32_t *count, bool wanted, float otherwise) {
+    const float mean = ((*count > 0u) && wanted) ? *sum / (float)*count : otherwise;
+    *sum = 0.0f;
+    *count = 0;
+    return mean;
 }
 
 bool sd_stage_mixture_tooth(sd_stage_mixture_t *self, const sd_calibration_t *page, const sd_tooth_t *tooth, uint32_t most) {
-    /* Across a mark the mean belongs to no one position. */
-    const bool sampled = (self->burned_count > 0u) && (tooth->advance == 1u);
-    const float burned = sampled ? self->burned_sum / (float)self->burned_count : SD_AFR_NO_SAMPLE;
-    self->burned_sum = 0.0f;
-    self->burned_count = 0;
+    const bool single = tooth->advance == 1u; /* across a mark the mean belongs to no one position */
+    const float burned = take_mean(&self->burned_sum, &self->burned_count, single, SD_AFR_NO_SAMPLE);
+    const float bar = take_mean(&self->pressure_sum, &self->pressure_count, single, 0.0f);
     if (!ready(self)) { return false; }
     const sd_afr_tables_t tables = tables_of(page);
-    if ((self->waiting_count == 0u) && (tooth->advance == 1u) && (most > 0u)) {
-        step(self, &tables, tooth->cycle_position, burned);
+    if ((self->waiting_count == 0u) && single && (most > 0u)) {
+        step(self, &tables, tooth->cycle_position, burned, bar);
         return false;
     }
     if (self->waiting_count == 0u) {
         const uint32_t cycle = 2u * page->positions;
         self->waiting_position = (uint16_t)((tooth->cycle_position + cycle + 1u - tooth->advance) % cycle);
     }
-    for (uint32_t left = tooth->advance; left > 1u; --left) { wait_for(self, SD_AFR_NO_SAMPLE); }
-    wait_for(self, burned);
+    for (uint32_t left = tooth->advance; left > 1u; --left) { wait_for(self, SD_AFR_NO_SAMPLE, 0.0f); }
+    wait_for(self, burned, bar);
     for (uint32_t i = 0; (i < most) && (self->waiting_count > 0u); ++i) { step_oldest(self, &tables); }
     return most > 1u;
 }
@@ -169,15 +188,14 @@ static float follows(sd_stage_mixture_t *self, const sd_parameters_t *p, float s
     return sd_clamp(1.0f - sd * sd / before, FOLLOW_LEAST, 1.0f);
 }
 
-void sd_stage_mixture_read(sd_stage_mixture_t *self, const sd_parameters_t *p, float speed_radps, float intake_bar, float fuel_mg,
-                           sd_mixture_out_t *out) {
+void sd_stage_mixture_read(sd_stage_mixture_t *self, const sd_parameters_t *p, const sd_afr_conditions_t *at, sd_mixture_out_t *out) {
     memset(out, 0, sizeof *out);
     if (!ready(self)) {
         out->status = (sd_status_t){ .health = SD_INVALID, .why = SD_WHY_UNCALIBRATED };
         out->deviations.health = SD_INVALID;
         return;
     }
-    sd_afr_cycle(&self->afr, speed_radps, intake_bar, fuel_mg);
+    sd_afr_cycle(&self->afr, at);
     out->status = sd_afr_status(&self->afr);
     if (self->cycle_samples == 0u) { sd_status_worst_of(&out->status, SD_INVALID, SD_WHY_NO_INPUT); }
     self->cycle_samples = 0;

@@ -22,7 +22,10 @@ typedef struct sd_stage_mixture {
     float    burned_sum;            ///< Of the samples since the last tooth,
     uint32_t burned_count;          ///< and how many.
     uint32_t cycle_samples;         ///< Samples in this cycle.
-    float    waiting[SD_MIXTURE_WAITING]; ///< Burned share at positions not yet stepped, or SD_AFR_NO_SAMPLE.
+    float    pressure_sum;          ///< The same of the pressure in the manifold, bar.
+    uint32_t pressure_count;
+    float    waiting[SD_MIXTURE_WAITING]; ///< Burned share at positions not yet stepped, or SD_AFR_NO_SAMPLE,
+    float    waiting_bar[SD_MIXTURE_WAITING]; ///< and the pressure, or 0.
     uint16_t waiting_position;      ///< Cycle position of the oldest of them.
     uint8_t  waiting_first, waiting_count;
     float    last_trim[SD_BALANCE_CYLINDERS_MAX]; ///< Of the last cycle, by firing order.
@@ -55,15 +58,18 @@ sd_result_t sd_stage_mixture_configure(sd_stage_mixture_t *self, const sd_calibr
 void sd_stage_mixture_restart(sd_stage_mixture_t *self);
 /// A reading of the lambda sensor: air to fuel over stoichiometric; stoichiometric: air to fuel of the fuel.
 void sd_stage_mixture_sample(sd_stage_mixture_t *self, float lambda, float stoichiometric);
+/// A reading of the pressure in the exhaust manifold, bar.
+void sd_stage_mixture_pressure(sd_stage_mixture_t *self, float bar);
+/// Whether a pressure that is measured takes part in the estimate.
+bool sd_stage_mixture_takes_pressure(const sd_stage_mixture_t *self);
 /// A placed tooth: its positions wait, and the oldest that wait are stepped, `most` of them. True when more than the tooth's own
 /// position was stepped.
 bool sd_stage_mixture_tooth(sd_stage_mixture_t *self, const sd_calibration_t *page, const sd_tooth_t *tooth, uint32_t most);
 /// End of a cycle, first piece: the trims are told to the filter, and the delay learns from them. True: the delay was found to be far
 /// off, so that the trims' loop is another one now.
 bool sd_stage_mixture_learn(sd_stage_mixture_t *self, const sd_parameters_t *p, const sd_mixture_cycle_t *cycle);
-/// Next piece: notes the operating point of the coming cycle (bar, mg a stroke) and says what the filter found.
-void sd_stage_mixture_read(sd_stage_mixture_t *self, const sd_parameters_t *p, float speed_radps, float intake_bar, float fuel_mg,
-                           sd_mixture_out_t *out);
+/// Next piece: notes the operating point of the coming cycle and says what the filter found.
+void sd_stage_mixture_read(sd_stage_mixture_t *self, const sd_parameters_t *p, const sd_afr_conditions_t *at, sd_mixture_out_t *out);
 /// Last pieces: the operating point's tables. True while more is left.
 bool sd_stage_mixture_work(sd_stage_mixture_t *self, const sd_calibration_t *page);
 /// The probe's trim of each cylinder, by firing order; size: of the whole probe. 0 while none runs.

@@ -8,6 +8,8 @@
 #define SD_NUM_H
 #include <stdbool.h>
 #include <stdint.h>
+
+#include "sd_scaled.h"
 #ifdef __ARM_FEATURE_DSP
 #include <arm_acle.h>
 #endif
@@ -41,8 +43,14 @@ static inline sd_q31_t sd_sat_q31(int64_t x) {
 static inline sd_q31_t sd_add_q31(sd_q31_t a, sd_q31_t b) { return __qadd(a, b); }
 static inline sd_q31_t sd_sub_q31(sd_q31_t a, sd_q31_t b) { return __qsub(a, b); }
 #else
-static inline sd_q31_t sd_add_q31(sd_q31_t a, sd_q31_t b) { return sd_sat_q31((int64_t)a + b); }
-static inline sd_q31_t sd_sub_q31(sd_q31_t a, sd_q31_t b) { return sd_sat_q31((int64_t)a - b); }
+static inline sd_q31_t sd_add_q31(sd_q31_t a, sd_q31_t b) {
+    sd_q31_t sum;
+    return __builtin_add_overflow(a, b, &sum) ? (a >> 31) ^ INT32_MAX : sum;
+}
+static inline sd_q31_t sd_sub_q31(sd_q31_t a, sd_q31_t b) {
+    sd_q31_t difference;
+    return __builtin_sub_overflow(a, b, &difference) ? (a >> 31) ^ INT32_MAX : difference;
+}
 #endif
 
 /* a[0] b[0] + a[1] b[1] of two halves each, |sum| < 2^31: one instruction where the core has it. */
@@ -76,6 +84,7 @@ static inline sd_q31_t sd_ratio_q31(uint32_t n, uint32_t d) {
 
 static inline float    sd_gain_f32(sd_gain_f32_t g, float x)    { return g.factor * x; }
 static inline sd_q31_t sd_gain_q31(sd_gain_q31_t g, sd_q31_t x) {
+    if (g.exponent <= 0) { return sd_mul_q31(g.mantissa, x) >> -g.exponent; } /* cannot leave the range: no 64 bits to shift */
     return sd_sat_q31(((int64_t)g.mantissa * x) >> (31 - g.exponent));
 }
 
@@ -120,22 +129,60 @@ static inline sd_q31_t     sd_settle_q31(sd_acc_q31_t acc)     { return sd_sat_q
 static inline float    sd_within_f32(float x, float limit)       { return (x < -limit) ? -limit : (x > limit) ? limit : x; }
 static inline sd_q31_t sd_within_q31(sd_q31_t x, sd_q31_t limit) { return (x < -limit) ? -limit : (x > limit) ? limit : x; }
 
-/* Conversions, for init and read only. */
+/* Conversions, for init and read only. Those of q31 give the same bits by integers, for cores without a floating-point unit, as
+ * by such a unit: rounded towards 0 into q31 and saturated, to the nearest float out of it. */
+#if defined(__arm__) && !defined(__ARM_FP)
+#define SD_BY_INTEGERS 1
+#else
+#define SD_BY_INTEGERS 0
+#endif
 static inline float    sd_from_float_f32(float x)    { return x; }
-static inline sd_q31_t sd_from_float_q31(float x)    { return sd_sat_q31((int64_t)(x * 2147483648.0f)); }
+static inline sd_q31_t sd_q31_by_integers(float x) {
+    const sd_scaled_t a = sd_scaled_of(x);
+    return (a.mantissa < 0) ? -sd_scaled_to_q31(sd_scaled_neg(a)) - ((a.exponent > 0) ? 1 : 0) : sd_scaled_to_q31(a);
+}
+static inline sd_q31_t sd_from_float_q31(float x)    { return SD_BY_INTEGERS ? sd_q31_by_integers(x) : sd_sat_q31((int64_t)(x * 2147483648.0f)); }
 static inline float    sd_to_float_f32(float x)      { return x; }
-static inline float    sd_to_float_q31(sd_q31_t x)   { return (float)x * (1.0f / 2147483648.0f); }
+static inline float    sd_to_float_q31(sd_q31_t x)   { return SD_BY_INTEGERS ? sd_float_q31(x) : (float)x * (1.0f / 2147483648.0f); }
 static inline float    sd_from_q31_f32(sd_q31_t x)   { return (float)x * (1.0f / 2147483648.0f); }
 static inline sd_q31_t sd_from_q31_q31(sd_q31_t x)   { return x; }
 
-/* |value| < 2^20. */
+/* |value| < 2^20; what is below 2^-20 loses bits. */
 static inline sd_gain_f32_t sd_gain_of_f32(float value) { return (sd_gain_f32_t){ value }; }
-static inline sd_gain_q31_t sd_gain_of_q31(float value) {
-    int8_t exponent = 0;
-    while ((exponent < 20) && ((value >= 1.0f) || (value < -1.0f))) { value *= 0.5f; exponent++; }
-    while ((exponent > -20) && (value < 0.5f) && (value > -0.5f))   { value *= 2.0f; exponent--; }
-    return (sd_gain_q31_t){ sd_from_float_q31(value), exponent };
+static inline sd_gain_q31_t sd_gain_scaled_q31(sd_scaled_t a) {
+    if (a.exponent > 20) { return (sd_gain_q31_t){ (a.mantissa < 0) ? INT32_MIN : INT32_MAX, 20 }; }
+    if (a.exponent < -20) { return (sd_gain_q31_t){ sd_scaled_fit(a.mantissa, a.exponent + 20), -20 }; }
+    return (sd_gain_q31_t){ a.mantissa, (int8_t)a.exponent };
 }
+static inline sd_gain_q31_t sd_gain_of_q31(float value) { return sd_gain_scaled_q31(sd_scaled_of(value)); }
+
+/* What a kernel does at init and once a cycle with numbers of any size: sd_real_N_t, in f32 floats, in q31 scaled integers. */
+typedef float       sd_real_f32_t;
+typedef sd_scaled_t sd_real_q31_t;
+static inline float       sd_real_of_f32(float x)                          { return x; }
+static inline sd_scaled_t sd_real_of_q31(float x)                          { return sd_scaled_of(x); }
+static inline float       sd_real_int_f32(int32_t x)                      { return (float)x; }
+static inline sd_scaled_t sd_real_int_q31(int32_t x)                      { return sd_scaled_int(x); }
+static inline float       sd_real_from_f32(float x)                       { return x; } /* of the kernel's own type */
+static inline sd_scaled_t sd_real_from_q31(sd_q31_t x)                    { return sd_scaled_q31(x); }
+static inline float       sd_real_add_f32(float a, float b)               { return a + b; }
+static inline sd_scaled_t sd_real_add_q31(sd_scaled_t a, sd_scaled_t b)   { return sd_scaled_add(a, b); }
+static inline float       sd_real_sub_f32(float a, float b)               { return a - b; }
+static inline sd_scaled_t sd_real_sub_q31(sd_scaled_t a, sd_scaled_t b)   { return sd_scaled_sub(a, b); }
+static inline float       sd_real_mul_f32(float a, float b)               { return a * b; }
+static inline sd_scaled_t sd_real_mul_q31(sd_scaled_t a, sd_scaled_t b)   { return sd_scaled_mul(a, b); }
+static inline float       sd_real_div_f32(float a, float b)               { return a / b; }
+static inline sd_scaled_t sd_real_div_q31(sd_scaled_t a, sd_scaled_t b)   { return sd_scaled_div(a, b); }
+static inline bool        sd_real_less_f32(float a, float b)              { return a < b; }
+static inline bool        sd_real_less_q31(sd_scaled_t a, sd_scaled_t b)  { return sd_scaled_less(a, b); }
+static inline uint32_t    sd_real_floor_f32(float x)                      { return (uint32_t)x; }
+static inline uint32_t    sd_real_floor_q31(sd_scaled_t x)                { return sd_scaled_floor(x); }
+static inline float       sd_real_value_f32(float x)                      { return x; } /* into the kernel's own type */
+static inline sd_q31_t    sd_real_value_q31(sd_scaled_t x)                { return sd_scaled_to_q31(x); }
+static inline float       sd_real_float_f32(float x)                      { return x; }
+static inline float       sd_real_float_q31(sd_scaled_t x)                { return sd_scaled_to_float(x); }
+static inline sd_gain_f32_t sd_real_gain_f32(float x)                     { return (sd_gain_f32_t){ x }; }
+static inline sd_gain_q31_t sd_real_gain_q31(sd_scaled_t x)               { return sd_gain_scaled_q31(x); }
 
 /* The square root of a normal x > 0, rounded as IEEE 754 has it, so that a core with an instruction for it, one without and the
  * host say the same bits, and nobody needs a libm. By whole numbers, a bit of the result after the other: */

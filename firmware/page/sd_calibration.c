@@ -4,6 +4,8 @@
 #include <stddef.h>
 #include <string.h>
 
+#include "sd_value.h"
+
 #define MAGIC 0x32434453u /* "SDC2" */
 #define NUMBER_MAX 1e9f
 #define FIXED_BYTES ((uint32_t)offsetof(sd_calibration_t, kalman.pool))
@@ -28,7 +30,7 @@ const sd_calibration_t *sd_calibration_view(const void *bytes, uint32_t size) {
 
 /* ---- ranges ---------------------------------------------------------------------------------------------------- */
 
-static bool within(float x, float low, float high) { return (x >= low) && (x <= high); } /* false for NaN */
+static bool within(float x, float low, float high) { return sd_bits_within(x, low, high); } /* false for NaN */
 
 static bool map_ok(const sd_calibration_t *page) {
     const sd_cylinder_map_t *map = &page->cylinder_map;
@@ -71,7 +73,7 @@ bool sd_calibration_in_range(const sd_calibration_t *page) {
 sd_crank_config_t sd_calibration_crank(const sd_calibration_t *page, const sd_parameters_t *p) {
     sd_crank_config_t config = { .positions = page->positions,
                                  .missing_count = page->missing_count,
-                                 .stall_ticks = (uint32_t)(p->crank_stall_s * page->tick_hz),
+                                 .stall_ticks = V(floor)(V(mul)(V(of)(p->crank_stall_s), V(of)(page->tick_hz))),
                                  .has_cam = page->has_cam,
                                  .cam_position = page->cam_position };
     memcpy(config.missing, page->missing, sizeof config.missing);
@@ -79,16 +81,16 @@ sd_crank_config_t sd_calibration_crank(const sd_calibration_t *page, const sd_pa
 }
 
 sd_fourier_config_t sd_calibration_torque(const sd_calibration_t *page, const sd_parameters_t *p) {
+    const sd_value_t teeth = V(mul)(V(mul)(V(of)(p->torque_settle_cycles), V(int)(2)), V(int)(page->positions - page->missing_count));
     return (sd_fourier_config_t){ .positions = page->positions,
-                                  .harmonics = (uint8_t)p->torque_harmonics,
+                                  .harmonics = (uint8_t)V(floor)(V(of)(p->torque_harmonics)),
                                   .gain_energy = p->torque_gain_energy_per_rad,
                                   .gain_mean = p->torque_gain_mean_per_rad2,
                                   .gain_reference = p->torque_gain_reference_per_rad2,
                                   .reject_energy = p->torque_reject_energy,
-                                  .settle_steps = (uint16_t)(p->torque_settle_cycles * 2.0f *
-                                                             (float)(page->positions - page->missing_count)),
+                                  .settle_steps = (uint16_t)V(floor)(teeth),
                                   .tick_hz = page->tick_hz,
-                                  .speed_base_radps = p->torque_speed_base_rpm * 0.10471976f,
+                                  .speed_base_radps = V(float)(V(mul)(V(of)(p->torque_speed_base_rpm), V(of)(0.10471976f))),
                                   .torque_base_nm = p->torque_torque_base_nm };
 }
 

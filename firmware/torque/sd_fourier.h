@@ -91,11 +91,16 @@ typedef struct sd_fourier_estimate {
     /* the torque at the tooth, Nm, 0 while not running; never NaN. */                                                 \
     float sd_fourier_step_##N(sd_fourier_##N##_t *self, const sd_fourier_tables_t *tables, uint32_t cycle_position,    \
                               uint32_t advance, uint32_t period_ticks, uint8_t trusted);                               \
+    /* The same without its result in Nm, which is torque times torque_base_nm. */                                     \
+    void sd_fourier_advance_##N(sd_fourier_##N##_t *self, const sd_fourier_tables_t *tables, uint32_t cycle_position,  \
+                                uint32_t advance, uint32_t period_ticks, uint8_t trusted);                             \
     /* Estimated torque at any cycle position, Nm. */                                                                  \
     float sd_fourier_torque_at_##N(const sd_fourier_##N##_t *self, const sd_fourier_tables_t *tables,                  \
                                    uint32_t cycle_position);                                                           \
     /* Health and innovation in J, for every tooth; test_ratio 0. */                                                               \
     sd_status_t sd_fourier_status_##N(const sd_fourier_##N##_t *self);                                                 \
+    /* The same without innovation and test ratio. */                                                                  \
+    sd_status_t sd_fourier_health_##N(const sd_fourier_##N##_t *self);                                                 \
     /* All that is known, for the end of a cycle. */                                                                   \
     void sd_fourier_read_##N(const sd_fourier_##N##_t *self, sd_fourier_estimate_t *estimate);
 

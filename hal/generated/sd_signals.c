@@ -109,6 +109,9 @@ const sd_input_info_t sd_input_infos[SD_INPUT_COUNT] = {
     { "driveline.shift", "", 0.0f, 1.0f, 0.0f, 0.5f },
     { "exhaust.lambda", "", 0.5f, 20.0f, 1.0f, 0.5f },
     { "exhaust.pressure", "bar", 0.05f, 10.0f, 1.0f, 0.5f },
+    { "exhaust.temperature", "K", 200.0f, 1600.0f, 700.0f, 2.0f },
+    { "exhaust.vanes", "", 0.05f, 10.0f, 1.0f, 2.0f },
+    { "exhaust.turbine_speed", "rpm", 0.0f, 400000.0f, 0.0f, 2.0f },
     { "balance.enable", "", 0.0f, 1.0f, 0.0f, 1.0f },
 };
 
@@ -119,7 +122,7 @@ const sd_owner_info_t sd_owner_infos[SD_OWNER_COUNT] = {
     { "firing", 0x1u, 0x0u },
     { "misfire", 0x1u, 0x2u },
     { "afr", 0x0u, 0x13u },
-    { "balance", 0x42u, 0x0u },
+    { "balance", 0x202u, 0x0u },
     { "inputs", 0x0u, 0x0u },
 };
 
@@ -216,6 +219,10 @@ const sd_signal_info_t sd_parameter_infos[SD_PARAMETER_COUNT] = {
     { "misfire.method", "", 0.0f, 3.0f, 0.0f, SD_RATE_EDGE, SD_OWNER_MISFIRE, 0 },
     { "misfire.arithmetic", "", 0.0f, 1.0f, 0.0f, SD_RATE_EDGE, SD_OWNER_MISFIRE, 0 },
     { "afr.method", "", 1.0f, 3.0f, 1.0f, SD_RATE_EDGE, SD_OWNER_AFR, 0 },
+    { "afr.arithmetic", "", 0.0f, 1.0f, 0.0f, SD_RATE_EDGE, SD_OWNER_AFR, 0 },
+    { "afr.gain_mass", "", 0.0f, 1.0f, 0.1f, SD_RATE_EDGE, SD_OWNER_AFR, 0 },
+    { "afr.turbine_drop", "", 0.0f, 1.0f, 0.0f, SD_RATE_EDGE, SD_OWNER_AFR, 0 },
+    { "afr.turbine_rated", "rpm", 1.0f, 1000000.0f, 100000.0f, SD_RATE_EDGE, SD_OWNER_AFR, 0 },
     { "afr.gain_air", "", 0.001f, 1.99f, 0.1f, SD_RATE_EDGE, SD_OWNER_AFR, 0 },
     { "afr.gain_cylinder", "", 0.001f, 100.0f, 4.0f, SD_RATE_EDGE, SD_OWNER_AFR, 0 },
     { "afr.inversion_gain", "", 0.0001f, 0.1f, 0.03f, SD_RATE_EDGE, SD_OWNER_AFR, 0 },
@@ -232,6 +239,7 @@ const sd_signal_info_t sd_parameter_infos[SD_PARAMETER_COUNT] = {
     { "afr.lag_error", "", 0.0f, 0.5f, 0.115f, SD_RATE_EDGE, SD_OWNER_AFR, 0 },
     { "balance.source", "", 0.0f, 2.0f, 1.0f, SD_RATE_EDGE, SD_OWNER_BALANCE, 0 },
     { "balance.gain", "", 0.001f, 1.0f, 0.25f, SD_RATE_EDGE, SD_OWNER_BALANCE, 0 },
+    { "balance.proportional", "", 0.0f, 1.0f, 0.0f, SD_RATE_EDGE, SD_OWNER_BALANCE, 0 },
     { "balance.rate", "", 0.0001f, 1.0f, 0.02f, SD_RATE_EDGE, SD_OWNER_BALANCE, 0 },
     { "balance.limit", "", 0.01f, 0.5f, 0.25f, SD_RATE_EDGE, SD_OWNER_BALANCE, 0 },
     { "balance.sd_max", "", 0.001f, 1.0f, 0.1f, SD_RATE_EDGE, SD_OWNER_BALANCE, 0 },

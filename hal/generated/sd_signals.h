@@ -11,7 +11,7 @@ extern "C" {
 #endif
 
 /// Changes whenever the table does; calibration pages and logs carry it.
-#define SD_SIGNALS_SIGNATURE 0xf112148fu
+#define SD_SIGNALS_SIGNATURE 0xe0a956a0u
 
 /// Channel of an SD_EVENT_SAMPLE.
 typedef enum sd_input {
@@ -21,9 +21,12 @@ typedef enum sd_input {
     SD_INPUT_DRIVELINE_SHIFT = 3, ///< 1: the controller or the gearbox shifts gear. [-]
     SD_INPUT_EXHAUST_LAMBDA = 4, ///< Air to fuel, over stoichiometric, as the wide-range oxygen sensor (UEGO) reads it. [-]
     SD_INPUT_EXHAUST_PRESSURE = 5, ///< Absolute pressure in the exhaust manifold. [bar]
-    SD_INPUT_BALANCE_ENABLE = 6, ///< Above 0.5 the trims learn; otherwise, and while nothing is said, they are 0. [-]
+    SD_INPUT_EXHAUST_TEMPERATURE = 6, ///< Of the gas in the exhaust manifold. Not known: as calibrated at the operating point. [K]
+    SD_INPUT_EXHAUST_VANES = 7, ///< Area between the vanes of a variable turbine (VGT), over the calibration's. [-]
+    SD_INPUT_EXHAUST_TURBINE_SPEED = 8, ///< Of the turbocharger. Not known: as calibrated; see afr.turbine_drop. [rpm]
+    SD_INPUT_BALANCE_ENABLE = 9, ///< Above 0.5 the trims learn; otherwise, and while nothing is said, they are 0. [-]
 } sd_input_t;
-#define SD_INPUT_COUNT 7u
+#define SD_INPUT_COUNT 10u
 
 /// Channel of an SD_EVENT_SIGNAL.
 typedef enum sd_signal {
@@ -169,6 +172,10 @@ typedef struct sd_parameters {
     float misfire_method; ///< Whose verdict counts, for rates, lamp and trims: 0 the monitor's; document 000's observers 1 FOLSMO, 2 FOSMO, 3 ROO, which need the engine file's heat release.
     float misfire_arithmetic; ///< Of document 000's observers: 0 single precision, 1 fixed point (q31).
     float afr_method; ///< 1 joint filter; document 004's chain with the sensor inverted 2 as oscillators, gains from the page, 3 by its adaptive Fourier law.
+    float afr_arithmetic; ///< Of the chain: 0 f32, 1 q31. The joint filter has f32 only.
+    float afr_gain_mass; ///< L1 of the chain: of the manifold's gas towards exhaust.pressure, a position with a reading. 0: the pressure is not used.
+    float afr_turbine_drop; ///< Share of its area that the turbine loses from standstill to afr.turbine_rated, with the square of exhaust.turbine_speed. 0: it is not used.
+    float afr_turbine_rated_rpm; ///< Speed of the turbocharger at which the calibrated turbine area holds.
     float afr_gain_air; ///< L2 of the chain: of the manifold's air, a position.
     float afr_gain_cylinder; ///< L_cyl of the chain: of the cylinders, over the charge squared.
     float afr_inversion_gain; ///< g of the chain's Fourier law, a position.
@@ -185,12 +192,13 @@ typedef struct sd_parameters {
     float afr_lag_error; ///< The same of the sensor's lags, as a share; 20 % either way is 0.115.
     float balance_source; ///< 0 no trims, 1 from afr.cylinder_burned, 2 from firing.torque; no trims follow a misfire.
     float balance_gain; ///< Of the deviation, taken off the trim each cycle.
+    float balance_proportional; ///< P of a PI law, as in document 004: of the deviation's change in a cycle, taken off the trim. 0: an integrator.
     float balance_rate; ///< Largest change of a trim in a cycle.
     float balance_limit; ///< Largest trim.
     float balance_sd_max; ///< Stated standard deviation of a deviation above which nothing is learned.
     float balance_hold_cycles; ///< How long trims hold after a transient or an estimate that is not valid.
 } sd_parameters_t;
-#define SD_PARAMETER_COUNT 61u
+#define SD_PARAMETER_COUNT 66u
 
 /// What is said together, and when.
 typedef enum sd_rate {

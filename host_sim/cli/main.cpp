@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// sixdeg: exit status 0 done, 1 a fault of ours, 2 bad input or usage (one line says which file, field and range).
+// sixdeg: exit status 0 done, 1 a fault of ours, 2 bad input or usage (one line says which file, field and range),
+// 3 a recording that could not be followed (one line says why).
 #include <algorithm>
 #include <cstdio>
 #include <string>
@@ -39,6 +40,9 @@ int main(int argc, char **argv) {
     } catch (const sixdeg::InputError &error) {
         std::fprintf(stderr, "sixdeg: %s\n", error.what());
         return 2;
+    } catch (const sixdeg::NotFollowed &error) {
+        std::fprintf(stderr, "sixdeg: %s\n", error.what());
+        return 3;
     } catch (const std::exception &error) {
         std::fprintf(stderr, "sixdeg: internal fault: %s\n", error.what());
         return 1;

@@ -26,7 +26,11 @@ void refuse_options_of_recordings(const ReplayOptions &options) {
     refuse(!options.engine.empty(), "--engine");
     refuse(!options.wheel.empty(), "--wheel");
     refuse(!options.edge.empty(), "--edge");
-    refuse(options.column != 0, "--column");
+    refuse(!options.column.empty(), "--column");
+    refuse(!options.threshold.empty(), "--threshold");
+    refuse(!(options.cam + options.parity).empty(), "--cam, --parity");
+    refuse(!(options.intake + options.fuel + options.lambda).empty(), "--intake, --fuel, --lambda");
+    refuse(!(options.learned + options.learn).empty(), "--learned, --learn");
 }
 
 bool is_changed(const ReplayOptions &options) {
@@ -55,12 +59,27 @@ sd_calibration_t changed_page(const std::string &file, const Json &about, const 
     return calibrate(engine_of(file, about, "its parameters cannot be changed"), parameters, tune_name);
 }
 
-ReplayTables tables_of(const ReplayOptions &options, const Json &about, const sd_calibration_t &page, const LogReplay &replayed) {
-    if (options.truth.empty())
-        return {teeth_csv(replayed.rows), cycles_csv(replayed.rows, {page.firing_order, page.firing_order + page.cylinders})};
-    const RunTables tables =
-        beside_truth(options.truth, engine_of(options.file, about, "truth has nothing to stand beside"), replayed);
-    return {tables.teeth_csv(), tables.cycles_csv()};
+/// The run's tables again, truth beside what the replay says.
+void write_beside_truth(const ReplayOptions &options, const Json &about, const LogReplay &replayed, const std::string &summary) {
+    const RunTables tables = beside_truth(options.truth, engine_of(options.file, about, "truth has nothing to stand beside"), replayed);
+    OutputFolder out(options.out);
+    out.add("summary.json", summary);
+    out.add("teeth.csv", tables.teeth_csv());
+    out.add("cycles.csv", tables.cycles_csv());
+    out.commit();
+}
+
+void write_tables(const ReplayOptions &options, const sd_calibration_t &page, const LogReplay &replayed, const Json &summary) {
+    ReplayOutput out(options, {page.firing_order, page.firing_order + page.cylinders}, double(page.parameters.afr_stoichiometric));
+    std::size_t i = 0;
+    // A cycle takes its cylinders from the firings before it, so rows go in order of time.
+    std::size_t firing = 0, cycle = 0;
+    for (const ToothRow &row : replayed.teeth) {
+        out.sink().tooth(i++, row);
+        for (; firing < replayed.firings.size() && replayed.firings[firing].t_s <= row.t_s; ++firing) out.sink().firing(firing, replayed.firings[firing]);
+        for (; cycle < replayed.cycles.size() && replayed.cycles[cycle].t_s <= row.t_s; ++cycle) out.sink().cycle(cycle, replayed.cycles[cycle]);
+    }
+    out.commit(summary);
 }
 
 Json outputs_json(const LogReplay &replayed) {
@@ -84,7 +103,7 @@ void replay_event_log(const ReplayOptions &options) {
                                       ? changed_page(options.file, description, parameters, tune.name())
                                       : log.calibration;
     const LogReplay replayed = replay_log(log, page);
-    const ReplayTables tables = tables_of(options, description, page, replayed);
+    const Json with_engine = description;
     description.erase("engine_file"); // long, and `files` has its checksum
     Json summary = {{"log", description}};
     summary.update(figures_json(replayed.rows));
@@ -96,7 +115,13 @@ void replay_event_log(const ReplayOptions &options) {
     summary["files"][options.file] = sha256(read_file(options.file));
     if (!options.tune.empty()) summary["files"][options.tune] = sha256(tune.content());
 
-    write_replay(options, summary, tables);
+    if (options.truth.empty()) {
+        write_tables(options, page, replayed, summary);
+    } else {
+        const std::string text = summary.dump(2) + "\n";
+        if (!options.out.empty()) write_beside_truth(options, with_engine, replayed, text);
+        if (!options.json.empty()) write_file(options.json, text);
+    }
     fmt::print("{} events in, {} out\n", replayed.events_in, replayed.replayed_out);
     print_counts(replayed.rows);
     if (replayed.first_difference) {

@@ -13,15 +13,13 @@
 #include "design/calibration.hpp"
 #include "design/kept_pages.hpp"
 #include "cli/commands.hpp"
+#include "cli/learned_page.hpp"
 #include "cli/run_figures.hpp"
 #include "cli/tune_options.hpp"
 #include "common/error.hpp"
 #include "common/files.hpp"
 #include "common/stop.hpp"
 #include "io/log/event_log.hpp"
-extern "C" {
-#include "sd_learned.h"
-}
 
 namespace sixdeg {
 namespace {
@@ -74,15 +72,6 @@ std::optional<Scenario> read_lesson(const Options &options, const Scenario &run)
     return lesson;
 }
 
-sd_pattern_sums_t read_learned(const std::string &path, Json &files) {
-    const std::string bytes = read_file(path);
-    const sd_pattern_sums_t *learned = sd_learned_view(bytes.data(), std::uint32_t(bytes.size()));
-    if (!learned)
-        throw InputError(path, "learned page", "it is damaged, or of another version of the signal table");
-    files[path] = sha256(bytes);
-    return *learned;
-}
-
 Inputs read_inputs(const Options &options) {
     Inputs inputs{};
     std::vector<std::string> of_scenario = options.set;
@@ -108,14 +97,8 @@ Inputs read_inputs(const Options &options) {
     inputs.calibration = pages.calibrate(inputs.scenario.engine.shared, engine_text, inputs.tune, tune.name());
     inputs.lesson = read_lesson(options, inputs.scenario);
     if (inputs.lesson) inputs.files[options.learned] = sha256(read_file(options.learned));
-    else if (!options.learned.empty()) inputs.learned = read_learned(options.learned, inputs.files);
+    else if (!options.learned.empty()) inputs.learned = read_learned_page(options.learned, inputs.files);
     return inputs;
-}
-
-std::string learned_page(const sd_pattern_sums_t &learned) {
-    sd_learned_t page{};
-    sd_learned_make(&page, &learned);
-    return {reinterpret_cast<const char *>(&page), sizeof page};
 }
 
 /// What the event log says of itself. With the engine file other parameters can be tried on it.

@@ -96,10 +96,19 @@ Wheel parse_wheel(const std::string &text, const std::string &from) {
     return wheel;
 }
 
+std::vector<int> missing_runs(const Wheel &wheel) {
+    std::vector<int> runs;
+    for (std::size_t i = 0; i < wheel.missing.size(); ++i) {
+        if (i > 0 && wheel.missing[i] == wheel.missing[i - 1] + 1) ++runs.back();
+        else runs.push_back(1);
+    }
+    return runs;
+}
+
 std::string describe(const Wheel &wheel) {
-    const int n = int(wheel.missing.size());
-    if (wheel.missing.front() == wheel.positions - n) return fmt::format("{}-{}", wheel.positions, n);
-    return fmt::format("{} without {}", wheel.positions, fmt::join(wheel.missing, ", "));
+    std::vector<int> runs = missing_runs(wheel);
+    std::sort(runs.rbegin(), runs.rend());
+    return fmt::format("{}-{}", wheel.positions, fmt::join(runs, "-"));
 }
 
 EngineFile read_engine(TomlFile &file) {

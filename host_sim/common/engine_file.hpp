@@ -20,8 +20,10 @@ struct Wheel {
 
 /// "60-2" -> {60, {58, 59}}; one run of 1 to 3 missing teeth before position 0. Throws InputError naming `from`.
 Wheel parse_wheel(const std::string &text, const std::string &from);
-/// "60-2" for a wheel with one mark; the missing positions spelt out otherwise.
+/// "60-2" for a wheel with one mark, "36-2-1" for one with more: positions, and the missing teeth of each mark, most first.
 std::string describe(const Wheel &wheel);
+/// Missing teeth of each mark, in the order of the wheel.
+std::vector<int> missing_runs(const Wheel &wheel);
 
 /// One Wiebe pulse of heat release: x = 1 - exp(-ln(1000) ((a - start)/duration)^(shape + 1)).
 struct HeatPulse {

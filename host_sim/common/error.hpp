@@ -13,4 +13,9 @@ struct InputError : std::runtime_error {
         : std::runtime_error(file + ": " + (field.empty() ? "" : field + ": ") + problem) {}
 };
 
+/// What was asked for ran, and its files are written, but the recording could not be followed. what() is one line; exit status 3.
+struct NotFollowed : std::runtime_error {
+    NotFollowed(const std::string &file, const std::string &reason) : std::runtime_error(file + ": " + reason) {}
+};
+
 } // namespace sixdeg

@@ -65,10 +65,10 @@ class Run {
 
     void take(const EncoderEdge &edge) {
         ecu_.show(SD_INPUT_AIR_INTAKE_PRESSURE, plant_.intake_pressure_pa() / kPaPerBar);
-        if (plant_.exhaust()) ecu_.show(SD_INPUT_EXHAUST_PRESSURE, plant_.exhaust()->pressure_pa() / kPaPerBar);
+        show_exhaust();
         ecu_.show(SD_INPUT_FUEL_INJECTED, plant_.commanded_fuel_kg() * 1e6);
         if (!scenario_.balance_on_s.empty()) ecu_.show(SD_INPUT_BALANCE_ENABLE, balancing(edge.time_s));
-        take_uego(edge.time_s);
+        take_samples(edge.time_s);
         ecu_.tell_time_until(edge.time_s);
         if (ecu_.clock_events() != judged_) judge_answered();
         judged_ = ecu_.clock_events();
@@ -88,14 +88,36 @@ class Run {
         return (std::upper_bound(on.begin(), on.end(), time_s) - on.begin()) % 2 == 1;
     }
 
-    /// The wideband reading is air to fuel over stoichiometric.
-    void take_uego(double until_s) {
+    void show_exhaust() {
+        if (!scenario_.exhaust_sensors) return;
+        const exhaust::ExhaustModel &e = *plant_.exhaust();
+        if (scenario_.exhaust_sensors->temperature) ecu_.show(SD_INPUT_EXHAUST_TEMPERATURE, e.manifold().temperature_k());
+        if (scenario_.exhaust_sensors->turbine_speed) ecu_.show(SD_INPUT_EXHAUST_TURBINE_SPEED, e.turbine_radps() / kRadpsPerRpm);
+    }
+
+    /// Of the sensors that are read often, in order of time.
+    void take_samples(double until_s) {
         UegoSample sample;
-        const double s = scenario_.engine.stoichiometric_ratio;
         while (plant_.next_uego(until_s, sample)) {
-            ecu_.tell_time_until(sample.time_s);
-            ecu_.sample(SD_INPUT_EXHAUST_LAMBDA, ((1 + s) / std::max(sample.lambda, 1e-3) - 1) / s, sample.time_s);
+            take_pressures(sample.time_s);
+            take_uego(sample);
         }
+        take_pressures(until_s);
+    }
+
+    void take_pressures(double until_s) {
+        PressureSample sample;
+        while (plant_.next_exhaust_pressure(until_s, sample)) {
+            ecu_.tell_time_until(sample.time_s);
+            ecu_.sample(SD_INPUT_EXHAUST_PRESSURE, sample.pascal / kPaPerBar, sample.time_s);
+        }
+    }
+
+    /// The wideband reading is air to fuel over stoichiometric.
+    void take_uego(const UegoSample &sample) {
+        const double s = scenario_.engine.stoichiometric_ratio;
+        ecu_.tell_time_until(sample.time_s);
+        ecu_.sample(SD_INPUT_EXHAUST_LAMBDA, ((1 + s) / std::max(sample.lambda, 1e-3) - 1) / s, sample.time_s);
     }
 
     void end_cycle(double time_s) {

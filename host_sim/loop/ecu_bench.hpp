@@ -30,6 +30,7 @@ class EcuBench : public EcuFeed {
     bool exchange(const sd_event_t &event);
     bool exchange(std::uint16_t kind, std::uint32_t tick) { return exchange({tick, kind, 0, 0, 0}); }
 
+    const EcuSaid &said() const { return said_; }
     const sd_signals_t &signals() const { return said_.signals(); }
     std::uint8_t health(sd_owner_t owner) const { return said_.health(owner); }
     const sd_crank_t &crank() const { return ecu_.crank; }

@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: MIT
-// Recorded edges through HAL, ecu, decoder and torque observer; what the ecu says, row by row.
+// Recorded edges through HAL, ecu, decoder and observers; what the ecu says, row by row.
 #pragma once
+#include <array>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "common/engine_file.hpp"
+#include "io/recording/events.hpp"
 #include "loop/ecu_bench.hpp"
 
 namespace sixdeg {
@@ -14,44 +18,105 @@ namespace sixdeg {
 struct ToothRow {
     double t_s;
     sd_signals_t signals;
-    std::uint8_t crank_health, torque_health; ///< sd_health_t
+    std::uint8_t crank_health, torque_health, firing_health; ///< sd_health_t
 };
 
 /// What it said at the end of a cycle.
 struct CycleRow {
     double t_s;
     sd_signals_t signals;
-    std::uint8_t health; ///< Of the cylinders.
+    std::uint8_t cylinder_health, firing_health, afr_health;
+};
+
+/// What it said of one firing.
+struct FiringRow {
+    double t_s;
+    sd_signals_t signals;
+    std::uint8_t firing_health, misfire_health, afr_health;
+};
+
+/// Takes rows as they come. Each call has the row's index from 0.
+struct ReplaySink {
+    virtual ~ReplaySink() = default;
+    virtual void tooth(std::size_t, const ToothRow &) {}
+    virtual void cycle(std::size_t, const CycleRow &) {}
+    virtual void firing(std::size_t, const FiringRow &) {}
+};
+
+/// Verdicts of the misfire monitor on one cylinder.
+struct MisfireCounts {
+    std::size_t judged = 0, misfires = 0, partial = 0;
 };
 
 struct ReplayResult {
-    std::vector<ToothRow> teeth; ///< One a crank edge, in order.
-    std::vector<CycleRow> cycles;
-    sd_crank_counts_t counts;
+    std::size_t edges = 0, cycles = 0, firings = 0;
+    sd_crank_counts_t counts{};
     std::vector<double> mark_spacings; ///< Learned width of each mark, in tooth spacings.
     std::optional<std::size_t> first_sync_edge;
     std::size_t revolutions = 0;      ///< Whole revolutions from tooth 0 to tooth 0 in sync.
     std::optional<double> rpm_last;   ///< Mean over the last of them.
+    double rpm_last_s = 0;            ///< When that one ended.
+    double turned_s = 0, synced_s = 0; ///< Time with edges, and that part of it in which the angle was known.
+    double phased_s = 0;              ///< And that in which the revolution of the cycle was.
+    std::size_t cam_edges = 0;        ///< Told to the ecu.
+    std::array<MisfireCounts, 8> misfires{}; ///< By physical cylinder.
+    sd_pattern_sums_t learned{};      ///< The tooth pattern as learned at the end; empty where only the decoder ran.
+    sd_signals_t last{};              ///< What was said last.
 };
 
-/// Gathers the rows while edges go through a bench.
+/// Counts and hands on what a bench says while edges go through it.
 class ReplayRows {
   public:
-    void reserve(std::size_t edges) { result_.teeth.reserve(edges); }
+    explicit ReplayRows(ReplaySink &sink) : sink_(sink) {}
     /// The bench has just answered a crank edge.
-    void edge(double t_s, bool cycle_ended, const EcuBench &bench);
-    ReplayResult finish(const EcuBench &bench);
+    void edge(double t_s, bool cycle_ended, const EcuSaid &said, bool fired);
+    void cam_edge() { ++result_.cam_edges; }
+    ReplayResult finish(const sd_crank_t &crank);
 
   private:
+    void count_time(const ToothRow &row);
+    void count_revolutions(const ToothRow &row);
+    void count_misfires(const sd_signals_t &signals);
+
+    ReplaySink &sink_;
     ReplayResult result_;
+    std::optional<double> last_edge_s_, last_zero_s_;
+    float last_tooth_ = 0;
+    std::size_t placed_ = 0, most_placed_ = 0; ///< Edges since tooth 0; most between two.
 };
 
-/// Feeds crank and cam edges (ascending times, s) and a time event every 10 ms to a fresh ecu through the in-process
-/// port. Throws InputError naming `file` when times do not fit the engine's capture timer.
-ReplayResult replay(const std::string &file, const std::vector<double> &crank_s, const std::vector<double> &cam_s,
-                    const sd_calibration_t &calibration);
+/// The decoder without the rest of an ecu, for wheels that the observers do not take. Says angle, speed and their health.
+class CrankAlone : public EcuFeed {
+  public:
+    /// Throws InputError naming `name` for a wheel that the decoder does not take.
+    CrankAlone(const std::string &name, const EngineFile &engine, double stall_s);
+    void send(const sd_event_t &event) override;
+    const EcuSaid &said() const { return said_; }
+    const sd_crank_t &crank() const { return crank_; }
 
-std::string teeth_csv(const ReplayResult &result);
-std::string cycles_csv(const ReplayResult &result, const std::vector<int> &firing_order);
+  private:
+    void say(sd_signal_t signal, double value, std::uint32_t tick, std::uint8_t health);
+    double position_0_deg_, tick_hz_;
+    sd_crank_t crank_{};
+    EcuSaid said_;
+};
+
+/// How recorded events reach the ecu.
+struct ReplayPlan {
+    /// The next event in order of time; false at the end. `input` of a reading is an sd_input_t.
+    std::function<bool(RecordedEvent &)> next;
+    /// Of a cam with several teeth: only edges within 0.06 of a revolution of this position tell; nothing: all do.
+    std::optional<double> cam_position;
+    /// Without a cam: the first whole revolution in sync counts as the cycle's first (0) or second (1).
+    std::optional<int> parity;
+    int positions = 60, parity_position = 0; ///< Of the wheel; where the cam edge belongs, [0, 2 positions).
+    const sd_pattern_sums_t *learned = nullptr; ///< Tooth pattern to begin with.
+};
+
+/// Feeds the events and a time event every 10 ms to a fresh ecu through the in-process port. Throws InputError naming `file` when what
+/// was learned is of another wheel.
+ReplayResult replay(const std::string &file, const ReplayPlan &plan, const sd_calibration_t &calibration, ReplaySink &sink);
+/// The same through the decoder alone.
+ReplayResult replay(const ReplayPlan &plan, CrankAlone &crank, ReplaySink &sink);
 
 } // namespace sixdeg

@@ -49,6 +49,15 @@ std::optional<std::size_t> first_difference(const std::vector<sd_event_t> &recor
     return first;
 }
 
+/// Rows of a log are kept: beside truth they are looked at again.
+struct Keep : ReplaySink {
+    explicit Keep(LogReplay &into) : log(into) {}
+    void tooth(std::size_t, const ToothRow &row) override { log.teeth.push_back(row); }
+    void cycle(std::size_t, const CycleRow &row) override { log.cycles.push_back(row); }
+    void firing(std::size_t, const FiringRow &row) override { log.firings.push_back(row); }
+    LogReplay &log;
+};
+
 } // namespace
 
 double TickClock::seconds(std::uint32_t tick) {
@@ -64,7 +73,8 @@ LogReplay replay_log(const EventLog &log, const sd_calibration_t &calibration) {
     bench->listen([&](bool out, const sd_event_t &event) {
         if (out) replayed.push_back(event);
     });
-    ReplayRows rows;
+    Keep kept(result);
+    ReplayRows rows(kept);
     TickClock clock(double(calibration.tick_hz));
     for (sd_event_t event : log.events) {
         if (event.kind & kLoggedOut) {
@@ -74,12 +84,14 @@ LogReplay replay_log(const EventLog &log, const sd_calibration_t &calibration) {
         }
         ++result.events_in;
         const double t_s = clock.seconds(event.tick);
+        const std::size_t firings = bench->said().firings();
         const bool cycle_ended = bench->exchange(event);
+        if (event.kind == SD_EVENT_CAM_EDGE) rows.cam_edge();
         if (event.kind != SD_EVENT_CRANK_EDGE) continue;
-        rows.edge(t_s, cycle_ended, *bench);
+        rows.edge(t_s, cycle_ended, bench->said(), bench->said().firings() != firings);
         result.edge_ticks.push_back(event.tick);
     }
-    result.rows = rows.finish(*bench);
+    result.rows = rows.finish(bench->crank());
     result.recorded_out = recorded.size();
     result.replayed_out = replayed.size();
     result.first_difference = first_difference(recorded, replayed);

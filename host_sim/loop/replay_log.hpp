@@ -11,7 +11,10 @@
 namespace sixdeg {
 
 struct LogReplay {
-    ReplayResult rows; ///< t_s is the time of the capture timer.
+    ReplayResult rows;
+    std::vector<ToothRow> teeth;             ///< t_s is the time of the capture timer.
+    std::vector<CycleRow> cycles;
+    std::vector<FiringRow> firings;
     std::vector<sd_event_t> said;            ///< Events out.
     std::vector<std::uint32_t> edge_ticks;   ///< Of the crank edges in.
     std::size_t events_in = 0, recorded_out = 0, replayed_out = 0;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// budget_input RUN.run PAGE EVENTS: the calibration page and the events of a golden run as budget_ecu takes them; prints
+// budget_input RUN.run PAGE EVENTS [OUTPUTS]: the calibration page and the events of a golden run as budget_ecu takes them; prints
 // "page_bytes HEX" and "hash HEX", which is of what the ecu says to them on this machine. Parameters stay as the page has
-// them, so that a mean is of one configuration.
+// them, so that a mean is of one configuration. OUTPUTS: the events that go out, one behind the other.
 #include <algorithm>
 #include <cstdio>
 #include <fmt/format.h>
@@ -21,11 +21,11 @@ struct Header {
     std::uint32_t event_count, page_bytes, unused[2];
 };
 
-std::uint64_t hash_of(const GoldenRun &run) {
+std::uint64_t hash_of(const GoldenRun &run, std::vector<sd_event_t> &said) {
     std::uint64_t hash = SD_OUTPUT_HASH_START;
     const auto bench = std::make_unique<EcuBench>(run.calibration);
     bench->listen([&](bool out, const sd_event_t &event) {
-        if (out) hash = sd_output_hash(hash, &event);
+        if (out) hash = sd_output_hash(hash, &event), said.push_back(event);
     });
     for (const sd_event_t &event : run.events) bench->exchange(event);
     return hash;
@@ -41,7 +41,7 @@ template <class T> std::string bytes_of(const T *first, std::size_t count) {
 int main(int count, char **arguments) {
     using namespace sixdeg;
     try {
-        if (count != 4) throw InputError("budget_input", "", "usage: budget_input RUN.run PAGE EVENTS");
+        if (count != 4 && count != 5) throw InputError("budget_input", "", "usage: budget_input RUN.run PAGE EVENTS [OUTPUTS]");
         GoldenRun run = read_golden_run(arguments[1], SD_ENGINES);
         const auto is_command = [](const sd_event_t &event) { return event.kind == SD_EVENT_PARAMETER; };
         run.events.erase(std::remove_if(run.events.begin(), run.events.end(), is_command), run.events.end());
@@ -49,7 +49,9 @@ int main(int count, char **arguments) {
         const Header header{std::uint32_t(run.events.size()), std::uint32_t(page.size()), {}};
         write_file(arguments[2], bytes_of(page.data(), page.size()));
         write_file(arguments[3], bytes_of(&header, 1) + bytes_of(run.events.data(), run.events.size()));
-        fmt::print("page_bytes {:x}\nhash {:x}\n", page.size(), hash_of(run));
+        std::vector<sd_event_t> said;
+        fmt::print("page_bytes {:x}\nhash {:x}\n", page.size(), hash_of(run, said));
+        if (count == 5) write_file(arguments[4], bytes_of(said.data(), said.size()));
         return 0;
     } catch (const InputError &error) {
         fmt::print(stderr, "budget_input: {}\n", error.what());

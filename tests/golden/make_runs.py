@@ -57,6 +57,8 @@ RUNS = {
             [(4, "p torque.harmonics 8")], 0),
     "chain": (FIGURE16, ["run.duration_s=5", "encoder.jitter_deg=0.01", "uego.sample_us=2000"], {"afr.method": 2},
               [(4, "p afr.method 3")], 0),
+    "fixed": (FIGURE16, ["run.duration_s=5", "encoder.jitter_deg=0.01", "uego.sample_us=2000", "exhaust_sensors.pressure_sample_us=2000"],
+              {"torque.fixed_point": 1, "afr.method": 3, "afr.arithmetic": 1, "misfire.method": 1, "misfire.arithmetic": 1, "firing.enabled": 0}, [], 0),
     "twist": (PLAIN, USUAL + [f'engine="{ENGINES}eight_diesel.toml"', "run={duration_s=5}", "load.bmep_bar=8",
                               "misfires.one_in=60"], {}, [], 0),
     "dual_mass": (PLAIN, USUAL + [f'engine="{ENGINES}triple_10.toml"', "run={duration_s=5}", "speed.rpm=1200", "load.bmep_bar=6",

@@ -220,6 +220,20 @@ class BusCases:
                 for column in ("misfire_acceleration", "misfire_residual", "misfire_index"):
                     self.assertGreater(sum(float(r[column]) != 0 for r in judged), 100, column)
 
+    def test_the_chain_in_q31_says_the_same_bytes_over_the_bus(self):
+        """Document 004's chain in fixed point, with a pressure sensor in the manifold and trims by a PI law."""
+        scenario = self.scenario(more=MIXTURE + "[exhaust_sensors]\npressure_noise_bar = 0.005\ntemperature = true\n")
+        choices = [word for setting in ("afr.method=3", "afr.arithmetic=1", "balance.proportional=0.1") for word in ("--set", setting)]
+        self.sixdeg("run", scenario, "--nominal", "--out", self.folder / "one", *choices)
+        self.sixdeg("run", scenario, "--nominal", "--out", self.folder / "f32", "--set", "afr.method=3", "--set", "balance.proportional=0.1")
+        self.sixdeg("run", scenario, "--out", self.folder / "two", "--transport", self.transport, *choices)
+        self.assertEqual(self.csv_bytes("one"), self.csv_bytes("two"))
+        q31, f32 = (table(self.folder / name / "cycles.csv") for name in ("two", "f32"))
+        burned = [(float(a["burned"]), float(b["burned"])) for a, b in zip(q31, f32) if a["burned"] and b["burned"]]
+        self.assertGreater(sum(a != 0 for a, b in burned), 40, "mixtures arrive")
+        self.assertTrue(any(a != b for a, b in burned), "in the other arithmetic")
+        self.assertLess(max(abs(a - b) for a, b in burned), 2e-3)
+
     def test_a_third_party_hears_truth_and_estimates(self):
         """In lock-step nobody waits for a listener, so a busy machine may make it lose something; it says so then."""
         scenario = self.scenario(more=MIXTURE)

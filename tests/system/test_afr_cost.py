@@ -20,10 +20,10 @@ TABLE_2_US = {"A": "2.70", "BC": "6.70 and < 0.05", "D": "6.35"}  # document 004
 ROWS = {"A": "A, observer", "BC": "B and C, manifold and delay", "D": "D, sensor inverted", "wiring": "wiring", "sum": "all"}
 # Instructions and flop a step as of docs/afr.md; a block may take GROWTH more.
 GROWTH = 1.1
-BUDGET = {("fourier", "f32"): {"A": (105, 27), "BC": (330, 55), "D": (195, 63), "wiring": (22, 0)},
-          ("oscillator", "f32"): {"D": (207, 69)},
-          ("fourier", "q31"): {"A": (417, 0), "BC": (601, 0), "D": (737, 0), "wiring": (183, 0)},
-          ("oscillator", "q31"): {"D": (813, 0)},
+BUDGET = {("fourier", "f32"): {"A": (64, 13), "BC": (320, 56), "D": (139, 63), "wiring": (22, 0)},
+          ("oscillator", "f32"): {"D": (139, 63)},
+          ("fourier", "q31"): {"A": (152, 0), "BC": (497, 0), "D": (313, 0), "wiring": (23, 0)},
+          ("oscillator", "q31"): {"D": (349, 0)},
           ("joint", "f32"): {"wiring": (304, 101)},
           ("joint_fixed", "f32"): {"wiring": (112, 39)}}
 

@@ -61,7 +61,7 @@ class Mf4(Folder):
         subprocess.run([SIXDEG, "replay", self.log, "--out", self.folder / "replayed"], check=True, stdout=subprocess.DEVNULL)
         teeth, cycles = table(self.folder / "replayed" / "teeth.csv"), table(self.folder / "replayed" / "cycles.csv")
         with self.export("--truth", self.folder / "run") as mdf:
-            for name, column, digits in (("crank.angle", "angle_deg", 3), ("torque.mass", "torque_nm", 3), ("crank.speed", "rpm", 3)):
+            for name, column, digits in (("crank.angle", "angle_deg", 3), ("torque.mass", "fourier_nm", 3), ("crank.speed", "rpm", 3)):
                 signal = mdf.get(name, ignore_invalidation_bits=True)
                 self.assertEqual((signal.unit, signal.comment), (SIGNALS[name]["unit"], SIGNALS[name]["text"]))
                 self.assertEqual(len(signal.samples), len(teeth))
@@ -70,10 +70,10 @@ class Mf4(Folder):
                 self.assertGreater(len(known), 2000)
                 np.testing.assert_allclose(signal.samples[known], [float(teeth[i][column]) for i in known], atol=0.6 * 10**-digits)
             valid = mdf.get("torque.mass")
-            self.assertEqual(len(valid.samples), sum(row["torque_health"] != "invalid" for row in teeth))
-            self.assertEqual([text.decode() for text in mdf.get("torque.health").samples], [row["torque_health"] for row in teeth])
+            self.assertEqual(len(valid.samples), sum(row["fourier_health"] != "invalid" for row in teeth))
+            self.assertEqual([text.decode() for text in mdf.get("torque.health").samples], [row["fourier_health"] for row in teeth])
             third = mdf.get("cycle.cylinder_torque[3]", ignore_invalidation_bits=True)
-            np.testing.assert_allclose(third.samples, [float(row["torque_nm"]) for row in cycles if row["cylinder"] == "3"], atol=0.0006)
+            np.testing.assert_allclose(third.samples, [float(row["fourier_nm"]) for row in cycles if row["cylinder"] == "3"], atol=0.0006)
 
     def test_truth_stands_beside_the_estimate(self):
         teeth, cycles = table(self.folder / "run" / "teeth.csv"), table(self.folder / "run" / "cycles.csv")

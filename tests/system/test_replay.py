@@ -52,7 +52,7 @@ class RealRecordings(Folder):
         summary, _ = self.replay("real_60-2_vw_aba.csv", "--engine", ENGINES / "vw_aba.toml")
         self.assertIn("crank.inertia_kgm2", summary["engine"]["guessed"])
         rows = table(self.folder / "out" / "cycles.csv")
-        self.assertGreater(sum(r["health"] == "degraded" for r in rows), 20)  # a phase, and no intake pressure
+        self.assertGreater(sum(r["fourier_health"] == "degraded" for r in rows), 20)  # a phase, and no intake pressure
         self.assertIn("no intake pressure", " ".join(summary["assumptions"]))
 
     def test_single_with_pressure(self):
@@ -113,7 +113,7 @@ class Output(Folder):
         torque = {}
         for number in ("f32", "q31"):
             sixdeg("replay", self.wheel, "--number", number, "--out", self.folder / number)
-            torque[number] = [float(r["torque_nm"]) for r in table(self.folder / number / "teeth.csv") if r["torque_nm"]]
+            torque[number] = [float(r["fourier_nm"]) for r in table(self.folder / number / "teeth.csv") if r["fourier_nm"]]
         self.assertEqual(len(torque["f32"]), len(torque["q31"]))
         self.assertGreater(len(torque["f32"]), 900)
         self.assertLess(max(abs(a - b) for a, b in zip(*torque.values())), 0.001 * 1500)

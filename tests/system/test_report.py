@@ -13,7 +13,7 @@ import unittest
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 REPORT = os.path.join(ROOT, "tools", "report", "report.py")
-COLUMNS = ["edge", "t_s", "class", "tooth", "angle_deg", "rpm", "accel_radps2", "torque_nm", "health"]
+COLUMNS = ["edge", "t_s", "class", "tooth", "angle_deg", "rpm", "accel_radps2", "torque_nm", "health", "fourier_nm"]
 
 CYCLES = [[0, 0.1, 1, 1000, 900, "invalid"], [0, 0.1, 2, 1000, 500, "invalid"],
           [1, 0.2, 1, 1000, 40, "degraded"], [1, 0.2, 2, 1000, 30, "degraded"],
@@ -42,7 +42,7 @@ def teeth_rows():
         angle_deg = position * 6 % 720
         rows.append([len(rows), f"{position * tooth_s:.6f}", kind, tooth if synced else "", angle_deg if synced else "",
                      1000 if synced else "", "", f"{50 * math.sin(math.radians(2 * angle_deg)):.3f}" if synced else "",
-                     "valid" if synced else "invalid"])
+                     "valid" if synced else "invalid", ""])
     return rows
 
 
@@ -56,8 +56,8 @@ def write_folder(folder, columns=COLUMNS, rows=None, cycles=CYCLES, **changed):
     with open(os.path.join(folder, "summary.json"), "w", encoding="utf-8") as file:
         json.dump(summary(**changed), file)
     write_csv(os.path.join(folder, "teeth.csv"), columns, teeth_rows() if rows is None else rows)
-    write_csv(os.path.join(folder, "cycles.csv"), ["cycle", "t_s", "cylinder", "rpm", "torque_nm", "health"],
-              cycles)
+    write_csv(os.path.join(folder, "cycles.csv"), ["cycle", "t_s", "cylinder", "rpm", "torque_nm", "health", "fourier_nm", "fourier_health"],
+              [[*row, "", "invalid"] for row in cycles])
 
 
 class Report(unittest.TestCase):
@@ -105,7 +105,7 @@ class Report(unittest.TestCase):
         self.assertIn("<h2>other.txt</h2>", page)
 
     def test_recording_that_never_synced_is_drawn_without_pictures(self):
-        rows = [[i, i * 1e-3, "unsynced", "", "", "", "", "", "invalid"] for i in range(100)]
+        rows = [[i, i * 1e-3, "unsynced", "", "", "", "", "", "invalid", ""] for i in range(100)]
         write_folder(self.replay, rows=rows, cycles=CYCLES[:2], first_sync_edge=None, rpm_last=None)
         done = self.run_report()
         self.assertEqual(done.returncode, 0, done.stderr)

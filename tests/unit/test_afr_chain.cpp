@@ -28,6 +28,30 @@ TEST(AfrChain, ConvergesInFourCycles) {
     }
 }
 
+/// With a pressure in the manifold it does not matter what the calibration believes of the turbine: 20 % of its area either way move
+/// the estimates by less than half of what they do without one.
+TEST(AfrChain, APressureSensorMakesUpForAWrongTurbine) {
+    for (bool fixed_point : {false, true}) {
+        for (double area : {-0.2, 0.2}) {
+            double moved[2];
+            for (bool sensor : {false, true}) {
+                AfrSetup chain;
+                chain.method = AfrMethod::fourier, chain.fixed_point = fixed_point, chain.gain_mass = sensor ? 0.1 : 0;
+                const AfrEstimates right = step().run(chain);
+                chain.error.turbine = area;
+                const AfrEstimates wrong = step().run(chain);
+                for (double cycles = 4; cycles < 30; ++cycles) EXPECT_LT(step().error_points(right, cycles), 0.2 * 19) << cycles << sensor;
+                moved[sensor] = 0;
+                for (std::size_t i = 0; i < 4; ++i)
+                    moved[sensor] = std::max(moved[sensor], 100 * std::abs(wrong.lambda.back()[i] - right.lambda.back()[i]) / step().mean);
+            }
+            EXPECT_GT(moved[false], 0.5) << area;
+            EXPECT_LT(moved[true], 0.1) << area;
+            EXPECT_LT(moved[true], 0.5 * moved[false]) << area;
+        }
+    }
+}
+
 /// A gas whose cylinders differ, through the chain in one number type, with what `spoil` makes of its samples.
 template <class V> struct ChainRun {
     ChainRun() {
@@ -38,7 +62,7 @@ template <class V> struct ChainRun {
         e.open_position = open_position(p.share);
         must(V::exhaust_init(&exhaust, &e));
         give_shares<V>(exhaust, p.share);
-        const sd_exhaust_point_t point{float(p.charge_kg), float(p.rate_hz), float(p.z0_kg), float(p.transport_kg), SD_UEGO_LEAD};
+        const sd_exhaust_point_t point{float(p.charge_kg), float(p.rate_hz), float(p.z0_kg), float(p.transport_kg), SD_UEGO_LEAD, 0};
         must(V::exhaust_set(&exhaust, &point, 6.667e-4f));
         for (int k = 0; k < 120; ++k) sine.push_back(std::int32_t(std::lround(2147483647.0 * std::sin(2 * M_PI * k / 120))));
         config = {120, 4, 2, 960, 0.03f, 0.015f, 0.1f, 4, 0.03f, 0.1f};
@@ -46,7 +70,7 @@ template <class V> struct ChainRun {
     }
     void cycles(int n, const std::function<double(double)> &spoil) {
         for (int k = 0; k < 120 * n; ++k) {
-            if (k % 120 == 0) V::chain_set(&chain, sine.data(), 6.667e-4f, nullptr, float(step().point.charge_kg / 0.01));
+            if (k % 120 == 0) V::chain_set(&chain, sine.data(), 6.667e-4f, nullptr, exhaust.charge);
             V::exhaust_step(&exhaust, psi.data(), std::uint32_t(k % 120), &now);
             V::chain_step(&chain, sine.data(), &now, std::uint32_t(k % 120), V::of(spoil(0.5 + 0.01 * std::cos(2 * M_PI * k / 120))));
         }
@@ -144,7 +168,7 @@ struct ObserverLimits {
     ObserverLimits() {
         ChainRun<F32> run;
         const ExhaustPoint &p = step().point; // at the manifold: what goes in and out adds up exactly
-        const sd_exhaust_point_t point{float(p.charge_kg), float(p.rate_hz), float(p.z0_kg), 0, 0};
+        const sd_exhaust_point_t point{float(p.charge_kg), float(p.rate_hz), float(p.z0_kg), 0, 0, 0};
         must(sd_exhaust_set_f32(&run.exhaust, &point, 6.667e-4f));
         run.cycles(40, [](double a) { return a; }); // it repeats itself
         for (std::uint32_t k = 0; k < 120; ++k) {

@@ -14,7 +14,7 @@ extern "C" {
 
 namespace {
 
-constexpr sd_balance_config_t kConfig{4, 0.1f, 0.05f, 0.2f, 0.1f, 4};
+constexpr sd_balance_config_t kConfig{4, 0.1f, 0, 0.05f, 0.2f, 0.1f, 4};
 
 sd_balance_input_t input(const float *deviation, const float *sd, std::uint8_t health = SD_VALID, bool transient = false,
                          float follow = 0.5f) {
@@ -93,6 +93,32 @@ struct Turned {
     std::vector<double> estimate, told, offset;
     sd_balance_t b;
 };
+
+/// The PI law: a change of the deviations moves the trims at once by P, what stays of them by the gain; and across a hold nothing
+/// is known of a change.
+TEST(Balance, AProportionalPartAnswersToChanges) {
+    sd_balance_config_t config = kConfig;
+    config.rate = 1, config.limit = 0.5f, config.proportional = 0.4f;
+    Loop with(config);
+    config.proportional = 0;
+    Loop without(config);
+    for (Loop *loop : {&with, &without}) {
+        for (int k = 0; k < 200; ++k) loop->cycle();
+        EXPECT_LT(loop->worst, 1e-4f) << "both settle at the same trims";
+        EXPECT_NEAR(loop->b.trim[0], -0.085f, 1e-3f);
+        loop->offset[0] += 0.04f; // a deviation of 0.03 in the first, and -0.01 in the others
+        const float before = loop->b.trim[0];
+        loop->cycle();
+        const float gain = 0.1f * (0.5f + 0.5f * (1 - loop->b.noise / loop->b.mean_square));
+        EXPECT_NEAR(loop->b.trim[0] - before, -0.03f * (gain + (loop == &with ? 0.4f : 0)), 2e-4f);
+    }
+    with.cycle(SD_INVALID);
+    const float held = with.b.trim[0];
+    for (int k = 0; k < 4; ++k) with.cycle();
+    with.offset[0] += 0.04f;
+    with.cycle();
+    EXPECT_GT(with.b.trim[0], held - 0.1f * 0.07f) << "no answer to a change that was not seen";
+}
 
 TEST(Balance, DeviationsShrinkByTheGainEachCycle) {
     Loop loop;
@@ -257,7 +283,7 @@ TEST(Balance, RefusesBadConfigurations) {
     sd_balance_t b;
     for (auto change : std::vector<void (*)(sd_balance_config_t &)>{
              [](sd_balance_config_t &c) { c.cylinders = 1; }, [](sd_balance_config_t &c) { c.cylinders = 9; },
-             [](sd_balance_config_t &c) { c.gain = 0; }, [](sd_balance_config_t &c) { c.rate = NAN; },
+             [](sd_balance_config_t &c) { c.gain = 0; }, [](sd_balance_config_t &c) { c.proportional = 1.5f; }, [](sd_balance_config_t &c) { c.rate = NAN; },
              [](sd_balance_config_t &c) { c.limit = 0.6f; }, [](sd_balance_config_t &c) { c.sd_max = -1; }}) {
         sd_balance_config_t c = kConfig;
         change(c);

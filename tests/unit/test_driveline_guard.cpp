@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "plant/engine/units.hpp"
+#include "studies/driveline/damping_case.hpp"
 #include "studies/driveline/manoeuvres.hpp"
 #include "support/imm_filter.hpp"
 
@@ -21,7 +22,7 @@ DriveCase drive_of(double seconds) {
 }
 
 /// Torque up and down every 1.5 s.
-DriverInput square(double t) { return {std::fmod(t, 3) < 1.5 ? 35.0 : -12.0}; }
+DriverInput square(double t) { return {std::fmod(t, 3) < 1.5 ? 47.0 : -12.0}; }
 
 sd_driveline_tables_t usual_tables() { return guard_tables(Driveline(), GuardBelief(), 60, 1e-6); }
 
@@ -214,7 +215,8 @@ TEST(Guard, InitRefusesWhatIsOutOfRange) {
     sd_driveline_guard_t filter;
     for (float T::*field : {&T::tick_s, &T::pitch_rad, &T::wheel_pitch_rad, &T::shortest_s, &T::per_inertia, &T::viscous_nms,
                             &T::per_vehicle,
-                            &T::soft_nmprad, &T::stiff_nmprad, &T::damping_nms, &T::kink_rad, &T::rolling_nm, &T::drag_nms2, &T::reject_rad, &T::per_reject,
+                            &T::soft_nmprad, &T::stiff_nmprad, &T::damping_nms, &T::kink_rad, &T::rolling_nm, &T::drag_nms2,
+                                &T::reject_rad, &T::per_reject, &T::doubt_rad,
                             &T::settle_s, &T::moving_radps, &T::moving_hold_s}) {
         T bad = usual_tables();
         bad.*field = kNan;
@@ -239,4 +241,58 @@ TEST(Guard, WheelTeethHelpWhereTheDampingIsWrong) {
     c.belief.wheel_jitter_rad = 0.02 * kRadPerDeg;
     c.belief.twist_walk_rad = 1e-3;
     EXPECT_LT(run_drive(c).twist_rms_rad, 0.7 * without);
+}
+
+TEST(Damping, TakesMoreThanHalfOfTheSecondSwing) {
+    for (const double factor : {1.0, 0.8, 1.2}) {
+        DampingCase c;
+        c.drive.real.soft_nmprad *= factor;
+        c.drive.real.stiff_nmprad *= factor;
+        const double off = run_damping(c).second_swing_nm;
+        EXPECT_GT(off, 15);
+        c.damping.enabled = 1;
+        const DampingFigures f = run_damping(c);
+        EXPECT_LT(f.second_swing_nm, 0.4 * off) << factor; // goal 0.5
+        EXPECT_GT(f.largest_request_nm, 5);
+        EXPECT_LE(f.largest_request_nm, c.damping.limit_nm);
+    }
+}
+
+TEST(Damping, IsOffWithin20msInAWrongLocation) {
+    for (const double at_s : {2.0, 3.08, 3.15, 3.3, 3.6, 4.0, 5.0}) {
+        DampingCase c;
+        c.damping.enabled = 1;
+        c.wrong_at_s = at_s;
+        const DampingFigures f = run_damping(c);
+        EXPECT_GT(f.off_after_s, 0) << at_s;
+        EXPECT_LT(f.off_after_s, 0.02) << at_s;
+    }
+}
+
+TEST(Damping, KeepsItsLimitsAndLetsGo) {
+    const sd_driveline_damping_config_t config{10, 5, 100, 1000, 1};
+    sd_driveline_damping_t damping;
+    ASSERT_EQ(sd_driveline_damping_init(&damping, &config), SD_OK);
+    const auto step = [&](float winding, sd_health_t health = SD_VALID, float h = 0.01f) {
+        return sd_driveline_damping_step(&damping, &config, winding, std::uint8_t(health), h);
+    };
+    EXPECT_FLOAT_EQ(step(-1), 1);  // 100 N m/s
+    EXPECT_FLOAT_EQ(step(-1), 2);
+    for (int i = 0; i < 10; ++i) step(-1);
+    EXPECT_FLOAT_EQ(step(-1), 5);  // the limit of 5 N m
+    EXPECT_FLOAT_EQ(step(-1, SD_VALID, kNan), 5);
+    EXPECT_FLOAT_EQ(step(-1, SD_DEGRADED, 0.002f), 3);
+    EXPECT_FLOAT_EQ(step(kNan, SD_VALID, 0.002f), 1);
+    EXPECT_FLOAT_EQ(step(-1, SD_INVALID), 0);
+    EXPECT_FLOAT_EQ(step(0.05f), -0.5f);
+    sd_driveline_damping_config_t off = config;
+    off.enabled = 0;
+    EXPECT_EQ(sd_driveline_damping_step(&damping, &off, -1, SD_VALID, 0.01f), 0);
+    for (float sd_driveline_damping_config_t::*field : {&sd_driveline_damping_config_t::gain_nms, &sd_driveline_damping_config_t::limit_nm,
+                                                        &sd_driveline_damping_config_t::rate_nmps,
+                                                            &sd_driveline_damping_config_t::drop_nmps}) {
+        sd_driveline_damping_config_t bad = config;
+        bad.*field = -1;
+        EXPECT_EQ(sd_driveline_damping_init(&damping, &bad), SD_ERR_CONFIG);
+    }
 }

@@ -367,10 +367,10 @@ auto fields(const sd_misfire_config_t &c) {
                       c.speed_change, c.start_firings, c.hold_firings, c.continuous_firings, c.emission_percent, c.catalyst_percent,
                       c.emission_exceedances, c.catalyst_exceedances);
 }
-auto fields(const sd_balance_config_t &c) { return std::tuple(c.gain, c.rate, c.limit, c.sd_max, c.hold_cycles); }
+auto fields(const sd_balance_config_t &c) { return std::tuple(c.gain, c.proportional, c.rate, c.limit, c.sd_max, c.hold_cycles); }
 auto fields(const sd_afr_config_t &c) {
     return std::tuple(c.method, c.noise_per_rthz, c.drift, c.drift_slow, c.slow_above, c.gain_air, c.gain_cylinder, c.inversion_gain,
-                      c.inversion_floor);
+                      c.inversion_floor, c.gain_mass, c.turbine_drop, c.turbine_rpm);
 }
 
 void expect_same_choices(const sd_ecu_t &a, const sd_ecu_t &b) {

@@ -131,7 +131,7 @@ TEST_F(EventLogFile, WhateverStandsBehindRightChecksumsIsRefusedOrReplayed) {
         try {
             const EventLog log = read_log(file);
             const LogReplay replay = replay_log(log, log.calibration);
-            for (const ToothRow &row : replay.rows.teeth) {
+            for (const ToothRow &row : replay.teeth) {
                 const auto *value = reinterpret_cast<const float *>(&row.signals);
                 for (std::size_t c = 0; c < SD_SIGNAL_COUNT; ++c) ASSERT_TRUE(std::isfinite(value[c])) << i << ": " << sd_signal_infos[c].name;
             }

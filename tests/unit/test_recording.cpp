@@ -7,6 +7,7 @@
 #include "common/error.hpp"
 #include "io/recording/guess.hpp"
 #include "unit/crank_trace.hpp"
+#include "unit/known_recording.hpp"
 
 namespace fs = std::filesystem;
 using namespace sixdeg;
@@ -26,7 +27,7 @@ struct Forms : ::testing::TestWithParam<Form> {};
 TEST_P(Forms, ReadAlike) {
     const Recording recording = parse_recording("r.csv", GetParam().text);
     ASSERT_EQ(recording.columns.size(), 2u);
-    EXPECT_EQ(recording.time_s(), kTimes);
+    EXPECT_EQ(recording.time, kTimes);
     EXPECT_EQ(recording.columns[1], kLevels);
     EXPECT_EQ(edges(recording, 1, Edge::falling), std::vector<double>{0.5});
     EXPECT_EQ(edges(recording, 1, Edge::rising), std::vector<double>{0.75});
@@ -41,8 +42,60 @@ INSTANTIATE_TEST_SUITE_P(
                       Form{"blanks", "  0   1\n 0.5   0\n 0.75  1\n"},
                       Form{"blank_header", "time level\n0,1\n0.5,0\n0.75,1\n"},
                       Form{"windows", "\xEF\xBB\xBFt,level\r\n0,1\r\n0.5,0\r\n0.75,1\r\n"},
+                      Form{"decimal_comma", "t;x\n0,0;1\n0,5;0\n0,75;1\n"},
+                      Form{"decimal_comma_between_blanks", "0,00 1\n0,50 0\n0,75 1\n"},
+                      Form{"commas_in_two_roles", "0,000,1\n0,500,0\n0,750,1\n"},
+                      Form{"quotes", "\"t\",\"x\"\n\"0\",\"1\"\n\"0.5\",\"0\"\n\"0.75\",\"1\"\n"},
+                      Form{"units_below_the_names", "Source,CH1\nSecond,Volt\n0,1\n0.5,0\n0.75,1\n"},
+                      Form{"several_headers", "Scope 3\nSerial,17\nt [s],x\n0,1\n0.5,0\n0.75,1\n"},
+                      Form{"words_for_levels", "t,x\n0,high\n0.5,low\n0.75,HIGH\n"},
+                      Form{"blank_cells_hold", "t,x\n0,1\n0.5,0\n0.75,1\n"},
+                      Form{"marker_lines", "t,x\n0,1\nMARK\n0.5,0\n0.75,1\n"},
+                      Form{"cut_off", "t,x\n0,1\n0.5,0\n0.75,1\n0.8"},
                       Form{"comments_and_ends", "# scope 3\n0,1,\n\n0.5,0,\n+0.75,+1,\n"}),
     [](const auto &param) { return std::string(param.param.name); });
+
+TEST(Reader, TakesTheTimeWhereTheHeaderHasIt) {
+    const Recording log = parse_recording("r.csv", "#Firmware: x\n\"PriLevel\",\"RefTime\",\"ToothTime\",\"Time\"\n"
+                                                   "\"Flag\",\"ms\",\"ms\",\"ms\"\n0,0.1,0.3,1\n1,0.2,0.3,2\n0,0.2,0.4,3\n");
+    EXPECT_EQ(log.layout.time_column, 3);
+    EXPECT_EQ(log.layout.time_unit_s, 1e-3);
+    EXPECT_EQ(log.columns[0], (std::vector<double>{0, 1, 0}));
+}
+
+TEST(Reader, TakesRowAndToothNumbersForNoSignal) {
+    const Recording teeth = parse_recording("r.teeth", "1 0.001\n2 0.002\n3 0.0035\n4 0.004\n5 0.005\n");
+    EXPECT_TRUE(teeth.is_edge_times());
+    EXPECT_EQ(teeth.time, (std::vector<double>{0.001, 0.002, 0.0035, 0.004, 0.005}));
+    const Recording rows = parse_recording("r.csv", "n,t,v\n0,0.5,1\n1,0.75,7\n2,1,3\n3,1.5,2\n4,1.75,9\n");
+    EXPECT_EQ(rows.layout.time_column, 1);
+    EXPECT_FALSE(rows.is_edge_times());
+}
+
+TEST(Reader, AddsUpIntervals) {
+    const Recording log = parse_recording("r.csv", "ToothTime\n300\n310\n900\n290\n300\n310\n310\n300\n290\n");
+    EXPECT_TRUE(log.layout.is_interval);
+    EXPECT_EQ(log.time.back(), 3310);
+}
+
+TEST(Reader, CountsFromTheFirstRowWhereTimesAreNegativeOrLarge) {
+    const Recording epoch = parse_recording("r.csv", "1699999999.5,1\n1700000000.25,0\n");
+    EXPECT_EQ(epoch.time, (std::vector<double>{0, 0.75}));
+    EXPECT_EQ(epoch.origin.value(), 1699999999.5);
+    EXPECT_EQ(parse_recording("r.csv", "-0.5,1\n0.25,0\n").time, (std::vector<double>{0, 0.75}));
+    EXPECT_EQ(parse_recording("r.csv", "4294967000,1\n4294967290,0\n4,1\n").time.back(), 300); // a 32-bit counter began anew
+}
+
+TEST(Reader, FillsBlankCellsWithTheValueAbove) {
+    const Recording log = parse_recording("r.csv", "t,a,b\n0,1,X\n1,,5\n2,0,\n");
+    EXPECT_EQ(log.columns[1], (std::vector<double>{1, 1, 0}));
+}
+
+TEST(Reader, RowsMayBeNumberedWithTheirStepInTheHeader) {
+    const Recording log = parse_recording("r.csv", "X,CH1,Start,Increment,\nSequence,Volt,-0.6,1e-6\n0,0.1,\n1,0.2,\n2,0.3,\n3,0.1,\n4,0.1,\n");
+    EXPECT_EQ(log.layout.time_column, 0);
+    EXPECT_EQ(log.layout.time_unit_s, 1e-6);
+}
 
 TEST(Reader, NamesColumnsFromTheHeader) {
     const Recording recording = parse_recording("r.csv", "Time[s], Channel 0\n0, 1\n");
@@ -132,7 +185,7 @@ TEST_P(Wheels, FromLevelsOfEitherPolarity) {
     const Guess rising = guess(parse_recording("r.csv", crank_trace::level_rows(split, clean)));
     expect_wheel(rising, GetParam());
     EXPECT_EQ(rising.edge, Edge::rising);
-    EXPECT_EQ(rising.time_s.size(), clean.size());
+    EXPECT_EQ(rising.time.size(), clean.size());
 }
 
 TEST_P(Wheels, FromAReluctanceVoltage) {
@@ -147,7 +200,7 @@ INSTANTIATE_TEST_SUITE_P(Guess, Wheels,
                          ::testing::Values(WheelCase{60, 2, 0}, WheelCase{60, 2, 0.07},
                                            WheelCase{60, 2, 0.15}, WheelCase{36, 1, 0.03},
                                            WheelCase{36, 2, 0.07}, WheelCase{24, 1, 0.03},
-                                           WheelCase{12, 1, 0}, WheelCase{30, 2, 0.05},
+                                           WheelCase{12, 1, 0}, WheelCase{40, 1, 0.05},
                                            WheelCase{50, 3, 0.03}),
                          [](const auto &param) {
                              return fmt::format("w{}_{}_jitter{}", param.param.positions, param.param.missing,
@@ -175,7 +228,7 @@ TEST(Guess, PrefersTheEdgeWhoseMarkIsOneGap) {
     }
     const Recording recording = parse_recording("r.csv", crank_trace::level_rows(falling, rising));
     EXPECT_EQ(describe(guess(recording)), "60-2, rising, gap ratio 3.0");
-    EXPECT_EQ(guess(recording, {{}, Edge::falling, {}}).edge, Edge::falling);
+    EXPECT_EQ(guess(recording, with_edge(Edge::falling)).edge, Edge::falling);
 }
 
 TEST(Guess, PrefersTheEvenerOfTwoGoodEdges) {
@@ -204,13 +257,65 @@ TEST(Guess, NeedsOnlyFiveGoodRevolutionsInARow) {
     EXPECT_EQ(describe(guess(parse_recording("r.csv", rows)).wheel), "60-2");
 }
 
-TEST(Guess, WordOfTheCallerStands) {
-    const std::vector<double> falling = crank_trace::edge_times({});
+TEST(Guess, WordOfTheCallerStandsWhereMarksShowNothing) {
     std::string rows;
-    for (double t_s : falling) rows += fmt::format("{:.7f}\n", t_s);
-    const Guess found = guess(parse_recording("r.csv", rows), {parse_wheel("36-1", "test"), {}, {}});
+    for (int i = 0; i < 400; ++i) rows += fmt::format("{:.7f}\n", 0.001 * i);
+    const Guess found = guess(parse_recording("r.csv", rows), with_wheel("36-1"));
     EXPECT_EQ(describe(found), "36-1, edge times, no gap measured");
-    EXPECT_EQ(found.time_s.size(), falling.size());
+    EXPECT_EQ(found.time.size(), 400u);
+}
+
+/// Edge times of a wheel with these teeth before each mark and missing teeth in it.
+Recording several_marks(const std::vector<std::pair<int, int>> &turn, int revolutions = 12) {
+    std::string rows;
+    double t_s = 0.5;
+    for (int i = 0; i < revolutions; ++i) {
+        for (const auto &[teeth, missing] : turn) {
+            for (int tooth = 0; tooth < teeth; ++tooth) rows += fmt::format("{:.7f}\n", t_s += 0.001);
+            t_s += 0.001 * missing;
+        }
+    }
+    return parse_recording("r.csv", rows);
+}
+
+TEST(Guess, NamesWheelsOfSeveralMarks) {
+    EXPECT_EQ(wheel_name(guess(several_marks({{20, 1}, {13, 2}}))), "36-2-1");
+    EXPECT_EQ(wheel_name(guess(several_marks({{17, 2}, {16, 1}}))), "36-2-1");
+    EXPECT_EQ(wheel_name(guess(several_marks({{16, 2}, {8, 2}, {6, 2}}))), "36-2-2-2");
+    EXPECT_EQ(wheel_name(guess(several_marks({{17, 2}, {23, 2}}))), "44-2-2");
+    EXPECT_EQ(guess(several_marks({{20, 1}, {13, 2}})).wheel.missing, (std::vector<int>{20, 34, 35}));
+}
+
+TEST(Guess, DoesNotGuessHowOftenMarksRepeat) {
+    const Recording recording = several_marks({{20, 2}}, 24);
+    EXPECT_THROW(guess(recording), InputError);
+    EXPECT_EQ(wheel_name(guess(recording, with_wheel("44-2-2"))), "44-2-2");
+    EXPECT_EQ(wheel_name(guess(recording, with_wheel("22-2"))), "22-2");
+    Constraints engine;
+    engine.engine_wheel = Wheel{44, {20, 21, 42, 43}};
+    EXPECT_EQ(wheel_name(guess(recording, engine)), "44-2-2");
+}
+
+TEST(Guess, TakesAnAddedToothForTheMark) {
+    std::string rows;
+    for (int i = 0; i < 24 * 12; ++i) {
+        rows += fmt::format("{:.7f}\n", 0.001 * i);
+        if (i % 24 == 7) rows += fmt::format("{:.7f}\n", 0.001 * i + 0.0005);
+    }
+    const Guess found = guess(parse_recording("r.csv", rows));
+    EXPECT_EQ(wheel_name(found), "24+1");
+    EXPECT_EQ(describe(found.wheel), "24-1");
+    EXPECT_EQ(found.time.size(), 23u * 12);
+}
+
+TEST(Guess, TakesTheUnitOfTimeThatGivesAnEnginesSpeed) {
+    for (const double unit_s : {1.0, 1e-3, 1e-6}) {
+        std::string rows;
+        for (double t_s : crank_trace::edge_times({})) rows += fmt::format("{:.9g}\n", t_s / unit_s);
+        const Guess found = guess(parse_recording("r.csv", rows));
+        EXPECT_EQ(found.unit_s, unit_s);
+        EXPECT_NEAR(found.rpm, 900, 10);
+    }
 }
 
 // ---- Cam ----
@@ -237,8 +342,8 @@ TEST(Cam, IsTheColumnWithOnePulseACycle) {
     EXPECT_EQ(found.cam->column, 1);
     EXPECT_EQ(found.cam->edge, Edge::rising);
     // Falling edges lie half a tooth on, so the rise after position 41.1 follows the fall of tooth 40.
-    EXPECT_EQ(found.cam->tooth, 40);
-    EXPECT_EQ(found.cam->time_s.size(), 10u);
+    EXPECT_EQ(int(found.cam->place_rev * 58), 40);
+    EXPECT_EQ(found.cam->time.size(), 10u);
 }
 
 TEST(Cam, IsNotAPulseEveryRevolutionOrEveryThird) {
@@ -277,7 +382,7 @@ TEST_F(Real, FourCylinderEventList) {
     const Guess found = guess_real("real_60-2_vw_aba.csv");
     EXPECT_EQ(describe(found), "60-2, falling, gap ratio 3.3");
     EXPECT_EQ(found.column, 1);
-    EXPECT_EQ(found.time_s.size(), 2577u);
+    EXPECT_EQ(found.time.size(), 2577u);
     EXPECT_EQ(found.consistent_revolutions, 43);
     ASSERT_TRUE(found.cam);
     EXPECT_EQ(found.cam->column, 2);
@@ -288,7 +393,7 @@ TEST_F(Real, SampledEncoderBesidePressure) {
     const Guess found = guess_real("real_single_pressure_full_load.txt");
     EXPECT_EQ(describe(found), "60-2, rising, gap ratio 3.5");
     EXPECT_EQ(found.column, 2);
-    EXPECT_EQ(found.time_s.size(), 1450u);
+    EXPECT_EQ(found.time.size(), 1450u);
     EXPECT_EQ(found.consistent_revolutions, 23);
     EXPECT_FALSE(found.cam);
 }

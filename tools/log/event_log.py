@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Reads an event log, .sdlog (docs/log.md), into arrays."""
+"""Reads an event log, .sdlog (docs/log.md), into arrays, and writes one from arrays."""
 import hashlib
 import json
 import struct
@@ -42,3 +42,27 @@ def seconds(tick, tick_hz):
         return np.zeros(0)
     step = np.diff(tick).astype(np.uint32).view(np.int32).astype(np.int64)
     return (int(tick[0]) + np.concatenate(([0], np.cumsum(step)))) / tick_hz
+
+
+def write_log(path, page, signature, tick_hz, events, about=None):
+    """Writes an event log that `sixdeg replay` takes.
+
+    page: bytes of a calibration page (`sixdeg calibrate`); signature: of the signal table that it was made with (the page holds it,
+    page_signature); events: tuples or an array of EVENT, in order of time; about: a dictionary for people. The file is whole or not there.
+    """
+    description = json.dumps(about or {}).encode()
+    data = HEADER.pack(b"SDL1", signature, len(description), len(page), tick_hz) + description + page
+    data += np.array(events, dtype=EVENT).tobytes()
+    partial = path.with_name(path.name + ".partial")
+    partial.write_bytes(data + hashlib.sha256(data).digest())
+    partial.replace(path)
+
+
+def page_signature(page):
+    """Signature of the signal table that a calibration page was made with."""
+    return struct.unpack_from("<I", page, 8)[0]
+
+
+def sample(tick, channel, value):
+    """Event of one reading of a sensor: channel as in hal/signals.toml, from 0."""
+    return tick, SAMPLE, channel, struct.unpack("<I", struct.pack("<f", value))[0], 0

@@ -16,9 +16,12 @@ class Teeth:
     NUMBERS = ("t_s", "tooth", "angle_deg", "rpm", "torque_nm")
 
     def __init__(self, folder):
-        table = Table(folder, "teeth.csv", self.NUMBERS + ("class", "health"))
+        table = Table(folder, "teeth.csv", self.NUMBERS + ("class", "health", "fourier_nm"))
         self.t_s, self.tooth, self.angle_deg, self.rpm, self.torque_nm = (table.numbers(n) for n in self.NUMBERS)
         self.kind, self.health = table.texts("class"), table.texts("health")
+        self.torque_source = "the filter on tooth times"
+        if not np.isfinite(self.torque_nm).any():  # no engine file, or the filter is off
+            self.torque_nm, self.torque_source = table.numbers("fourier_nm"), "the Fourier observer"
         if self.t_s.size == 0:
             raise BadFolder(f"{table.path}: holds no edges")
 
@@ -30,7 +33,7 @@ class Replay:
         self.folder = folder
         self.summary = read_summary(folder, FIELDS)
         self.teeth = Teeth(folder)
-        self.cycles = Table(folder, "cycles.csv", ("cycle", "cylinder", "torque_nm", "health"))
+        self.cycles = Table(folder, "cycles.csv", ("cycle", "cylinder", "torque_nm", "health", "fourier_nm", "fourier_health"))
 
     def title(self):
         """Name of the recording: the file of the replay that is no TOML."""
@@ -48,8 +51,10 @@ class Replay:
 
         A recording of teeth lacks the intake pressure, which moves all cylinders alike: only differences count.
         """
-        told = np.isin(self.cycles.texts("health"), ("valid", "degraded"))
-        cycle, cylinder, torque = (self.cycles.numbers(n) for n in ("cycle", "cylinder", "torque_nm"))
+        filter_tells = np.isin(self.cycles.texts("health"), ("valid", "degraded")).any()
+        health, torque = ("health", "torque_nm") if filter_tells else ("fourier_health", "fourier_nm")
+        told = np.isin(self.cycles.texts(health), ("valid", "degraded"))
+        cycle, cylinder, torque = (self.cycles.numbers(n) for n in ("cycle", "cylinder", torque))
         cylinders = np.unique(cylinder[np.isfinite(cylinder)])
         differences = {int(c): [] for c in cylinders}
         for one in np.unique(cycle[told]):

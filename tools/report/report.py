@@ -3,7 +3,7 @@
 """Draws what `sixdeg run` and `sixdeg replay` wrote into one self-contained page and prints its short tables.
 
 usage: report.py --out REPORT.html [--figure-16 RUN RUN] [--figure-14 RUN] [--figure-15 RUN] [--figure-12 RUN]
-                 [--figure-6 RUN] [--figure-5 RUN] [FOLDER...]
+                 [--figure-6 RUN] [--figure-5 RUN] [--driveline FOLDER] [FOLDER...]
        exit status 2 and one line for a folder that cannot be drawn
 """
 import argparse
@@ -12,6 +12,7 @@ import os
 import sys
 
 import sections
+from driveline_folder import Driveline
 from folder import BadFolder, read_summary
 from mixture_folder import MixtureRun
 from replay_folder import Replay
@@ -59,6 +60,7 @@ def main():
         parser.add_argument(f"--figure-{figure}", metavar="RUN", help=f"document 004: injectors moved at {what}")
     parser.add_argument("--figure-6", metavar="RUN", help="document 004, section 3.3.3: 1000 rpm, 5 bar")
     parser.add_argument("--figure-5", metavar="RUN", help="document 004, section 3.3.1: 1500 rpm, 2 bar")
+    parser.add_argument("--driveline", metavar="FOLDER", help="document 003, figure 6: of sixdeg study driveline figure-6")
     parser.add_argument("--out", required=True, metavar="REPORT.html")
     options = parser.parse_args()
     trajectories = {figure: getattr(options, f"figure_{figure}") for figure in ("14", "15", "12")}
@@ -71,6 +73,8 @@ def main():
         parts += [(MixtureRun(path), functools.partial(sections.trajectory_section, figure=figure))
                   for figure, path in trajectories.items() if path]
         parts += [(Run(path), build) for path, build in documented if path]
+        if options.driveline:
+            parts.append((Driveline(options.driveline), sections.driveline_section))
         parts += [(open_folder(path), None) for path in options.folders]
         if not parts:
             raise BadFolder("no folder given")

@@ -199,6 +199,15 @@ def trajectory_section(run, figure):
                     "14": "Sensor noise 0.5 % of a 6 deg sample.", "15": "At a lower load; sensor noise as above."}[figure])]
 
 
+def driveline_section(driveline):
+    import driveline_picture as pictures
+
+    return [text("10 N m less from the engine at 2 s, without noise: torsion of the shaft and its estimate, residuals of the soft and of "
+                 "the stiff location, and which location was found.", "lead"),
+            picture(pictures.figure_6(driveline), "torsion, residuals, locations"),
+            table(driveline.figures(), driveline.HEADER)]
+
+
 def section(folder, build=None):
     """One folder's part of the page."""
     build = build or (run_section if isinstance(folder, Run) else replay_section)

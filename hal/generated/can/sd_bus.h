@@ -69,7 +69,10 @@ extern "C" {
 #define SD_BUS_INPUT_DRIVELINE_SHIFT_FRAME_ID (0xd3u)
 #define SD_BUS_INPUT_EXHAUST_LAMBDA_FRAME_ID (0xd4u)
 #define SD_BUS_INPUT_EXHAUST_PRESSURE_FRAME_ID (0xd5u)
-#define SD_BUS_INPUT_BALANCE_ENABLE_FRAME_ID (0xd6u)
+#define SD_BUS_INPUT_EXHAUST_TEMPERATURE_FRAME_ID (0xd6u)
+#define SD_BUS_INPUT_EXHAUST_VANES_FRAME_ID (0xd7u)
+#define SD_BUS_INPUT_EXHAUST_TURBINE_SPEED_FRAME_ID (0xd8u)
+#define SD_BUS_INPUT_BALANCE_ENABLE_FRAME_ID (0xd9u)
 #define SD_BUS_TRUTH_EDGE_FRAME_ID (0xf0u)
 #define SD_BUS_TRUTH_CYCLE_FRAME_ID (0xf1u)
 #define SD_BUS_TRUTH_END_FRAME_ID (0xf2u)
@@ -97,6 +100,9 @@ extern "C" {
 #define SD_BUS_INPUT_DRIVELINE_SHIFT_LENGTH (8u)
 #define SD_BUS_INPUT_EXHAUST_LAMBDA_LENGTH (8u)
 #define SD_BUS_INPUT_EXHAUST_PRESSURE_LENGTH (8u)
+#define SD_BUS_INPUT_EXHAUST_TEMPERATURE_LENGTH (8u)
+#define SD_BUS_INPUT_EXHAUST_VANES_LENGTH (8u)
+#define SD_BUS_INPUT_EXHAUST_TURBINE_SPEED_LENGTH (8u)
 #define SD_BUS_INPUT_BALANCE_ENABLE_LENGTH (8u)
 #define SD_BUS_TRUTH_EDGE_LENGTH (48u)
 #define SD_BUS_TRUTH_CYCLE_LENGTH (48u)
@@ -125,6 +131,9 @@ extern "C" {
 #define SD_BUS_INPUT_DRIVELINE_SHIFT_IS_EXTENDED (0)
 #define SD_BUS_INPUT_EXHAUST_LAMBDA_IS_EXTENDED (0)
 #define SD_BUS_INPUT_EXHAUST_PRESSURE_IS_EXTENDED (0)
+#define SD_BUS_INPUT_EXHAUST_TEMPERATURE_IS_EXTENDED (0)
+#define SD_BUS_INPUT_EXHAUST_VANES_IS_EXTENDED (0)
+#define SD_BUS_INPUT_EXHAUST_TURBINE_SPEED_IS_EXTENDED (0)
 #define SD_BUS_INPUT_BALANCE_ENABLE_IS_EXTENDED (0)
 #define SD_BUS_TRUTH_EDGE_IS_EXTENDED (0)
 #define SD_BUS_TRUTH_CYCLE_IS_EXTENDED (0)
@@ -139,6 +148,9 @@ extern "C" {
 #define SD_BUS_INPUT_DRIVELINE_SHIFT_CYCLE_TIME_MS (10u)
 #define SD_BUS_INPUT_EXHAUST_LAMBDA_CYCLE_TIME_MS (10u)
 #define SD_BUS_INPUT_EXHAUST_PRESSURE_CYCLE_TIME_MS (10u)
+#define SD_BUS_INPUT_EXHAUST_TEMPERATURE_CYCLE_TIME_MS (10u)
+#define SD_BUS_INPUT_EXHAUST_VANES_CYCLE_TIME_MS (10u)
+#define SD_BUS_INPUT_EXHAUST_TURBINE_SPEED_CYCLE_TIME_MS (10u)
 #define SD_BUS_INPUT_BALANCE_ENABLE_CYCLE_TIME_MS (10u)
 
 /* Signal choices. */
@@ -481,26 +493,31 @@ extern "C" {
 #define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_METHOD_CHOICE (38u)
 #define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_ARITHMETIC_CHOICE (39u)
 #define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_METHOD_CHOICE (40u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_GAIN_AIR_CHOICE (41u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_GAIN_CYLINDER_CHOICE (42u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_INVERSION_GAIN_CHOICE (43u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_INVERSION_FLOOR_CHOICE (44u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_NOISE_CHOICE (45u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_DRIFT_CHOICE (46u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_JUMP_CHOICE (47u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_DRIFT_SLOW_CHOICE (48u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_SLOW_ABOVE_CHOICE (49u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_STOICHIOMETRIC_CHOICE (50u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_IDENTIFY_CHOICE (51u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_PROBE_CHOICE (52u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_LATE_ERROR_CHOICE (53u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_LAG_ERROR_CHOICE (54u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_SOURCE_CHOICE (55u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_GAIN_CHOICE (56u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_RATE_CHOICE (57u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_LIMIT_CHOICE (58u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_SD_MAX_CHOICE (59u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_HOLD_CHOICE (60u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_ARITHMETIC_CHOICE (41u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_GAIN_MASS_CHOICE (42u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_TURBINE_DROP_CHOICE (43u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_TURBINE_RATED_CHOICE (44u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_GAIN_AIR_CHOICE (45u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_GAIN_CYLINDER_CHOICE (46u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_INVERSION_GAIN_CHOICE (47u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_INVERSION_FLOOR_CHOICE (48u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_NOISE_CHOICE (49u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_DRIFT_CHOICE (50u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_JUMP_CHOICE (51u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_DRIFT_SLOW_CHOICE (52u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_SLOW_ABOVE_CHOICE (53u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_STOICHIOMETRIC_CHOICE (54u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_IDENTIFY_CHOICE (55u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_PROBE_CHOICE (56u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_LATE_ERROR_CHOICE (57u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_LAG_ERROR_CHOICE (58u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_SOURCE_CHOICE (59u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_GAIN_CHOICE (60u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_PROPORTIONAL_CHOICE (61u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_RATE_CHOICE (62u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_LIMIT_CHOICE (63u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_SD_MAX_CHOICE (64u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_HOLD_CHOICE (65u)
 #define SD_BUS_PARAMETER_REQUEST_INDEX_ALL_CHOICE (255u)
 
 #define SD_BUS_PARAMETER_COMMAND_READ_CHOICE (0u)
@@ -549,26 +566,31 @@ extern "C" {
 #define SD_BUS_PARAMETER_INDEX_MISFIRE_METHOD_CHOICE (38u)
 #define SD_BUS_PARAMETER_INDEX_MISFIRE_ARITHMETIC_CHOICE (39u)
 #define SD_BUS_PARAMETER_INDEX_AFR_METHOD_CHOICE (40u)
-#define SD_BUS_PARAMETER_INDEX_AFR_GAIN_AIR_CHOICE (41u)
-#define SD_BUS_PARAMETER_INDEX_AFR_GAIN_CYLINDER_CHOICE (42u)
-#define SD_BUS_PARAMETER_INDEX_AFR_INVERSION_GAIN_CHOICE (43u)
-#define SD_BUS_PARAMETER_INDEX_AFR_INVERSION_FLOOR_CHOICE (44u)
-#define SD_BUS_PARAMETER_INDEX_AFR_NOISE_CHOICE (45u)
-#define SD_BUS_PARAMETER_INDEX_AFR_DRIFT_CHOICE (46u)
-#define SD_BUS_PARAMETER_INDEX_AFR_JUMP_CHOICE (47u)
-#define SD_BUS_PARAMETER_INDEX_AFR_DRIFT_SLOW_CHOICE (48u)
-#define SD_BUS_PARAMETER_INDEX_AFR_SLOW_ABOVE_CHOICE (49u)
-#define SD_BUS_PARAMETER_INDEX_AFR_STOICHIOMETRIC_CHOICE (50u)
-#define SD_BUS_PARAMETER_INDEX_AFR_IDENTIFY_CHOICE (51u)
-#define SD_BUS_PARAMETER_INDEX_AFR_PROBE_CHOICE (52u)
-#define SD_BUS_PARAMETER_INDEX_AFR_LATE_ERROR_CHOICE (53u)
-#define SD_BUS_PARAMETER_INDEX_AFR_LAG_ERROR_CHOICE (54u)
-#define SD_BUS_PARAMETER_INDEX_BALANCE_SOURCE_CHOICE (55u)
-#define SD_BUS_PARAMETER_INDEX_BALANCE_GAIN_CHOICE (56u)
-#define SD_BUS_PARAMETER_INDEX_BALANCE_RATE_CHOICE (57u)
-#define SD_BUS_PARAMETER_INDEX_BALANCE_LIMIT_CHOICE (58u)
-#define SD_BUS_PARAMETER_INDEX_BALANCE_SD_MAX_CHOICE (59u)
-#define SD_BUS_PARAMETER_INDEX_BALANCE_HOLD_CHOICE (60u)
+#define SD_BUS_PARAMETER_INDEX_AFR_ARITHMETIC_CHOICE (41u)
+#define SD_BUS_PARAMETER_INDEX_AFR_GAIN_MASS_CHOICE (42u)
+#define SD_BUS_PARAMETER_INDEX_AFR_TURBINE_DROP_CHOICE (43u)
+#define SD_BUS_PARAMETER_INDEX_AFR_TURBINE_RATED_CHOICE (44u)
+#define SD_BUS_PARAMETER_INDEX_AFR_GAIN_AIR_CHOICE (45u)
+#define SD_BUS_PARAMETER_INDEX_AFR_GAIN_CYLINDER_CHOICE (46u)
+#define SD_BUS_PARAMETER_INDEX_AFR_INVERSION_GAIN_CHOICE (47u)
+#define SD_BUS_PARAMETER_INDEX_AFR_INVERSION_FLOOR_CHOICE (48u)
+#define SD_BUS_PARAMETER_INDEX_AFR_NOISE_CHOICE (49u)
+#define SD_BUS_PARAMETER_INDEX_AFR_DRIFT_CHOICE (50u)
+#define SD_BUS_PARAMETER_INDEX_AFR_JUMP_CHOICE (51u)
+#define SD_BUS_PARAMETER_INDEX_AFR_DRIFT_SLOW_CHOICE (52u)
+#define SD_BUS_PARAMETER_INDEX_AFR_SLOW_ABOVE_CHOICE (53u)
+#define SD_BUS_PARAMETER_INDEX_AFR_STOICHIOMETRIC_CHOICE (54u)
+#define SD_BUS_PARAMETER_INDEX_AFR_IDENTIFY_CHOICE (55u)
+#define SD_BUS_PARAMETER_INDEX_AFR_PROBE_CHOICE (56u)
+#define SD_BUS_PARAMETER_INDEX_AFR_LATE_ERROR_CHOICE (57u)
+#define SD_BUS_PARAMETER_INDEX_AFR_LAG_ERROR_CHOICE (58u)
+#define SD_BUS_PARAMETER_INDEX_BALANCE_SOURCE_CHOICE (59u)
+#define SD_BUS_PARAMETER_INDEX_BALANCE_GAIN_CHOICE (60u)
+#define SD_BUS_PARAMETER_INDEX_BALANCE_PROPORTIONAL_CHOICE (61u)
+#define SD_BUS_PARAMETER_INDEX_BALANCE_RATE_CHOICE (62u)
+#define SD_BUS_PARAMETER_INDEX_BALANCE_LIMIT_CHOICE (63u)
+#define SD_BUS_PARAMETER_INDEX_BALANCE_SD_MAX_CHOICE (64u)
+#define SD_BUS_PARAMETER_INDEX_BALANCE_HOLD_CHOICE (65u)
 #define SD_BUS_PARAMETER_INDEX_ALL_CHOICE (255u)
 
 #define SD_BUS_PARAMETER_RESULT_OK_CHOICE (0u)
@@ -600,6 +622,9 @@ extern "C" {
 #define SD_BUS_INPUT_DRIVELINE_SHIFT_NAME "input_driveline_shift"
 #define SD_BUS_INPUT_EXHAUST_LAMBDA_NAME "input_exhaust_lambda"
 #define SD_BUS_INPUT_EXHAUST_PRESSURE_NAME "input_exhaust_pressure"
+#define SD_BUS_INPUT_EXHAUST_TEMPERATURE_NAME "input_exhaust_temperature"
+#define SD_BUS_INPUT_EXHAUST_VANES_NAME "input_exhaust_vanes"
+#define SD_BUS_INPUT_EXHAUST_TURBINE_SPEED_NAME "input_exhaust_turbine_speed"
 #define SD_BUS_INPUT_BALANCE_ENABLE_NAME "input_balance_enable"
 #define SD_BUS_TRUTH_EDGE_NAME "truth_edge"
 #define SD_BUS_TRUTH_CYCLE_NAME "truth_cycle"
@@ -806,6 +831,12 @@ extern "C" {
 #define SD_BUS_INPUT_EXHAUST_LAMBDA_VALUE_NAME "value"
 #define SD_BUS_INPUT_EXHAUST_PRESSURE_TICK_NAME "tick"
 #define SD_BUS_INPUT_EXHAUST_PRESSURE_VALUE_NAME "value"
+#define SD_BUS_INPUT_EXHAUST_TEMPERATURE_TICK_NAME "tick"
+#define SD_BUS_INPUT_EXHAUST_TEMPERATURE_VALUE_NAME "value"
+#define SD_BUS_INPUT_EXHAUST_VANES_TICK_NAME "tick"
+#define SD_BUS_INPUT_EXHAUST_VANES_VALUE_NAME "value"
+#define SD_BUS_INPUT_EXHAUST_TURBINE_SPEED_TICK_NAME "tick"
+#define SD_BUS_INPUT_EXHAUST_TURBINE_SPEED_VALUE_NAME "value"
 #define SD_BUS_INPUT_BALANCE_ENABLE_TICK_NAME "tick"
 #define SD_BUS_INPUT_BALANCE_ENABLE_VALUE_NAME "value"
 #define SD_BUS_TRUTH_EDGE_TIME_S_NAME "time_s"
@@ -2774,6 +2805,81 @@ struct sd_bus_input_exhaust_pressure_t {
      * Absolute pressure in the exhaust manifold.
      *
      * Range: 0.05..10.0 (0.05..10 bar)
+     * Scale: 1
+     * Offset: 0
+     */
+    float value;
+};
+
+/**
+ * Signals in message input_exhaust_temperature.
+ *
+ * Of the gas in the exhaust manifold. Not known: as calibrated at the operating point.
+ *
+ * All signal values are as on the CAN bus.
+ */
+struct sd_bus_input_exhaust_temperature_t {
+    /**
+     * Range: 0..4294967295 (0..4294967295 tick)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint32_t tick;
+
+    /**
+     * Of the gas in the exhaust manifold. Not known: as calibrated at the operating point.
+     *
+     * Range: 200.0..1600.0 (200..1600 K)
+     * Scale: 1
+     * Offset: 0
+     */
+    float value;
+};
+
+/**
+ * Signals in message input_exhaust_vanes.
+ *
+ * Area between the vanes of a variable turbine (VGT), over the calibration's.
+ *
+ * All signal values are as on the CAN bus.
+ */
+struct sd_bus_input_exhaust_vanes_t {
+    /**
+     * Range: 0..4294967295 (0..4294967295 tick)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint32_t tick;
+
+    /**
+     * Area between the vanes of a variable turbine (VGT), over the calibration's.
+     *
+     * Range: 0.05..10.0 (0.05..10 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    float value;
+};
+
+/**
+ * Signals in message input_exhaust_turbine_speed.
+ *
+ * Of the turbocharger. Not known: as calibrated; see afr.turbine_drop.
+ *
+ * All signal values are as on the CAN bus.
+ */
+struct sd_bus_input_exhaust_turbine_speed_t {
+    /**
+     * Range: 0..4294967295 (0..4294967295 tick)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint32_t tick;
+
+    /**
+     * Of the turbocharger. Not known: as calibrated; see afr.turbine_drop.
+     *
+     * Range: 0.0..400000.0 (0..400000 rpm)
      * Scale: 1
      * Offset: 0
      */
@@ -11778,6 +11884,357 @@ bool sd_bus_input_exhaust_pressure_value_is_in_range(float value);
  * @return true if in range, false otherwise.
  */
 bool sd_bus_input_exhaust_pressure_value_is_in_phys_range(double value);
+
+/**
+ * Pack message input_exhaust_temperature.
+ *
+ * @param[out] dst_p Buffer to pack the message into.
+ * @param[in] src_p Data to pack.
+ * @param[in] size Size of dst_p.
+ *
+ * @return Size of packed data, or negative error code.
+ */
+int sd_bus_input_exhaust_temperature_pack(
+    uint8_t *dst_p,
+    const struct sd_bus_input_exhaust_temperature_t *src_p,
+    size_t size);
+
+/**
+ * Unpack message input_exhaust_temperature.
+ *
+ * @param[out] dst_p Object to unpack the message into.
+ * @param[in] src_p Message to unpack.
+ * @param[in] size Size of src_p.
+ *
+ * @return zero(0) or negative error code.
+ */
+int sd_bus_input_exhaust_temperature_unpack(
+    struct sd_bus_input_exhaust_temperature_t *dst_p,
+    const uint8_t *src_p,
+    size_t size);
+
+/**
+ * Init message fields to default values from input_exhaust_temperature.
+ *
+ * @param[in] msg_p Message to init.
+ *
+ * @return zero(0) on success or (-1) in case of nullptr argument.
+ */
+int sd_bus_input_exhaust_temperature_init(struct sd_bus_input_exhaust_temperature_t *msg_p);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint32_t sd_bus_input_exhaust_temperature_tick_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_input_exhaust_temperature_tick_decode(uint32_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_exhaust_temperature_tick_is_in_range(uint32_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_exhaust_temperature_tick_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_input_exhaust_temperature_value_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_input_exhaust_temperature_value_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_exhaust_temperature_value_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_exhaust_temperature_value_is_in_phys_range(double value);
+
+/**
+ * Pack message input_exhaust_vanes.
+ *
+ * @param[out] dst_p Buffer to pack the message into.
+ * @param[in] src_p Data to pack.
+ * @param[in] size Size of dst_p.
+ *
+ * @return Size of packed data, or negative error code.
+ */
+int sd_bus_input_exhaust_vanes_pack(
+    uint8_t *dst_p,
+    const struct sd_bus_input_exhaust_vanes_t *src_p,
+    size_t size);
+
+/**
+ * Unpack message input_exhaust_vanes.
+ *
+ * @param[out] dst_p Object to unpack the message into.
+ * @param[in] src_p Message to unpack.
+ * @param[in] size Size of src_p.
+ *
+ * @return zero(0) or negative error code.
+ */
+int sd_bus_input_exhaust_vanes_unpack(
+    struct sd_bus_input_exhaust_vanes_t *dst_p,
+    const uint8_t *src_p,
+    size_t size);
+
+/**
+ * Init message fields to default values from input_exhaust_vanes.
+ *
+ * @param[in] msg_p Message to init.
+ *
+ * @return zero(0) on success or (-1) in case of nullptr argument.
+ */
+int sd_bus_input_exhaust_vanes_init(struct sd_bus_input_exhaust_vanes_t *msg_p);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint32_t sd_bus_input_exhaust_vanes_tick_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_input_exhaust_vanes_tick_decode(uint32_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_exhaust_vanes_tick_is_in_range(uint32_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_exhaust_vanes_tick_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_input_exhaust_vanes_value_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_input_exhaust_vanes_value_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_exhaust_vanes_value_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_exhaust_vanes_value_is_in_phys_range(double value);
+
+/**
+ * Pack message input_exhaust_turbine_speed.
+ *
+ * @param[out] dst_p Buffer to pack the message into.
+ * @param[in] src_p Data to pack.
+ * @param[in] size Size of dst_p.
+ *
+ * @return Size of packed data, or negative error code.
+ */
+int sd_bus_input_exhaust_turbine_speed_pack(
+    uint8_t *dst_p,
+    const struct sd_bus_input_exhaust_turbine_speed_t *src_p,
+    size_t size);
+
+/**
+ * Unpack message input_exhaust_turbine_speed.
+ *
+ * @param[out] dst_p Object to unpack the message into.
+ * @param[in] src_p Message to unpack.
+ * @param[in] size Size of src_p.
+ *
+ * @return zero(0) or negative error code.
+ */
+int sd_bus_input_exhaust_turbine_speed_unpack(
+    struct sd_bus_input_exhaust_turbine_speed_t *dst_p,
+    const uint8_t *src_p,
+    size_t size);
+
+/**
+ * Init message fields to default values from input_exhaust_turbine_speed.
+ *
+ * @param[in] msg_p Message to init.
+ *
+ * @return zero(0) on success or (-1) in case of nullptr argument.
+ */
+int sd_bus_input_exhaust_turbine_speed_init(struct sd_bus_input_exhaust_turbine_speed_t *msg_p);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint32_t sd_bus_input_exhaust_turbine_speed_tick_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_input_exhaust_turbine_speed_tick_decode(uint32_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_exhaust_turbine_speed_tick_is_in_range(uint32_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_exhaust_turbine_speed_tick_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_input_exhaust_turbine_speed_value_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_input_exhaust_turbine_speed_value_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_exhaust_turbine_speed_value_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_exhaust_turbine_speed_value_is_in_phys_range(double value);
 
 /**
  * Pack message input_balance_enable.

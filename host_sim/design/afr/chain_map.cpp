@@ -35,7 +35,7 @@ double radius_here(const sd_afr_t &settled, const sd_afr_tables_t &tables) {
         afr.chain.uego.running = afr.chain.observer.running = 1;
         afr.chain.observer.steps = 0;
         *x[std::size_t(i)] = kSmall;
-        for (std::uint32_t k = 0; k < afr.config.cycle_positions; ++k) sd_afr_step(&afr, &tables, k, 1); // lambda 1: no air
+        for (std::uint32_t k = 0; k < afr.config.cycle_positions; ++k) sd_afr_step(&afr, &tables, k, 1, 0); // lambda 1: no air
         if (afr.chain.observer.steps != afr.config.cycle_positions) return std::numeric_limits<double>::infinity();
         for (Eigen::Index j = 0; j < size; ++j) map(j, i) = double(*x[std::size_t(j)] / kSmall);
     }
@@ -47,7 +47,9 @@ double radius_here(const sd_afr_t &settled, const sd_afr_tables_t &tables) {
 double chain_radius(const sd_calibration_t &page) {
     sd_stage_mixture_t stage;
     if (page.afr.present == 0 || page.parameters.afr_method < 1.5f) return 0;
-    if (sd_stage_mixture_init(&stage, &page, &page.parameters) != SD_OK) return std::numeric_limits<double>::infinity();
+    sd_parameters_t parameters = page.parameters;
+    parameters.afr_arithmetic = 0; // q31 holds the same map
+    if (sd_stage_mixture_init(&stage, &page, &parameters) != SD_OK) return std::numeric_limits<double>::infinity();
     sd_afr_t &afr = stage.afr;
     const sd_afr_tables_t tables{&page.afr, page.fourier.sine_q31};
     double worst = 0;
@@ -56,11 +58,12 @@ double chain_radius(const sd_calibration_t &page) {
         for (float bar : page.afr.pressure_bar) {
             for (float lambda : page.afr.lambda) {
                 afr.mean_lambda = lambda;
-                sd_afr_cycle(&afr, speed, bar, 0);
+                const sd_afr_conditions_t at{speed, bar, 0, 0, 0, 0};
+                sd_afr_cycle(&afr, &at);
                 while (sd_afr_work(&afr, &tables)) {}
                 sd_exhaust_now_f32_t now;
                 for (std::uint32_t k = 0; k < kSettle * std::uint32_t(afr.config.cycle_positions); ++k)
-                    sd_exhaust_step_f32(&afr.exhaust, page.afr.psi, k % afr.config.cycle_positions, &now);
+                    sd_exhaust_step_f32(&afr.point.exhaust, page.afr.psi, k % afr.config.cycle_positions, &now);
                 worst = std::max(worst, radius_here(afr, tables));
             }
         }

@@ -235,6 +235,7 @@ sd_afr_node_t page_node(const ExhaustPoint &point, int open_position, double cha
     node.rate_hz = float(point.rate_hz);
     node.z0_kg = float(point.z0_kg);
     node.transport_kg = float(point.transport_kg);
+    node.kelvin = float(point.reading.kelvin);
     return node;
 }
 
@@ -281,6 +282,8 @@ sd_afr_grid_t afr_grid(const EngineFile &engine) {
     grid.tau2_s = float(engine.exhaust->uego_tau_s[1]);
     const auto psi = exhaust_psi();
     std::copy(psi.begin(), psi.end(), grid.psi);
+    std::transform(psi.begin(), psi.end(), grid.psi_q31, [](double x) { return std::int32_t(std::lround(std::ldexp(x, 31))); });
+    grid.behind_bar = float(kAmbientPa / 1e5);
     return grid;
 }
 

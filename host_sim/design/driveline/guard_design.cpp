@@ -100,6 +100,7 @@ sd_driveline_tables_t guard_tables(const Driveline &d, const GuardBelief &b, int
     t.drag_nms2 = float(d.drag_nms2);
     t.reject_rad = 0.035f;
     t.per_reject = 1 / t.reject_rad;
+    t.doubt_rad = float(b.doubt_rad);
     t.settle_s = 0.5f;
     t.moving_radps = 0.05f;
     t.moving_hold_s = 0.25f;

@@ -15,6 +15,7 @@ struct GuardBelief {
     double twist_walk_rad = 1e-5;    ///< Of the torsion, beside what its ends do.
     double wheel_jitter_rad = 0;     ///< Of an edge of the wheels; 0: they have no teeth.
     int wheel_positions = 48;
+    double doubt_rad = 2e-3;         ///< Mean lateness of some 16 teeth that noise, pattern and ripple stay below.
 
     /// While the filter settles after a start or a change of gear: nothing is known of torsion and wheels, little of the torque.
     GuardBelief starting() const {

@@ -9,40 +9,42 @@ namespace {
 
 // Of the steps from one cam edge to the next, and of the cycles that the crank shows.
 constexpr double kShareMin = 0.8;
-// A cam edge wanders by belt and chain, not by a tooth of the coarsest wheel.
+// From cycle to cycle a cam edge wanders by belt, chain and phaser, not by a tooth of the coarsest wheel.
 constexpr double kStepTolerance_rev = 0.1;
+// Two teeth of a cam whose places in the revolution are nearer than this cannot be told apart.
+constexpr double kApart_rev = 0.12;
+constexpr std::size_t kTeethMax = 6;
 
 /// Place in the cycle at any time inside the revolutions that are consistent.
 class Phase {
   public:
-    Phase(const Guess &crank, const Fit &fit) : crank_(crank), teeth_(std::size_t(fit.teeth)) {
-        for (std::size_t k = 1; k < fit.marks.size(); ++k) {
-            if (fit.marks[k] - fit.marks[k - 1] == teeth_) first_tooth_.push_back(fit.marks[k - 1] + 1);
-        }
+    Phase(const Guess &crank, const Fit &fit, int turns) : crank_(crank), teeth_(std::size_t(fit.teeth)), turns_(turns) {
+        for (std::size_t k : fit.turns) first_tooth_.push_back(fit.marks[k - fit.turn.size()] + 1);
     }
 
-    int revolutions() const { return int(first_tooth_.size()); }
+    int revolutions() const { return int(first_tooth_.size()) / turns_; }
 
     /// Revolutions since the first mark, each divided evenly over its teeth, the gap being the last of them;
     /// nothing outside the consistent revolutions.
-    std::optional<double> at(double t_s) const {
-        const auto &edge_s = crank_.time_s;
-        const auto after = std::upper_bound(edge_s.begin(), edge_s.end(), t_s);
-        if (after == edge_s.begin() || after == edge_s.end()) return {};
-        const std::size_t edge = std::size_t(after - edge_s.begin()) - 1;
-        const auto next = std::upper_bound(first_tooth_.begin(), first_tooth_.end(), edge);
+    std::optional<double> at(double time) const {
+        const auto &edge = crank_.time;
+        const auto after = std::upper_bound(edge.begin(), edge.end(), time);
+        if (after == edge.begin() || after == edge.end()) return {};
+        const std::size_t here = std::size_t(after - edge.begin()) - 1;
+        const auto next = std::upper_bound(first_tooth_.begin(), first_tooth_.end(), here);
         if (next == first_tooth_.begin()) return {};
-        const std::size_t tooth = edge - *(next - 1);
+        const std::size_t tooth = here - *(next - 1);
         if (tooth >= teeth_) return {};
-        const double inside = (t_s - edge_s[edge]) / (edge_s[edge + 1] - edge_s[edge]);
+        const double inside = (time - edge[here]) / (edge[here + 1] - edge[here]);
         const double revolution = std::round(double(*(next - 1) - first_tooth_.front()) / double(teeth_));
-        return revolution + (double(tooth) + inside) / double(teeth_);
+        return (revolution + (double(tooth) + inside) / double(teeth_)) / turns_;
     }
 
   private:
     const Guess &crank_;
     std::size_t teeth_;
-    std::vector<std::size_t> first_tooth_; ///< Edge index of tooth 0 of each consistent revolution.
+    int turns_;
+    std::vector<std::size_t> first_tooth_; ///< Edge index of the first tooth of each consistent revolution.
 };
 
 /// A logic signal, or a voltage that is nearly always at one of two levels. A pressure, which also has one
@@ -60,44 +62,99 @@ bool is_two_level(const Recording &recording, int column) {
     return double(between) < 0.3 * double(std::min(low, high));
 }
 
-struct Candidate {
-    CamGuess cam;
-    double spread_rev; ///< Median distance of its edges from their median place in the cycle.
+/// Cam edges at about one place of the revolution.
+struct Place {
+    double rev;                ///< [0, 1).
+    std::vector<double> turned; ///< Revolutions at each edge.
+    double spread_rev;         ///< Median distance from their median.
+    double range_rev;          ///< Within which nearly all lie.
 };
 
-std::optional<Candidate> candidate(const Recording &recording, int column, Edge edge, const Phase &phase,
-                                   int teeth) {
-    Candidate found{{column, edge, 0, edges(recording, column, edge)}, 0};
-    std::vector<double> place_rev, in_revolution;
-    for (double t_s : found.cam.time_s) {
-        if (const auto rev = phase.at(t_s)) place_rev.push_back(*rev);
+double circular_distance(double a, double b) { return std::abs(std::remainder(a - b, 1.0)); }
+
+/// Sorts edges by their place in the revolution. A moving cam drags its places along, so each edge is compared with the last of a place.
+std::vector<Place> places_of(const std::vector<double> &turned) {
+    std::vector<Place> places;
+    for (double rev : turned) {
+        const double in = rev - std::floor(rev);
+        Place *nearest = nullptr;
+        for (Place &place : places) {
+            const double last = place.turned.back() - std::floor(place.turned.back());
+            if (circular_distance(in, last) < kApart_rev / 2 && (!nearest || circular_distance(in, last) < circular_distance(in, nearest->rev))) nearest = &place;
+        }
+        if (!nearest) nearest = &places.emplace_back(Place{in, {}, 0, 0});
+        nearest->turned.push_back(rev);
     }
-    if (place_rev.size() < 2 || double(place_rev.size()) < kShareMin * phase.revolutions() / 2) return {};
+    for (Place &place : places) {
+        // Around the first edge, so that a place near the mark does not split over both ends of the revolution.
+        std::vector<double> off;
+        for (double rev : place.turned) off.push_back(std::remainder(rev - place.turned.front(), 1.0));
+        const double middle = median(off), rev = place.turned.front() + middle;
+        place.rev = rev - std::floor(rev);
+        std::sort(off.begin(), off.end());
+        place.range_rev = off[off.size() - 1 - off.size() / 20] - off[off.size() / 20];
+        for (double &o : off) o = std::abs(o - middle);
+        place.spread_rev = median(off);
+    }
+    return places;
+}
+
+/// One edge every second revolution, in nearly all cycles.
+bool tells_phase(const Place &place, int revolutions) {
+    const std::vector<double> &turned = place.turned;
+    if (turned.size() < 2 || double(turned.size()) < kShareMin * revolutions / 2) return false;
     std::size_t regular = 0;
-    for (std::size_t i = 1; i < place_rev.size(); ++i) {
-        if (std::abs(place_rev[i] - place_rev[i - 1] - 2) < kStepTolerance_rev) ++regular;
+    for (std::size_t i = 1; i < turned.size(); ++i) regular += std::abs(turned[i] - turned[i - 1] - 2) < kStepTolerance_rev;
+    return double(regular) >= kShareMin * double(turned.size() - 1);
+}
+
+struct Candidate {
+    CamGuess cam;
+    double spread_rev;
+};
+
+std::optional<Candidate> candidate(const CamGuess &edges, const Phase &phase) {
+    Candidate found{edges, 0};
+    std::vector<double> turned;
+    for (double time : found.cam.time) {
+        if (const auto rev = phase.at(time)) turned.push_back(*rev);
     }
-    if (double(regular) < kShareMin * double(place_rev.size() - 1)) return {};
-    // Around the first edge, so that a place near the mark does not split over both ends of the revolution.
-    for (double rev : place_rev) in_revolution.push_back(std::remainder(rev - place_rev.front(), 1.0));
-    const double middle = median(in_revolution);
-    for (double &rev : in_revolution) rev = std::abs(rev - middle);
-    found.spread_rev = median(in_revolution);
-    const double place = place_rev.front() + middle;
-    found.cam.tooth = int((place - std::floor(place)) * teeth);
+    std::vector<Place> places = places_of(turned);
+    // A stray edge now and then makes a place of its own.
+    places.erase(std::remove_if(places.begin(), places.end(), [&](const Place &p) { return double(p.turned.size()) < 0.2 * phase.revolutions() / 2; }), places.end());
+    if (places.size() > kTeethMax) return {};
+    const Place *best = nullptr;
+    for (const Place &place : places) {
+        bool alone = tells_phase(place, phase.revolutions());
+        for (const Place &other : places) alone &= &other == &place || circular_distance(other.rev, place.rev) > kApart_rev;
+        if (alone && (!best || place.spread_rev < 0.8 * best->spread_rev)) best = &place;
+    }
+    if (!best) return {};
+    double per_cycle = 0;
+    for (const Place &place : places) per_cycle += 2.0 * double(place.turned.size()) / std::max(1, phase.revolutions());
+    found.cam.teeth = std::max(1, int(std::lround(per_cycle)));
+    found.cam.place_rev = best->rev;
+    found.cam.moved_rev = best->range_rev;
+    found.spread_rev = best->spread_rev;
     return found;
 }
 
 } // namespace
 
-std::optional<CamGuess> guess_cam(const Recording &recording, const Guess &crank, const Fit &fit) {
-    if (recording.is_edge_times() || fit.consistent < 4 || fit.teeth != crank.wheel.teeth()) return {};
-    const Phase phase(crank, fit);
+std::optional<CamGuess> guess_cam(const Recording &recording, const Guess &crank, const Fit &fit, int turns, std::optional<int> wanted) {
+    if (recording.is_edge_times() || fit.consistent < 4 * turns || fit.turns.empty()) return {};
+    const Phase phase(crank, fit, turns);
     std::optional<Candidate> best;
-    for (int column = 1; column < int(recording.columns.size()); ++column) {
-        if (column == crank.column || !is_two_level(recording, column)) continue;
+    for (int column = 0; column <= recording.last_column(); ++column) {
+        if (column == crank.column || !recording.layout.is_signal(std::size_t(column)) || recording.bad_cells[std::size_t(column)].line) continue;
+        if (wanted ? column != *wanted : !is_two_level(recording, column)) continue;
+        const auto ways = slicings(recording, column);
+        if (ways.empty()) continue;
+        EdgeFinder finder(ways.front());
+        for (std::size_t i = 0; i < recording.rows(); ++i) finder.row(recording.time[i], recording.columns[std::size_t(column)][i]);
         for (Edge edge : {Edge::rising, Edge::falling}) {
-            auto found = candidate(recording, column, edge, phase, fit.teeth);
+            CamGuess edges{column, edge, ways.front(), 0, 1, 0, edge == Edge::rising ? finder.rising : finder.falling};
+            auto found = candidate(edges, phase);
             if (found && (!best || found->spread_rev < 0.5 * best->spread_rev)) best = std::move(found);
         }
     }

@@ -6,8 +6,8 @@
 
 namespace sixdeg {
 
-/// The cam column beside the crank's, if one has exactly one pulse every second revolution. Empty for a wheel
-/// of several marks, on which a revolution is not from mark to mark.
-std::optional<CamGuess> guess_cam(const Recording &recording, const Guess &crank, const Fit &fit);
+/// The cam column beside the crank's, if one has an edge at a place of the revolution that it passes without one in every other.
+/// `turns`: how many revolutions of the fit make one of the crank; 1 but where marks may repeat. `column`: the caller's choice.
+std::optional<CamGuess> guess_cam(const Recording &recording, const Guess &crank, const Fit &fit, int turns, std::optional<int> column);
 
 } // namespace sixdeg

@@ -4,144 +4,206 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "common/error.hpp"
 #include "io/recording/cam.hpp"
-#include "io/recording/marks.hpp"
+#include "io/recording/candidates.hpp"
 
 namespace sixdeg {
 namespace {
 
-constexpr int kConsistentMin = 2;
-constexpr double kShareMin = 0.3; // Of the revolutions that the edges could make; faults break some.
-constexpr int kRunMin = 5;        // Or so many in a row, wherever they are: chance does not do that.
-
-struct Candidate {
-    int column;
-    Edge edge;
-    std::vector<double> time_s;
-    Fit fit;
-    double roughness;
-};
-
-bool is_plausible(const Candidate &candidate) {
-    const Fit &fit = candidate.fit;
-    if (fit.consistent < kConsistentMin) return false;
-    // An incomplete revolution at either end does not count against it.
-    const int possible = std::max(1, int(candidate.time_s.size() - 1) / fit.teeth - 1);
-    return fit.consistent >= kShareMin * possible || fit.longest_run >= kRunMin;
-}
-
-/// More edges in consistent revolutions win; a revolution more or less is chance, then the smoother train
-/// wins.
-bool is_better(const Candidate &challenger, const Candidate &best) {
-    const double gain = challenger.fit.score - best.fit.score;
-    const double chance = std::max(double(best.fit.teeth), 0.1 * best.fit.score);
-    if (std::abs(gain) > chance) return gain > 0;
-    return challenger.roughness < 0.9 * best.roughness;
-}
-
-std::vector<int> columns_to_try(const Recording &recording, const Constraints &constraints) {
-    if (constraints.column) {
-        column_kind(recording, *constraints.column);
-        return {*constraints.column};
-    }
-    if (recording.is_edge_times()) return {0};
-    std::vector<int> columns;
-    for (int column = 1; column < int(recording.columns.size()); ++column) columns.push_back(column);
-    return columns;
-}
-
-std::vector<Edge> edges_to_try(const Recording &recording, const Constraints &constraints) {
-    if (constraints.edge) return {*constraints.edge};
-    if (recording.is_edge_times()) return {Edge::falling};
-    return {Edge::falling, Edge::rising};
-}
-
-std::vector<Candidate> candidates(const Recording &recording, const Constraints &constraints) {
-    std::vector<Candidate> all;
-    for (int column : columns_to_try(recording, constraints)) {
-        for (Edge edge : edges_to_try(recording, constraints)) {
-            Candidate candidate{column, edge, edges(recording, column, edge), {}, 0};
-            const std::vector<double> interval_s = intervals(candidate.time_s);
-            candidate.fit = fit_wheel(interval_s, constraints.wheel ? &*constraints.wheel : nullptr);
-            candidate.roughness = roughness(interval_s);
-            all.push_back(std::move(candidate));
-        }
-    }
-    return all;
-}
+// What an engine does; the limits are less than a factor of 1000 apart, so only one unit of time fits.
+constexpr double kRpmMin = 20, kRpmMax = 19000;
+// Beside an added tooth intervals look a little like marks, and so explain nearly as many edges.
+constexpr double kAddedShare = 0.8;
+// Standard deviations of a mark's width, on either side of the middle between two wheels, within which neither is named.
+constexpr double kUnclearSds = 2.5, kUnclear = 0.6, kRare = 0.25;
+constexpr int kCoarse = 40; // Positions; on fewer the speed may change much across a mark.
+constexpr double kUnits[] = {1, 1e-3, 1e-6, 1e-9};
 
 std::string describe_attempt(const Recording &recording, const Candidate &candidate) {
-    const std::size_t edges = candidate.time_s.size(), marks = candidate.fit.marks.size();
-    return fmt::format("{}{}: {} edges, {} gaps, {} of them one revolution apart",
-                       column_label(recording, candidate.column),
-                       recording.is_edge_times() ? "" : " " + to_string(candidate.edge), edges, marks,
-                       candidate.fit.consistent);
+    const std::size_t edges = candidate.time.size(), marks = candidate.fit.marks.size();
+    return fmt::format("{}{}: {} edges, {} gaps, {} of them one revolution apart", column_label(recording, candidate.column),
+                       recording.is_edge_times() ? "" : " " + to_string(candidate.edge), edges, marks, candidate.fit.consistent);
 }
 
-[[noreturn]] void fail(const Recording &recording, const Constraints &constraints,
-                       const std::vector<Candidate> &tried) {
+[[noreturn]] void fail(const Recording &recording, const Constraints &constraints, const std::vector<Candidate> &tried) {
     constexpr std::size_t kShown = 4;
     std::string attempts;
     std::size_t shown = 0;
     for (const Candidate &candidate : tried) {
-        if (candidate.time_s.empty()) continue;
+        if (candidate.time.empty() || candidate.way > 0) continue;
         if (shown++ == kShown) break;
         attempts += (attempts.empty() ? "" : "; ") + describe_attempt(recording, candidate);
     }
     if (attempts.empty()) attempts = "no column has edges";
-    const std::string wheel = constraints.wheel ? describe(*constraints.wheel) : "toothed";
+    const std::string wheel = constraints.wheel ? wanted_name(constraints) : constraints.engine_wheel ? describe(*constraints.engine_wheel) : "toothed";
     throw InputError(recording.path, "",
                      fmt::format("no {} wheel found ({}); too few edges, or say more: --wheel 60-2, "
-                                 "--edge falling or rising, --column N",
+                                 "--edge falling or rising, --column N, --threshold V",
                                  wheel, attempts));
 }
 
-/// Nothing was left to choose: the caller's word stands, however odd the marks.
-bool is_decided(const Constraints &constraints, const std::vector<Candidate> &tried) {
-    return constraints.wheel && tried.size() == 1;
-}
-
-const Candidate *choose(const Constraints &constraints, const std::vector<Candidate> &tried) {
-    if (is_decided(constraints, tried)) return &tried.front();
-    const Candidate *best = nullptr;
-    for (const Candidate &candidate : tried) {
-        if (is_plausible(candidate) && (!best || is_better(candidate, *best))) best = &candidate;
-    }
-    return best;
-}
-
 void check_enough(const Recording &recording, const Candidate &candidate, const Wheel &wheel) {
-    if (int(candidate.time_s.size()) > wheel.teeth()) return;
+    if (int(candidate.time.size()) > wheel.teeth()) return;
     throw InputError(recording.path, column_label(recording, candidate.column),
-                     fmt::format("has {} edges, too few: one revolution of {} needs {}",
-                                 candidate.time_s.size(), describe(wheel), wheel.teeth() + 1));
+                     fmt::format("has {} edges, too few: one revolution of {} needs {}", candidate.time.size(), describe(wheel), wheel.teeth() + 1));
+}
+
+void choose_unit(const Recording &recording, Guess &found) {
+    std::vector<double> interval = intervals(found.time);
+    const double turn = interval.empty() ? 0 : median(std::move(interval)) * found.wheel.positions;
+    const auto rpm = [&](double unit_s) { return turn > 0 ? 60 / (turn * unit_s) : 0; };
+    const auto plausible = [&](double unit_s) { return rpm(unit_s) >= kRpmMin && rpm(unit_s) <= kRpmMax; };
+    if (recording.layout.time_unit_s > 0) {
+        found.unit_s = recording.layout.time_unit_s;
+    } else {
+        const auto unit = std::find_if(std::begin(kUnits), std::end(kUnits), plausible);
+        found.unit_s = unit == std::end(kUnits) ? 1 : *unit;
+        found.unit_guessed = found.unit_s != 1;
+    }
+    found.rpm = rpm(found.unit_s);
+}
+
+/// The wheel that the fit speaks for, among those that the caller allows.
+Wheel choose_wheel(const Constraints &constraints, const Candidate &best, const std::vector<WheelName> &names) {
+    if (const auto wanted = wanted_wheel(constraints); wanted && !best.fit.turn.empty() && constraints.engine_wheel) return *wanted;
+    if (constraints.wheel) {
+        for (const WheelName &name : names) {
+            if (is_named(name.wheel, *constraints.wheel)) return name.wheel;
+            for (int times : {2, 3, 4})
+                if (name.wheel.positions * times <= 120 && is_named(repeated(name.wheel, times), *constraints.wheel)) return repeated(name.wheel, times);
+        }
+        if (const auto wanted = wanted_wheel(constraints)) return *wanted;
+    }
+    return names.front().wheel;
+}
+
+/// A wheel whose marks may lie several times on the revolution is not guessed: the speed would be a multiple.
+void check_repetition(const Recording &recording, const Constraints &constraints, Guess &found, const Fit &fit) {
+    if (constraints.wheel || constraints.engine_wheel || found.tooth_added) return;
+    const std::vector<int> times = repeated_as(found.wheel);
+    if (times.empty()) return;
+    std::vector<std::string> names{fmt::format("{} at {:.0f} rpm", describe(found.wheel), found.rpm)};
+    for (int count : times) {
+        if (const auto cam = guess_cam(recording, found, fit, count, constraints.cam_column)) {
+            found.wheel = repeated(found.wheel, count), found.rpm /= count, found.cam = cam;
+            return;
+        }
+        names.push_back(fmt::format("{} at {:.0f} rpm", describe(repeated(found.wheel, count)), found.rpm / count));
+    }
+    if (found.cam) return; // one pulse every second mark: there is one mark a revolution
+    throw InputError(recording.path, column_label(recording, found.column),
+                     fmt::format("the marks repeat, and nothing tells how often a revolution: {}; say --wheel, or give --engine or a cam signal",
+                                 fmt::join(names, ", or ")));
+}
+
+/// Two wheels with as many teeth, and marks that are known too poorly to choose: refused rather than read wrongly.
+void check_clear(const Recording &recording, const Constraints &constraints, const Candidate &best, const std::vector<WheelName> &names) {
+    if (constraints.wheel || constraints.engine_wheel || names.size() < 2) return;
+    double sd = 0;
+    for (const Mark &mark : best.fit.turn) sd = std::max(sd, mark.sd);
+    // Three missing teeth are rare, and a slow stretch at the mark looks like one more.
+    const bool is_rare = missing_runs(names[0].wheel).back() == 3, coarse = names[0].wheel.positions < kCoarse;
+    if (names[1].doubt - names[0].doubt > std::clamp(kUnclearSds * sd, is_rare ? coarse ? kUnclear : kRare : 0, kUnclear)) return;
+    throw InputError(recording.path, column_label(recording, best.column),
+                     fmt::format("has a mark of {:.1f} +- {:.1f} spacings in {} revolutions, too little to tell {} from {}; say --wheel",
+                                 best.fit.turn.back().width, sd, best.fit.consistent, describe(names[0].wheel), describe(names[1].wheel)));
+}
+
+std::string name_runner_up(const Recording &recording, const Candidate &best, const Candidate *other, const Guess &found,
+                           const std::vector<WheelName> &names) {
+    if (other && !other->fit.turn.empty()) {
+        return fmt::format("{} in {}{}, {} against {} edges explained", describe(wheels_of(other->fit.turn).front().wheel),
+                           column_label(recording, other->column), recording.is_edge_times() ? "" : " " + to_string(other->edge),
+                           std::lround(other->fit.score), std::lround(best.fit.score));
+    }
+    for (const WheelName &name : names) {
+        if (name.wheel.positions == found.wheel.positions || found.wheel.positions % name.wheel.positions == 0) continue;
+        return fmt::format("{}, whose mark would measure {} spacings, not {:.1f}", describe(name.wheel), missing_runs(name.wheel).back() + 1, best.fit.turn.back().width);
+    }
+    return "";
+}
+
+Guess added_tooth_guess(const Recording &recording, const Candidate &best) {
+    Guess found;
+    found.tooth_added = true;
+    const int positions = best.added.teeth - 1;
+    found.wheel = {positions, {positions - 1}};
+    found.column = best.column, found.edge = best.edge, found.slicing = best.slicing;
+    found.is_edge_times = recording.is_edge_times();
+    found.consistent_revolutions = best.added.consistent;
+    AddedTooth filter(found);
+    for (double time : best.time) filter.edge(time, found.time);
+    filter.finish(found.time);
+    found.gap_ratio = 0.5;
+    choose_unit(recording, found);
+    return found;
 }
 
 } // namespace
 
 Guess guess(const Recording &recording, const Constraints &constraints) {
-    const std::vector<Candidate> tried = candidates(recording, constraints);
-    const Candidate *best = choose(constraints, tried);
+    std::vector<Candidate> tried = candidates(recording, constraints);
+    const bool wants_added = constraints.wheel && constraints.wheel->added;
+    const bool may_be_added = wants_added || (!constraints.wheel && !constraints.engine_wheel);
+    const Candidate *added = may_be_added ? choose_added(tried) : nullptr;
+    const Candidate *best = wants_added ? nullptr : choose(recording, constraints, tried);
+    if (added && (!best || added->added.explained > kAddedShare * best->fit.explained))
+        return added_tooth_guess(recording, *added);
     if (!best) fail(recording, constraints, tried);
     Guess result;
+    const std::vector<WheelName> names = best->fit.turn.empty() ? std::vector<WheelName>{} : wheels_of(best->fit.turn);
     result.gap_ratio = best->fit.gap_ratio;
-    result.wheel = constraints.wheel ? *constraints.wheel : wheel_of(best->fit.teeth, result.gap_ratio);
+    if (names.empty() && !wanted_wheel(constraints)) fail(recording, constraints, tried);
+    result.wheel = names.empty() ? *wanted_wheel(constraints) : choose_wheel(constraints, *best, names);
     check_enough(recording, *best, result.wheel);
     result.edge = best->edge;
     result.column = best->column;
+    result.slicing = best->slicing;
     result.is_edge_times = recording.is_edge_times();
     result.consistent_revolutions = best->fit.consistent;
-    result.time_s = best->time_s;
-    result.cam = guess_cam(recording, result, best->fit);
+    result.time = best->time;
+    choose_unit(recording, result);
+    result.weak_tooth = misses_a_tooth(tried, *best);
+    if (!names.empty()) {
+        check_clear(recording, constraints, *best, names);
+        result.runner_up = name_runner_up(recording, *best, runner_up(tried, *best), result, names);
+        result.cam = guess_cam(recording, result, best->fit, 1, constraints.cam_column);
+        check_repetition(recording, constraints, result, best->fit);
+    }
     return result;
 }
 
+std::string wheel_name(const Guess &guess) {
+    return guess.tooth_added ? fmt::format("{}+1", guess.wheel.positions) : describe(guess.wheel);
+}
+
 std::string describe(const Guess &guess) {
-    return fmt::format(
-        "{}, {}, {}", describe(guess.wheel), guess.is_edge_times ? "edge times" : to_string(guess.edge),
-        guess.gap_ratio > 0 ? fmt::format("gap ratio {:.1f}", guess.gap_ratio) : "no gap measured");
+    const std::string gap = guess.tooth_added ? "a tooth added" : guess.gap_ratio > 0 ? fmt::format("gap ratio {:.1f}", guess.gap_ratio) : "no gap measured";
+    return fmt::format("{}, {}, {}", wheel_name(guess), guess.is_edge_times ? "edge times" : to_string(guess.edge), gap);
+}
+
+void AddedTooth::edge(double time, std::vector<double> &out) {
+    if (!active_) return out.push_back(time);
+    held_.push_back(time);
+    if (held_.size() < 5) return;
+    // Four intervals: the added tooth splits the second of them from the third.
+    const std::vector<double> d = intervals(held_);
+    if (find_added_teeth(d) == std::vector<std::size_t>{1}) {
+        out.push_back(held_[0]);
+        out.push_back(held_[1]); // held_[2] is the added tooth, held_[3] the one behind it
+        held_.erase(held_.begin(), held_.begin() + 4);
+        return;
+    }
+    out.push_back(held_.front());
+    held_.erase(held_.begin());
+}
+
+void AddedTooth::finish(std::vector<double> &out) {
+    out.insert(out.end(), held_.begin(), held_.end());
+    held_.clear();
 }
 
 } // namespace sixdeg

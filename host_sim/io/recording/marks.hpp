@@ -14,22 +14,34 @@ std::vector<double> intervals(const std::vector<double> &time_s);
 /// either side, and at most 4.5 times their mean.
 std::vector<std::size_t> find_marks(const std::vector<double> &interval_s, double floor);
 
-/// How one train of edges fits a wheel.
-struct Fit {
-    std::vector<std::size_t> marks; ///< Interval indices, as find_marks gives them.
-    int teeth = 0;        ///< Teeth from one mark to the next that the marks speak for; 0 without any.
-    int consistent = 0;   ///< How many marks follow the mark before them by exactly that many teeth.
-    int longest_run = 0;  ///< How many of those without a break.
-    double gap_ratio = 0; ///< Median over those marks of mark interval over the interval before it.
-    double score = 0;     ///< Edges in consistent revolutions, a third of that where the gap looks split.
+/// The same where a wheel has a tooth too many: the first of two intervals that together are as long as each of their neighbours.
+std::vector<std::size_t> find_added_teeth(const std::vector<double> &interval_s);
+
+/// One mark of a wheel, as the recording shows it.
+struct Mark {
+    int teeth;    ///< From the mark before it.
+    double width; ///< Of the revolutions' medians, in tooth spacings.
+    double sd;    ///< How well that is known, from the scatter over the revolutions.
 };
 
-/// The best fit over the marks' floors; teeth allowed: those of `wheel`, or any of a 12 to 120 position
-/// wheel.
-Fit fit_wheel(const std::vector<double> &interval_s, const Wheel *wheel);
+/// How one train of edges fits a wheel.
+struct Fit {
+    std::vector<std::size_t> marks; ///< Interval indices.
+    std::vector<Mark> turn;         ///< The marks of one revolution, the widest last; empty without a fit.
+    std::vector<std::size_t> turns; ///< Indices into `marks`: the last mark of each consistent revolution.
+    int teeth = 0;                  ///< Of one revolution; 0 without a fit.
+    int consistent = 0;             ///< Revolutions whose marks follow one another as in the others.
+    int longest_run = 0;            ///< How many of those without a break.
+    double gap_ratio = 0;           ///< Median of the last mark's interval over the interval before it.
+    double explained = 0;           ///< Edges in consistent revolutions.
+    double score = 0;               ///< The same, less of that where the gap looks split.
+    double before = 1, after = 1;   ///< Medians of the intervals beside the marks over the next ones on their side.
+};
 
-/// The wheel that has so many teeth between marks: a common one if there is one, else what the ratio says.
-Wheel wheel_of(int teeth, double gap_ratio);
+/// The best fit; of `wheel` alone where one is given.
+Fit fit_wheel(const std::vector<double> &interval_s, const Wheel *wheel);
+/// The best fit of these marks.
+Fit fit_marks(const std::vector<double> &interval_s, const std::vector<std::size_t> &marks, const Wheel *wheel);
 
 /// Median deviation of an interval from the mean of its neighbours, relative: what tooth errors and noise
 /// amount to.

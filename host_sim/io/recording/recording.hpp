@@ -1,38 +1,47 @@
 // SPDX-License-Identifier: MIT
-// A recording of crank (and cam) signals: rows of time and values, read from text. Formats:
-// docs/recordings.md.
+// A stretch of a recording of crank (and cam) signals, in memory. Formats: docs/recordings.md.
 #pragma once
 #include <filesystem>
+#include <functional>
 #include <string>
-#include <string_view>
 #include <vector>
+
+#include "io/recording/row_reader.hpp"
 
 namespace sixdeg {
 
 /// What the values of one column are, as told by the values themselves.
 enum class ColumnKind {
-    edge_times, ///< Column 0 of a file with no other column: each time is one edge.
-    constant,   ///< One value throughout: no edges.
+    edge_times, ///< The time of a file without signals: each row is one edge.
+    constant,   ///< One value throughout, or none: no edges.
     level,      ///< Exactly two values: a logic signal; it changes at the row's time.
     sampled,    ///< More values: a voltage, which crosses a threshold between rows.
+    unusable,   ///< The time itself, a count of rows, or texts.
 };
 
-/// Columns are counted from 0, and column 0 is the time, so the first signal is column 1.
+/// Rows of a file, from its first or from a later one. Columns are counted from 0 as in the file, the time among them.
 struct Recording {
     std::string path;
-    std::vector<std::string> column_names;    ///< One a column; empty texts where the file has no header.
-    std::vector<std::vector<double>> columns; ///< Equally long. [0] is the time in seconds, never falling.
+    TextLayout layout;
+    std::vector<double> time;                 ///< In the file's unit, never falling; see RowReader::time_origin.
+    Decimal origin;                           ///< What that time is counted from.
+    std::vector<std::vector<double>> columns; ///< By column of the file; empty where it is unusable. A blank cell holds the value above.
+    std::vector<BadCell> bad_cells;
+    bool is_whole = true;                     ///< No rows before or after.
 
-    const std::vector<double> &time_s() const { return columns.front(); }
-    std::size_t rows() const { return columns.front().size(); }
-    bool is_edge_times() const { return columns.size() == 1; }
+    std::size_t rows() const { return time.size(); }
+    bool is_edge_times() const;
+    int last_column() const { return int(columns.size()) - 1; }
 };
 
-/// Reads a recording. Throws InputError naming file, line and column (and what is allowed) for a file that is
-/// empty, a value that is not a finite number, a row longer or shorter than the first, a time that goes back.
+/// The whole file. Throws InputError naming file, line and column (and what is allowed) for a file without rows, a time that is no
+/// number or goes back, a row longer or shorter than the others.
 Recording read_recording(const std::filesystem::path &path);
 /// The same from text already in memory; `name` stands for the file in messages.
-Recording parse_recording(const std::string &name, std::string_view text);
+Recording parse_recording(const std::string &name, std::string text);
+
+/// The next rows, at most so many cells of them. Empty at the end of the file.
+Recording read_stretch(RowReader &reader, std::size_t cells);
 
 /// Throws InputError when the recording has no such column.
 ColumnKind column_kind(const Recording &recording, int column);

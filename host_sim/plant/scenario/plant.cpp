@@ -69,6 +69,8 @@ Plant::Plant(const Scenario &scenario, std::uint64_t seed)
         const ExhaustSystem &shared = *scenario.engine.shared.exhaust;
         exhaust_.emplace(scenario.engine);
         uego_.emplace(*scenario.uego, shared.uego_tau_s[0], shared.uego_tau_s[1], RandomStream(seed, stream::kUego));
+        if (scenario.exhaust_sensors)
+            exhaust_pressure_.emplace(*scenario.exhaust_sensors, RandomStream(seed, stream::kExhaustPressure));
     }
     steps_to_tdc_ = int(std::lround((4 * kPi - scenario.engine.intake_close_rad) / model_.tables().step_rad));
     pre_roll();
@@ -91,6 +93,7 @@ void Plant::pre_roll() {
     }
     model_.set_time(0);
     if (uego_) uego_->start(0, exhaust_->at_sensor());
+    if (exhaust_pressure_) exhaust_pressure_->start(0, exhaust_->pressure_pa());
     if (scenario_.speed_mode != SpeedMode::prescribed) model_.release_speed();
     cycles_.clear();
     running_ = true;
@@ -179,7 +182,17 @@ void Plant::advance_stop() {
 void Plant::step_exhaust(double dt_s) {
     exhaust_->step(model_, dt_s, mean_speed_, intake_pressure_pa());
     const double tip_pa = scenario_.uego->before_turbine ? exhaust_->pressure_pa() : exhaust_->downstream_pa();
-    if (running_) uego_->step(model_.truth().time_s, dt_s, exhaust_->at_sensor(), tip_pa, uego_samples_);
+    if (!running_) return;
+    const double now_s = model_.truth().time_s;
+    uego_->step(now_s, dt_s, exhaust_->at_sensor(), tip_pa, uego_samples_);
+    if (exhaust_pressure_) exhaust_pressure_->step(now_s, dt_s, exhaust_->pressure_pa(), pressure_samples_);
+}
+
+bool Plant::next_exhaust_pressure(double time_s, PressureSample &sample) {
+    if (pressure_samples_.empty() || pressure_samples_.front().time_s >= time_s) return false;
+    sample = pressure_samples_.front();
+    pressure_samples_.pop_front();
+    return true;
 }
 
 bool Plant::next_uego(double time_s, UegoSample &sample) {

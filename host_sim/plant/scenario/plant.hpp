@@ -48,6 +48,8 @@ class Plant {
 
     /// Next sample of the wideband sensor taken before time_s. False if none waits; none ever without scenario.uego.
     bool next_uego(double time_s, UegoSample &sample);
+    /// The same of the pressure in the exhaust manifold.
+    bool next_exhaust_pressure(double time_s, PressureSample &sample);
 
     /// The crank at the end of the last step taken; up to a tooth ahead of the last edge handed out. Holds
     /// its last value once the engine has stalled.
@@ -104,6 +106,8 @@ class Plant {
     std::optional<exhaust::ExhaustModel> exhaust_;
     std::optional<exhaust::Uego> uego_;
     std::deque<UegoSample> uego_samples_;
+    std::optional<exhaust::PressureSensor> exhaust_pressure_;
+    std::deque<PressureSample> pressure_samples_;
     SensorPoint sensor_{};
     std::array<double, kMaxCylinders> fuel_trim_{};
     double next_cam_deg_ = 0, earliest_cam_deg_ = 0, end_angle_rad_ = 1e300, next_control_rad_ = 0, control_time_ = 0;

@@ -186,6 +186,18 @@ void read_uego(TomlFile &file, Scenario &s) {
     s.uego = u;
 }
 
+void read_exhaust_sensors(TomlFile &file, Scenario &s) {
+    if (!file.has("exhaust_sensors")) return;
+    if (!s.uego) file.fail("exhaust_sensors", "needs [uego], with which the exhaust side runs");
+    ExhaustSensorSetup e;
+    e.sample_s = 1e-6 * file.number_or("exhaust_sensors.pressure_sample_us", {50, 1e5, "us"}, 500);
+    e.noise_pa = kPaPerBar * file.number_or("exhaust_sensors.pressure_noise_bar", {0, 1, "bar"}, 0);
+    e.lag_s = 1e-3 * file.number_or("exhaust_sensors.pressure_lag_ms", {0.01, 100, "ms"}, 0.2);
+    e.temperature = file.boolean_or("exhaust_sensors.temperature", false);
+    e.turbine_speed = file.boolean_or("exhaust_sensors.turbine_speed", false);
+    s.exhaust_sensors = e;
+}
+
 } // namespace
 
 Scenario read_scenario(TomlFile &file, const std::filesystem::path &folder) {
@@ -202,6 +214,7 @@ Scenario read_scenario(TomlFile &file, const std::filesystem::path &folder) {
     read_misfires(file, s);
     read_encoder(file, s);
     read_uego(file, s);
+    read_exhaust_sensors(file, s);
     read_balance(file, s);
     file.finish();
     return s;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "plant/engine/plant_engine.hpp"
+#include "plant/exhaust/pressure_sensor.hpp"
 #include "plant/exhaust/uego.hpp"
 #include "plant/sensors/pickup.hpp"
 
@@ -72,6 +73,7 @@ struct Scenario {
 
     EncoderFaults encoder;
     std::vector<double> balance_on_s; ///< Pairs from, to: the firmware may trim the fuel.
+    std::optional<ExhaustSensorSetup> exhaust_sensors; ///< Beside the lambda sensor; needs one.
     std::optional<UegoSetup> uego; ///< With it the exhaust side runs; needs engine.shared.exhaust.
 };
 

@@ -26,6 +26,7 @@ namespace sixdeg {
         static constexpr auto exhaust_init = sd_exhaust_init_##N;                                            \
         static constexpr auto exhaust_shares = sd_exhaust_shares_##N;                                        \
         static constexpr auto exhaust_set = sd_exhaust_set_##N;                                              \
+        static constexpr auto exhaust_measured = sd_exhaust_measured_##N;                                    \
         static constexpr auto exhaust_step = sd_exhaust_step_##N;                                            \
         static constexpr auto chain_init = sd_afr_chain_init_##N;                                            \
         static constexpr auto chain_set = sd_afr_chain_set_##N;                                              \
@@ -58,10 +59,10 @@ inline std::uint16_t open_position(const std::vector<double> &share) {
 
 /// Such a cycle as the shares of the coming point.
 template <class V> void give_shares(typename V::Exhaust &exhaust, const std::vector<double> &share) {
-    std::vector<float> open(SD_EXHAUST_OPEN);
+    std::vector<typename V::Type> open(SD_EXHAUST_OPEN);
     for (std::size_t k = 0; k < share.size(); ++k) {
         const double s = share[(k + open_position(share)) % share.size()];
-        if (k < open.size()) open[k] = float(s);
+        if (k < open.size()) open[k] = V::of(s);
         else if (s > 0) throw std::logic_error("a valve is open for longer than the block can hold");
     }
     must(V::exhaust_shares(&exhaust, 0, SD_EXHAUST_OPEN, open.data()));
@@ -90,6 +91,7 @@ template <class V> class AfrBlocks {
             e.firing_position[i] = std::uint16_t(int(std::ceil(after - 1e-9)) % trace.cycle_positions);
         }
         e.open_position = open_position(point.share);
+        e.gain_mass = float(setup.gain_mass);
         must(V::exhaust_init(&exhaust_, &e));
         give_shares<V>(exhaust_, point.share);
         const bool at_manifold = setup.method == AfrMethod::true_gas;
@@ -101,7 +103,8 @@ template <class V> class AfrBlocks {
                                    float(point.rate_hz * (1 + error.turbine) * outflow),
                                    float(point.z0_kg),
                                    at_manifold ? 0.0f : float(point.transport_kg * outflow),
-                                   at_manifold ? 0.0f : float(wait)};
+                                   at_manifold ? 0.0f : float(wait),
+                                   float(kBehindBar)};
         must(V::exhaust_set(&exhaust_, &p, float(trace.step_s)));
         init_chain();
         init_joint();
@@ -115,7 +118,7 @@ template <class V> class AfrBlocks {
             const double measured = setup_.method == AfrMethod::true_gas
                                         ? trace_.gas[k]
                                         : trace_.sensor[k] + (noise.empty() ? 0 : noise[k]);
-            step(position, 1 - measured);
+            step(position, 1 - measured, setup_.gain_mass > 0 ? trace_.pressure_bar[k] : 0);
             if (int(k % std::size_t(trace_.cycle_positions)) == trace_.cycle_positions - 1) read(result);
         }
         return result;
@@ -151,7 +154,7 @@ template <class V> class AfrBlocks {
     }
 
   private:
-    static constexpr double kBaseCharges = 6, kStoichiometric = 14.6;
+    static constexpr double kBaseCharges = 6, kStoichiometric = 14.6, kBehindBar = 1.013;
 
     bool is_joint() const { return setup_.method == AfrMethod::joint || setup_.method == AfrMethod::joint_fixed; }
 
@@ -176,7 +179,7 @@ template <class V> class AfrBlocks {
 
     void cycle_chain() {
         V::chain_set(&chain_, sine_.data(), float(trace_.step_s), setup_.method == AfrMethod::oscillator ? &gains_ : nullptr,
-                     float(1 / kBaseCharges));
+                     exhaust_.charge);
     }
 
     void init_joint() {
@@ -210,9 +213,11 @@ template <class V> class AfrBlocks {
         fixed_gains_ = joint_gains(d);
     }
 
-    void step(std::uint32_t position, double air) {
+    /// pressure_bar 0: not measured.
+    void step(std::uint32_t position, double air, double pressure_bar) {
         typename V::Now now;
         V::exhaust_step(&exhaust_, psi_.data(), position, &now);
+        if (pressure_bar > 0) V::exhaust_measured(&exhaust_, V::of(pressure_bar / SD_EXHAUST_BAR));
         if (setup_.method == AfrMethod::true_gas) return V::observer_step(&chain_.observer, &now, V::of(air));
         if (!is_joint()) return V::chain_step(&chain_, sine_.data(), &now, position, V::of(air));
         if constexpr (std::is_same_v<V, F32>) {

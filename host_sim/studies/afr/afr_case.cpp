@@ -99,6 +99,21 @@ double Run::settle(const AfrEstimates &e) const {
     return settled;
 }
 
+double Run::band_cycles(const AfrEstimates &e) const {
+    double settled = 0;
+    for (std::size_t i = 0; i < kLanes; ++i) {
+        for (std::size_t k = at / 120; k < e.lambda.size(); ++k)
+            if (std::abs(error(e, k, i)) > 0.2 * step_points) settled = std::max(settled, double((k + 2) * 120 - at) / 120);
+    }
+    return settled;
+}
+
+double Run::largest_left(const AfrEstimates &e) const {
+    double left = 0;
+    for (std::size_t lane = 0; lane < kLanes; ++lane) left = std::max(left, std::abs(error(e, e.lambda.size() - 1, lane)));
+    return left;
+}
+
 Probe::Probe(const Case &c) : trims(kProbeCycles), run(c, 0, probe_changes(c, trims)) {}
 
 AfrSetup setup_for(const Run &run, const Case &c) {

@@ -38,6 +38,9 @@ struct Run {
     double error(const AfrEstimates &e, std::size_t cycle, std::size_t lane) const;
     /// Cycles from the first stepped exhaust until every error, less its mean at the end, stays within 5 % of the step.
     double settle(const AfrEstimates &e) const;
+    /// Cycles until every error, bias included, stays within 20 % of the step, noise free; and the largest that is left in the end.
+    double band_cycles(const AfrEstimates &e) const;
+    double largest_left(const AfrEstimates &e) const;
 
     EngineFile engine;
     AfrTrace trace;

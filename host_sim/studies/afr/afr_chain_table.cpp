@@ -12,23 +12,6 @@
 namespace sixdeg::afr_study {
 namespace {
 
-/// Noise free: cycles until every error, bias included, stays within 20 % of the step.
-double band_cycles(const Run &run, const AfrEstimates &e) {
-    double settled = 0;
-    for (std::size_t i = 0; i < kLanes; ++i) {
-        for (std::size_t k = run.at / 120; k < e.lambda.size(); ++k)
-            if (std::abs(run.error(e, k, i)) > 0.2 * run.step_points)
-                settled = std::max(settled, double((k + 2) * 120 - run.at) / 120);
-    }
-    return settled;
-}
-
-double largest_left(const Run &run, const AfrEstimates &e) {
-    double left = 0;
-    for (std::size_t lane = 0; lane < kLanes; ++lane) left = std::max(left, std::abs(run.error(e, e.lambda.size() - 1, lane)));
-    return left;
-}
-
 /// The same run with its gas repeating the last cycle's first n_h harmonics for ever: all that D can give A.
 Run cut_to_harmonics(Run run, int harmonics) {
     const std::size_t cycle = std::size_t(run.trace.cycle_positions), end = run.trace.gas.size();
@@ -63,7 +46,7 @@ void chain(int seeds) {
             setup.method = method;
             change(setup);
             const AfrEstimates clean = runs[i].run(setup);
-            fmt::print("{:7.1f}{:5.2f}", band_cycles(runs[i], clean), largest_left(runs[i], clean));
+            fmt::print("{:7.1f}{:5.2f}", runs[i].band_cycles(clean), runs[i].largest_left(clean));
             if (method == AfrMethod::true_gas) { // not the sensor's noise
                 fmt::print("{:>12}", "");
                 continue;
@@ -78,7 +61,7 @@ void chain(int seeds) {
         AfrSetup setup;
         setup.method = AfrMethod::true_gas;
         const Run cut = cut_to_harmonics(run, 2);
-        fmt::print("{:7}{:5.2f}{:12}", "", largest_left(cut, cut.run(setup)), "");
+        fmt::print("{:7}{:5.2f}{:12}", "", cut.largest_left(cut.run(setup)), "");
     }
     row("D (Fourier law), C, B, A", AfrMethod::fourier);
     row("  in q31", AfrMethod::fourier, [](AfrSetup &s) { s.fixed_point = true; });

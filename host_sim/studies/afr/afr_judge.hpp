@@ -39,6 +39,7 @@ struct AfrSetup {
     double egr_share = 0; ///< Of the manifold's outflow, what B is told, [0, 1).
     AfrError error;
     sd_afr_learned_t known{}; ///< How well delay and lags are known; goes into what is stated.
+    double gain_mass = 0;     ///< L1; above 0 the pressure in the manifold is measured.
     bool fixed_point = false; ///< The chain in q31.
 };
 

@@ -27,7 +27,8 @@ const std::vector<Part> &parts() {
                                         {"stated", doubts, all, 100},
                                         {"egr", [](int seeds, int) { recirculation(seeds); }, all, 100},
                                         {"ghosts", [](int, int) { ghosts(); }, all, 1},
-                                        {"chain", [](int seeds, int) { chain(seeds); }, fifth, 20}};
+                                        {"chain", [](int seeds, int) { chain(seeds); }, fifth, 20},
+                                        {"pressure", [](int, int) { pressure(); }, all, 1}};
     return list;
 }
 

@@ -14,6 +14,7 @@ struct AfrTrace {
     std::size_t first_cycle_position = 0; ///< Of entry 0, position 0 = position_0_deg.
     std::vector<double> sensor;           ///< lambda, mean over each position.
     std::vector<double> gas;              ///< lambda in the manifold at each position.
+    std::vector<double> pressure_bar;     ///< In the manifold, mean over each position.
     std::vector<double> mass_kg;          ///< In the manifold at each position.
     std::vector<std::vector<double>>
         lambda; ///< True, of each lane (firing order) as last let out, at each position.

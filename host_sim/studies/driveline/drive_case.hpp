@@ -60,6 +60,8 @@ class DriveRig {
     const std::vector<ToothEdge> &edges() const { return edges_; } ///< Of the last step.
     /// Of all that came from from_s on.
     DriveFigures figures() const;
+    /// A fault: the filter believes in another torsion from now on.
+    void put_twist(double twist_rad) { filter_.x[SD_DRIVELINE_TWIST] = float(twist_rad); }
     void count_from(double from_s) { count_from_s_ = from_s; }
 
   private:

@@ -6,6 +6,7 @@
 
 #include "common/files.hpp"
 #include "plant/engine/units.hpp"
+#include "studies/driveline/damping_case.hpp"
 #include "studies/driveline/figure_six.hpp"
 #include "studies/driveline/manoeuvres.hpp"
 
@@ -194,12 +195,34 @@ void print_manoeuvres(const Options &options) {
     }
 }
 
+void damping(const Options &) {
+    fmt::print("\nactive damping of a tip-out: second swing of the shaft's torque at the crank, N m\n  {:<18}{:>8}{:>9}{:>9}{:>11}\n", "",
+               "off", "damped",
+               "request", "told %");
+    for (const double factor : {1.0, 0.8, 1.2}) {
+        DampingCase c;
+        stiffen(c.drive, factor, false);
+        const double off = run_damping(c).second_swing_nm;
+        c.damping.enabled = 1;
+        const DampingFigures f = run_damping(c);
+        fmt::print("  stiffness {:>+4.0f} %  {:>8.1f}{:>9.1f}{:>9.1f}{:>11.1f}\n", 100 * factor - 100, off, f.second_swing_nm,
+                   f.largest_request_nm,
+                   f.told_percent);
+    }
+    for (const double at_s : {2.0, 3.1, 3.3, 4.0}) {
+        DampingCase c;
+        c.damping.enabled = 1;
+        c.wrong_at_s = at_s;
+        fmt::print("  put into a wrong location at {} s: no request after {:.1f} ms\n", at_s, 1e3 * run_damping(c).off_after_s);
+    }
+}
+
 struct Part {
     const char *name;
     void (*print)(const Options &);
 };
 constexpr Part kParts[] = {{"figure-6", figure_6}, {"ambiguity", ambiguity}, {"teeth", teeth}, {"drive", drive},
-                           {"manoeuvres", print_manoeuvres}};
+                           {"manoeuvres", print_manoeuvres}, {"damping", damping}};
 
 } // namespace
 

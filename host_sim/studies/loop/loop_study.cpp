@@ -89,6 +89,12 @@ void figure_16(int, const Texts &tune) {
     header("Figure 16 of document 004");
     print("from lambda", figures({{}, tune, 0, false, 1, kFigure16}));
     print("from torque", figures({{}, from_torque(tune), 0, false, 1, kFigure16}));
+    for (const char *arithmetic : {"0", "1"}) {
+        const Texts chain = join(tune, {"afr.method=3", fmt::format("afr.arithmetic={}", arithmetic), "balance.gain=0.1"});
+        print(fmt::format("by the document's chain, {}", *arithmetic == '0' ? "f32" : "q31"), figures({{}, chain, 0, false, 1, kFigure16}));
+        print("the same with a pressure sensor", figures({{"exhaust_sensors.pressure_sample_us=500"}, chain, 0, false, 1, kFigure16}));
+        print("the same by a PI law", figures({{}, join(chain, {"balance.proportional=0.1"}), 0, false, 1, kFigure16}));
+    }
 }
 
 void calibrations(int count, const Texts &tune) {

@@ -24,7 +24,10 @@ enum {
     CLASS_SEARCHING, CLASS_STARTING, CLASS_CAM, CLASS_CLOCK, CLASS_LAMBDA, CLASS_SAMPLE, CLASS_SETUP, CLASS_COUNT
 };
 
-/// Tells the plugin the class of what was executed since the last call; 0 to 15.
+/// Classes that the plugin tells apart (CLASSES in plugin.c).
+#define BUDGET_CLASSES 24u
+
+/// Tells the plugin the class of what was executed since the last call, below BUDGET_CLASSES.
 void budget_class(uint32_t event_class);
 
 #endif

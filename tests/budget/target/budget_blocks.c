@@ -106,8 +106,9 @@ static float    psi_f32[SD_EXHAUST_PSI + 1];
 static sd_q31_t psi_q31[SD_EXHAUST_PSI + 1];
 
 static void start_exhaust(void) {
-    static float share[SD_EXHAUST_OPEN];
-    for (uint32_t i = 0; i < 45u; i++) { share[i] = 1.0f / 46.0f; }
+    static float    share_f32[SD_EXHAUST_OPEN];
+    static sd_q31_t share_q31[SD_EXHAUST_OPEN];
+    for (uint32_t i = 0; i < 45u; i++) { share_f32[i] = 1.0f / 46.0f, share_q31[i] = sd_from_float_q31(share_f32[i]); }
     sd_exhaust_config_t config = {
         .cycle_positions = CYCLE_POSITIONS, .cylinders = CYLINDERS, .open_position = 25, .mass_base_kg = 4.2e-3f };
     for (uint32_t i = 0; i < CYLINDERS; i++) { config.firing_position[i] = (uint16_t)(CYCLE_POSITIONS / CYLINDERS * i); }
@@ -118,8 +119,8 @@ static void start_exhaust(void) {
     const sd_exhaust_point_t point = { .charge_kg = 7e-4f, .rate_hz = 100.0f, .z0_kg = 1.3e-3f, .pipe_kg = 8e-4f, .delay_positions = 8.5f };
     expect(sd_exhaust_init_f32(&exhaust_f32, &config), "exhaust f32");
     expect(sd_exhaust_init_q31(&exhaust_q31, &config), "exhaust q31");
-    expect(sd_exhaust_shares_f32(&exhaust_f32, 0, SD_EXHAUST_OPEN, share), "exhaust f32, shares");
-    expect(sd_exhaust_shares_q31(&exhaust_q31, 0, SD_EXHAUST_OPEN, share), "exhaust q31, shares");
+    expect(sd_exhaust_shares_f32(&exhaust_f32, 0, SD_EXHAUST_OPEN, share_f32), "exhaust f32, shares");
+    expect(sd_exhaust_shares_q31(&exhaust_q31, 0, SD_EXHAUST_OPEN, share_q31), "exhaust q31, shares");
     expect(sd_exhaust_set_f32(&exhaust_f32, &point, STEP_S), "exhaust f32, point");
     expect(sd_exhaust_set_q31(&exhaust_q31, &point, STEP_S), "exhaust q31, point");
 }
@@ -149,8 +150,8 @@ static void count_chain(uint32_t block) {
     expect(sd_afr_chain_init_f32(&f32, &config), "chain f32");
     expect(sd_afr_chain_init_q31(&q31, &config), "chain q31");
     start_exhaust();
-    sd_afr_chain_set_f32(&f32, sine_q31, STEP_S, (block == OSCILLATORS) ? &gains : 0, 1.0f / 6.0f);
-    sd_afr_chain_set_q31(&q31, sine_q31, STEP_S, (block == OSCILLATORS) ? &gains : 0, 1.0f / 6.0f);
+    sd_afr_chain_set_f32(&f32, sine_q31, STEP_S, (block == OSCILLATORS) ? &gains : 0, exhaust_f32.charge);
+    sd_afr_chain_set_q31(&q31, sine_q31, STEP_S, (block == OSCILLATORS) ? &gains : 0, exhaust_q31.charge);
     budget_class(NOT_COUNTED);
     for (uint32_t k = 0; k < 600u; k++) {
         const float air = 0.5f + 0.01f * (float)((k * 7u) & 15u) / 16.0f;

@@ -12,7 +12,7 @@ static uint32_t count_guard(uint32_t not_counted, uint32_t regular) {
     static sd_driveline_tables_t tables = {
         .tick_s = 1e-6f, .pitch_rad = 0.10471976f, .shortest_s = 1.22e-4f, .per_inertia = 5.9f, .viscous_nms = 0.05f, .per_vehicle = 7.7e-3f,
         .soft_nmprad = 2400.0f, .stiff_nmprad = 8000.0f, .damping_nms = 90.0f, .kink_rad = 0.015f, .rolling_nm = 48.0f, .drag_nms2 = 0.012f,
-        .reject_rad = 0.035f, .per_reject = 28.6f, .settle_s = 0.5f, .moving_radps = 0.05f, .moving_hold_s = 0.25f, .gears = 1u };
+        .reject_rad = 0.035f, .per_reject = 28.6f, .doubt_rad = 1.0f, .settle_s = 0.5f, .moving_radps = 0.05f, .moving_hold_s = 0.25f, .gears = 1u };
     tables.gear[0].ratio = 0.125f;
     for (uint32_t i = 0; i < SD_DRIVELINE_OCTAVES; i++) {
         const sd_driveline_gain_t gain = { { 0.04f, 0.3f, 1e-4f, 1e-4f, 0.02f, 0.0f } };

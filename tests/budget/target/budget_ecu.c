@@ -3,6 +3,7 @@
  * would. After each the plugin is told what it was; at the end stand a hash of all outputs and the stack used. */
 #include "board.h"
 #include "output_hash.h"
+#include "sd_scaled.h"
 #include "sd_ecu.h"
 
 #define SENT_MAX     256u
@@ -62,14 +63,12 @@ __attribute__((noinline)) static uint32_t stack_used(void) {
 
 /* What the last event made the ecu say. */
 typedef struct said {
-    float edge_class, tooth;
+    uint32_t edge_class, tooth;
     uint8_t has_edge, has_firing, has_cycle;
 } said_t;
 
-static float as_float(uint32_t bits) {
-    union { uint32_t bits; float value; } both = { .bits = bits };
-    return both.value;
-}
+/* By integers, so that the image of an ecu of fixed point has no floating-point arithmetic either. */
+static uint32_t as_whole(uint32_t bits) { return sd_scaled_floor(sd_scaled_of(sd_of_bits(bits))); }
 
 static said_t what_was_said(uint64_t *hash) {
     said_t said = { 0 };
@@ -77,8 +76,8 @@ static said_t what_was_said(uint64_t *hash) {
         const sd_event_t *event = &sent[i % SENT_MAX];
         *hash = sd_output_hash(*hash, event);
         if (event->kind != SD_EVENT_SIGNAL) { continue; }
-        if (event->channel == SD_SIGNAL_CRANK_EDGE_CLASS) { said.edge_class = as_float(event->value), said.has_edge = 1; }
-        if (event->channel == SD_SIGNAL_CRANK_TOOTH) { said.tooth = as_float(event->value); }
+        if (event->channel == SD_SIGNAL_CRANK_EDGE_CLASS) { said.edge_class = as_whole(event->value), said.has_edge = 1; }
+        if (event->channel == SD_SIGNAL_CRANK_TOOTH) { said.tooth = as_whole(event->value); }
         if (event->channel == SD_SIGNAL_FIRING_TORQUE) { said.has_firing = 1; }
         if (event->channel == SD_SIGNAL_CYCLE_SPEED) { said.has_cycle = 1; }
     }
@@ -87,13 +86,13 @@ static said_t what_was_said(uint64_t *hash) {
 
 static uint32_t class_of_edge(const said_t *said) {
     static uint32_t cycles;
-    static float last_tooth;
-    if (said->edge_class == (float)SD_EDGE_UNSYNCED) { cycles = 0; return CLASS_SEARCHING; }
-    if (said->edge_class == (float)SD_EDGE_SPURIOUS) { return CLASS_SPURIOUS; }
-    const int over_mark = (said->tooth != last_tooth + 1.0f); /* position 0 is the first tooth behind the mark */
+    static uint32_t last_tooth;
+    if (said->edge_class == (uint32_t)SD_EDGE_UNSYNCED) { cycles = 0; return CLASS_SEARCHING; }
+    if (said->edge_class == (uint32_t)SD_EDGE_SPURIOUS) { return CLASS_SPURIOUS; }
+    const int over_mark = (said->tooth != last_tooth + 1u); /* position 0 is the first tooth behind the mark */
     last_tooth = said->tooth;
     cycles += said->has_cycle;
-    if (said->edge_class == (float)SD_EDGE_COASTED) { return CLASS_COASTED; }
+    if (said->edge_class == (uint32_t)SD_EDGE_COASTED) { return CLASS_COASTED; }
     if (cycles < SETTLED_CYCLES) { return CLASS_STARTING; }
     if (said->has_cycle != 0u) { return CLASS_CYCLE_END; }
     if (over_mark) { return (said->has_firing != 0u) ? CLASS_MARK_FIRING : CLASS_MARK; }

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: MIT
+// sixdeg replay --intake, --fuel, --lambda: a constant, a column of the recording, or another file.
+#include <charconv>
+#include <filesystem>
+#include <fmt/format.h>
+
+#include "cli/replay_command.hpp"
+#include "common/error.hpp"
+
+namespace sixdeg {
+namespace {
+
+struct Sensor {
+    const char *option;
+    sd_input_t input;
+    const std::string ReplayOptions::*text;
+};
+constexpr Sensor kSensors[] = {{"--intake", SD_INPUT_AIR_INTAKE_PRESSURE, &ReplayOptions::intake},
+                               {"--fuel", SD_INPUT_FUEL_INJECTED, &ReplayOptions::fuel},
+                               {"--lambda", SD_INPUT_EXHAUST_LAMBDA, &ReplayOptions::lambda}};
+
+std::string lower(const std::string &text) {
+    std::string out;
+    for (char c : text) out += c >= 'A' && c <= 'Z' ? char(c + 'a' - 'A') : c;
+    return out;
+}
+
+/// From the unit that a header names to that of the sensor.
+double scale_of(const std::string &name, sd_input_t input, double stoichiometric) {
+    const std::string text = lower(name);
+    const auto has = [&](const char *word) { return text.find(word) != std::string::npos; };
+    if (input == SD_INPUT_AIR_INTAKE_PRESSURE) return has("kpa") ? 0.01 : has("mbar") || has("hpa") ? 0.001 : has("psi") ? 0.0689476 : 1;
+    if (input == SD_INPUT_EXHAUST_LAMBDA && has("afr")) return 1 / stoichiometric;
+    return 1;
+}
+
+std::optional<double> number_in(const std::string &text) {
+    double value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error == std::errc{} && end == text.data() + text.size()) return value;
+    return std::nullopt;
+}
+
+/// FILE or FILE:COLUMN; without a column the first that is no time.
+SensorSource from_file(const std::string &text, const Sensor &sensor, double stoichiometric) {
+    SensorSource source;
+    source.input = sensor.input;
+    source.file = text;
+    std::string column;
+    std::error_code ec;
+    if (const auto colon = text.rfind(':'); !std::filesystem::exists(text, ec) && colon != std::string::npos) {
+        source.file = text.substr(0, colon);
+        column = text.substr(colon + 1);
+    }
+    const RowReader reader{std::filesystem::path(source.file)};
+    const TextLayout &layout = reader.layout();
+    if (!column.empty()) source.column = column_named(column, layout, sensor.option);
+    for (std::size_t j = 0; column.empty() && source.column < 0 && j < layout.names.size(); ++j)
+        if (layout.is_signal(j)) source.column = int(j);
+    if (source.column < 0) throw InputError(source.file, sensor.option, "holds no column of readings beside the time");
+    source.scale = scale_of(layout.names[std::size_t(source.column)], sensor.input, stoichiometric);
+    protect_input(source.file);
+    return source;
+}
+
+SensorSource constant(double value, const Sensor &sensor) {
+    const sd_input_info_t &info = sd_input_infos[sensor.input];
+    if (!(value >= double(info.low) && value <= double(info.high)))
+        throw InputError(sensor.option, "", fmt::format("{:g} is outside [{:g}, {:g}] {}", value, info.low, info.high, info.unit));
+    SensorSource source;
+    source.input = sensor.input;
+    source.constant = value;
+    return source;
+}
+
+bool is_file(const std::string &text) {
+    std::error_code ec;
+    const auto colon = text.rfind(':');
+    return std::filesystem::is_regular_file(text, ec) || (colon != std::string::npos && std::filesystem::is_regular_file(text.substr(0, colon), ec));
+}
+
+} // namespace
+
+int column_named(const std::string &text, const TextLayout &layout, const std::string &from) {
+    for (std::size_t j = 0; j < layout.names.size(); ++j)
+        if (!text.empty() && layout.names[j] == text) return int(j);
+    int column = -1;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), column);
+    if (error == std::errc{} && end == text.data() + text.size() && column >= 0 && column < int(layout.names.size())) return column;
+    std::string names;
+    for (const std::string &name : layout.names) names += (names.empty() ? "" : ", ") + name;
+    throw InputError(from, "", fmt::format("'{}' is no column: 0 to {}, or a name of the header ({})", text, layout.names.size() - 1, names));
+}
+
+std::vector<SensorSource> sensor_sources(const ReplayOptions &options, const TextLayout &layout, double stoichiometric) {
+    std::vector<SensorSource> sources;
+    for (const Sensor &sensor : kSensors) {
+        const std::string &text = options.*(sensor.text);
+        if (text.empty()) continue;
+        if (const auto value = number_in(text)) {
+            sources.push_back(constant(*value, sensor));
+        } else if (is_file(text)) {
+            sources.push_back(from_file(text, sensor, stoichiometric));
+        } else {
+            SensorSource source;
+            source.input = sensor.input;
+            source.column = column_named(text.rfind("column:", 0) == 0 ? text.substr(7) : text, layout, sensor.option);
+            source.scale = scale_of(layout.names[std::size_t(source.column)], sensor.input, stoichiometric);
+            sources.push_back(source);
+        }
+    }
+    return sources;
+}
+
+} // namespace sixdeg

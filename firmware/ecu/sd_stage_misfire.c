@@ -143,7 +143,8 @@ static void ask_wheel(sd_stage_misfire_t *self, const sd_calibration_t *page, ui
         sd_wheel_judge_f32(&self->wheel.f32, &page->wheel, firing, why, &v);
     }
     const bool judged = v.inhibit == 0u;
-    const float definition = (self->fixed_point != 0u) ? sd_to_float_q31(self->wheel.q31.config.definition) : self->wheel.f32.config.definition;
+    const float definition = (self->fixed_point != 0u) ? sd_to_float_q31(self->wheel.q31.config.definition)
+                                                       : self->wheel.f32.config.definition;
     out->verdict = (sd_misfire_verdict_t){ .verdict = v.verdict, .inhibit = v.inhibit, .firing = (uint8_t)firing,
                                            .cylinder = page->firing_order[firing], .index = v.index * index_base,
                                            .limit = judged ? definition : 0.0f };
@@ -153,7 +154,8 @@ static void ask_wheel(sd_stage_misfire_t *self, const sd_calibration_t *page, ui
 
 static sd_status_t status_of(const sd_stage_misfire_t *self, const sd_misfire_verdict_t *v) {
     const uint32_t begins = (uint32_t)SD_INHIBIT_START | (uint32_t)SD_INHIBIT_ESTIMATE;
-    sd_status_t status = { .health = SD_VALID, .rejected = (self->fixed_point != 0u) ? self->wheel.q31.rejected : self->wheel.f32.rejected };
+    const uint16_t rejected = (self->fixed_point != 0u) ? self->wheel.q31.rejected : self->wheel.f32.rejected;
+    sd_status_t status = { .health = SD_VALID, .rejected = rejected };
     if (v->inhibit == 0u) { return status; }
     status.health = SD_INVALID;
     status.why = ((v->inhibit & begins) != 0u) ? (uint16_t)SD_WHY_CONVERGING : (uint16_t)SD_WHY_REJECTED;

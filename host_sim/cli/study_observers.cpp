@@ -11,6 +11,7 @@
 #include "cli/tune_options.hpp"
 #include "common/files.hpp"
 #include "design/calibration.hpp"
+#include "design/misfire/wheel_design.hpp"
 #include "studies/observers/misfire_detection.hpp"
 #include "studies/observers/observer_bench.hpp"
 
@@ -54,7 +55,7 @@ Case nonlinear(Case c, bool told) {
 }
 
 /// L and rho with which FOLSMO settles before FOSMO, as in the document's Table 2.
-constexpr double kOrderK2 = 27, kOrderLuenberger = 1000, kOrderSliding = 40;
+constexpr double kOrderK2 = 27, kOrderLuenberger = 2e4, kOrderSliding = 150;
 
 std::vector<Case> cases(const Options &o) {
     if (o.k1 > 0 || o.k2 > 0) {
@@ -138,7 +139,8 @@ std::string rate(std::uint64_t hits, std::uint64_t of) {
 Json print_detection(const DetectionCell &cell, const Detection &d, double bound) {
     Json json{{"rpm", cell.rpm}, {"bmep_bar", cell.bmep_bar}, {"ramp", cell.ramp}, {"stalled", d.run.stalled},
               {"separation_bound", bound}, {"compared", d.compared}, {"differing", d.differing}};
-    fmt::print("{} rpm {:g} bar, {}{}; bound: separation {:.1f}\n", cell.rpm, cell.bmep_bar, cell.ramp ? "speed up and down by a fifth in 4 s" : "steady",
+    fmt::print("{} rpm {:g} bar, {}{}; bound: separation {:.1f}\n", cell.rpm, cell.bmep_bar,
+               cell.ramp ? "speed up and down by a fifth in 4 s" : "steady",
                d.run.stalled ? ", stalled" : "", bound);
     for (const DetectionRow &row : d.rows) {
         const MisfireFigures &f = row.figures;
@@ -150,11 +152,26 @@ Json print_detection(const DetectionCell &cell, const Detection &d, double bound
     return json;
 }
 
+/// The numbers that the engine file gives.
+void print_model(const EngineFile &engine) {
+    const WheelModel m = wheel_model(engine);
+    fmt::print("{}: pulse from {:.1f} deg, {:.1f} deg long; k2 {:.3f}, mean {:.4f} per rad; k1 {:.4f}, L {:.3f} per rad2; J {:.4f} kg m2\n",
+               engine.name, m.pulse_start_deg, m.pulse_deg, m.k2_per_rad, m.mean_per_rad, m.k1_per_rad2(), m.luenberger_per_rad2(), m.inertia_kgm2);
+    constexpr const char *kNames[] = {"FOLSMO", "FOSMO", "ROO"};
+    for (int kind = 0; kind < SD_WHEEL_KINDS; ++kind) {
+        const WheelCapture c = wheel_capture(engine, m, sd_wheel_kind_t(kind));
+        fmt::print("  {:<7} delay {:.0f} deg, shows {:.3f} of a misfire\n", kNames[kind], c.delay * 360.0 / engine.wheel.positions,
+                   c.share);
+    }
+}
+
 Json run_detections(const Options &o) {
     Json json = Json::array();
+    print_model(detection_scenario({1500, 1, false}, 1, o.seed).engine.shared);
     TomlFile tune = open_tune("", o.set);
     const sd_parameters_t parameters = read_tune(tune);
-    fmt::print("  {:<15} {:>5} {:>27} {:>6} {:>27} {:>5} {:>7}\n", "", "missed", "detected, % [95 %]", "healthy", "false alarms, % [95 %]", "wrong", "sep.");
+    fmt::print("  {:<15} {:>5} {:>27} {:>6} {:>27} {:>5} {:>7}\n", "", "missed", "detected, % [95 %]", "healthy",
+               "false alarms, % [95 %]", "wrong", "sep.");
     for (const DetectionCell &cell : detection_cells()) {
         if ((o.rpm != 0 && cell.rpm != o.rpm) || (o.bar != 0 && cell.bmep_bar != o.bar)) continue;
         const Scenario scenario = detection_scenario(cell, o.cycles, o.seed);
@@ -175,7 +192,8 @@ void run(const Options &o) {
 void add_study_observers(Command &study) {
     auto o = std::make_shared<Options>();
     Command command = study.add("observers", "document 000's observers: its benchmark, and misfires found in the ecu (docs/observers.md)");
-    command.option("PART", o->part, "table2: the benchmark; detection: misfires nobody told of, on the simulated engine").one_of({"table2", "detection"});
+    command.option("PART", o->part, "table2: the benchmark; detection: misfires nobody told of, on the simulated engine")
+        .one_of({"table2", "detection"});
     command.option("--json", o->json, "figures as JSON");
     command.option("--seed", o->seed, "of the noise");
     command.option("--k1", o->k1, "1/s2, of table2: one case alone, with the gains below; usual 900").within(1.0, 1e6);

@@ -47,7 +47,8 @@ struct Bench {
         const double t0 = double(k) * kStep, t1 = double(++k) * kStep, interval = engine.interval_s();
         truth = hybrid_advance(engine, strength, truth, t0, t1);
         std::vector<double> in(4, 0.0);
-        for (long f = long(t0 / interval); double(f) * interval < t1; ++f) in[std::size_t(f % 4)] += engine.mean_input(t0 - f * interval, t1 - f * interval);
+        for (long f = long(t0 / interval); double(f) * interval < t1; ++f)
+            in[std::size_t(f % 4)] += engine.mean_input(t0 - f * interval, t1 - f * interval);
         const long firing = long(t1 / interval - 1e-9);
         return observer.step(truth.speed_mps + kNoise * noise.normal() + spoil, in, int(firing % 4));
     }
@@ -69,7 +70,8 @@ TEST(InputObserver, StatesItsErrorHonestly) {
     for (int seed = 0; seed < runs; ++seed) {
         RandomStream walk(unsigned(seed), 1);
         std::vector<double> truth(4, 1.0);
-        for (int f = 4; f < 4 * cycles + 4; ++f) truth.push_back(truth[std::size_t(f - 4)] + walk.normal() * 1e-5 * std::sqrt(0.04 * M_PI / kStep));
+        for (int f = 4; f < 4 * cycles + 4; ++f)
+            truth.push_back(truth[std::size_t(f - 4)] + walk.normal() * 1e-5 * std::sqrt(0.04 * M_PI / kStep));
         Bench b([&](long f) { return truth[std::size_t(f)]; }, unsigned(seed));
         const int last = 4 * cycles - 1 - seed % 4;
         while (double(b.k + 1) * kStep < last * b.engine.interval_s() + b.engine.pulse_s()) b.go();
@@ -149,7 +151,8 @@ TEST(InputObserver, RefusesWhatIsOutOfRange) {
         return false;
     };
     EXPECT_FALSE(refused(&InputConfig::noise, kNoise));
-    for (const auto field : {&InputConfig::noise, &InputConfig::start_speed, &InputConfig::start_accel, &InputConfig::start_strength, &InputConfig::alarm_sd}) {
+    for (const auto field : {&InputConfig::noise, &InputConfig::start_speed, &InputConfig::start_accel, &InputConfig::start_strength,
+                             &InputConfig::alarm_sd}) {
         for (double bad : {kNan, 0.0, -1.0, std::numeric_limits<double>::infinity()}) EXPECT_TRUE(refused(field, bad));
     }
     EXPECT_TRUE(refused(&InputConfig::walk_strength, kNan));

@@ -119,7 +119,8 @@ class CaptureRun {
             const double input = fires(k) - in_.mean + rho_ * (error > 0 ? 1 : error < 0 ? -1 : 0), ym = (y + sample) / 2;
             const double old[2] = {x[0], x[1]};
             for (int i = 0; i < 2; ++i)
-                x[i] += step_.increment[i][0] * old[0] + step_.increment[i][1] * old[1] + step_.from_input[i] * input + step_.from_output[i] * ym;
+                x[i] += step_.increment[i][0] * old[0] + step_.increment[i][1] * old[1] + step_.from_input[i] * input +
+                        step_.from_output[i] * ym;
             y = sample;
             out.push_back(x[1] + step_.output_gain * y);
         }
@@ -196,7 +197,8 @@ std::vector<int> window_lengths(const EngineFile &engine, const sd_calibration_t
 }
 
 /// What happens where, by one observer's delay.
-void place(const EngineFile &engine, const sd_calibration_t &c, const Inputs &in, const std::vector<int> &windows, int kind, sd_wheel_tables_t &t) {
+void place(const EngineFile &engine, const sd_calibration_t &c, const Inputs &in, const std::vector<int> &windows, int kind,
+           sd_wheel_tables_t &t) {
     const int burns = std::min(in.positions, *std::min_element(windows.begin(), windows.end()) - 1), delay = t.delay[kind];
     for (std::size_t i = 0; i < windows.size(); ++i) {
         const int tdc = c.firing_position[i], number = int(i) + 1;
@@ -214,7 +216,8 @@ void copy_inertia(const EngineFile &engine, const WheelModel &model, sd_wheel_ta
 }
 
 void scale(const EngineFile &engine, const sd_parameters_t &p, sd_wheel_tables_t &t) {
-    const double fastest = double(p.torque_speed_base_rpm) * M_PI / 30, displacement = M_PI / 4 * engine.bore_m * engine.bore_m * engine.stroke_m;
+    const double fastest = double(p.torque_speed_base_rpm) * M_PI / 30;
+    const double displacement = M_PI / 4 * engine.bore_m * engine.bore_m * engine.stroke_m;
     t.energy_exponent = std::int8_t(std::ceil(std::log2(fastest * fastest / 2)));
     t.accel_exponent = std::int8_t(t.energy_exponent - 2);
     t.work_exponent = std::int8_t(std::max(0.0, std::ceil(std::log2(2 * 40e5 * displacement))));
@@ -238,7 +241,8 @@ WheelModel wheel_model(const EngineFile &engine) {
     double low = 0.3, high = 12; // golden section
     for (int i = 0; i < 60; ++i) {
         const double a = high - (high - low) * 0.6180339887498949, b = low + (high - low) * 0.6180339887498949;
-        const bool left = misfit(torque, model.pulse_start_deg, model.pulse_deg, a) < misfit(torque, model.pulse_start_deg, model.pulse_deg, b);
+        const auto of = [&](double rate) { return misfit(torque, model.pulse_start_deg, model.pulse_deg, rate); };
+        const bool left = of(a) < of(b);
         (left ? high : low) = left ? b : a;
     }
     model.k2_per_rad = (low + high) / 2;
@@ -248,14 +252,16 @@ WheelModel wheel_model(const EngineFile &engine) {
 }
 
 WheelCapture wheel_capture(const EngineFile &engine, const WheelModel &model, sd_wheel_kind_t kind) {
-    const int cycle = 2 * engine.wheel.positions, n = engine.cylinders(), missing = kCaptureCycles * n, window = window_positions(engine, 0, cycle / n);
+    const int cycle = 2 * engine.wheel.positions, n = engine.cylinders(), missing = kCaptureCycles * n;
+    const int window = window_positions(engine, 0, cycle / n);
     const CaptureRun run(engine, model, kind);
     const auto healthy = run.accelerations(-1), missed = run.accelerations(missing);
     const int latest = int(kReadDeg / 360 * engine.wheel.positions) - window;
     WheelCapture best{0, 0};
     for (int delay = 0; delay <= std::max(0, latest); ++delay) {
         double lost = 0; // entry i is of position i + 1
-        for (int k = 0; k < window; ++k) lost += healthy[std::size_t(kCaptureCycles * cycle + delay + k)] - missed[std::size_t(kCaptureCycles * cycle + delay + k)];
+        const auto from = std::size_t(kCaptureCycles * cycle + delay);
+        for (std::size_t k = from; k < from + std::size_t(window); ++k) lost += healthy[k] - missed[k];
         const double share = lost * pitch_rad(engine);
         if (share > best.share) best = {delay, share};
     }

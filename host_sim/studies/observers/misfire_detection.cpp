@@ -61,12 +61,11 @@ class Judge {
     std::size_t at_ = 0;
 };
 
-sd_calibration_t page_of(const Scenario &scenario, std::vector<std::string> parameters, int method, int arithmetic) {
-    parameters.push_back(fmt::format("misfire.method={}", method));
-    parameters.push_back(fmt::format("misfire.arithmetic={}", arithmetic));
-    TomlFile tune("tune", "");
-    for (const std::string &parameter : parameters) tune.set(parameter);
-    return calibrate(scenario.engine.shared, read_tune(tune), "tune");
+/// The method is a parameter alone: no table depends on it.
+sd_calibration_t with_method(sd_calibration_t page, int method, int arithmetic) {
+    page.parameters.misfire_method = float(method);
+    page.parameters.misfire_arithmetic = float(arithmetic);
+    return page;
 }
 
 /// Another ecu on the same events. Verdicts are complete when the last signal of a firing's row has come.
@@ -139,14 +138,16 @@ Scenario detection_scenario(const DetectionCell &cell, int cycles, std::uint64_t
 Detection run_detection(const Scenario &scenario, const std::vector<std::string> &parameters) {
     Detection detection;
     Record record;
-    const sd_calibration_t page = page_of(scenario, parameters, 0, 0);
+    TomlFile tune("tune", "");
+    for (const std::string &parameter : parameters) tune.set(parameter);
+    const sd_calibration_t page = calibrate(scenario.engine.shared, read_tune(tune), "tune");
     const auto bench = std::make_unique<EcuBench>(page);
     bench->listen(record.listener());
     detection.run = run_scenario(scenario, page, *bench, nullptr, &record);
     constexpr const char *kNames[] = {"FOLSMO", "FOSMO", "ROO"};
     for (int method = 1; method <= 3; ++method) {
-        const Verdicts f32 = repeat(scenario, page_of(scenario, parameters, method, 0), record);
-        const Verdicts q31 = repeat(scenario, page_of(scenario, parameters, method, 1), record);
+        const Verdicts f32 = repeat(scenario, with_method(page, method, 0), record);
+        const Verdicts q31 = repeat(scenario, with_method(page, method, 1), record);
         detection.rows.push_back({kNames[method - 1], f32.figures});
         detection.rows.push_back({std::string(kNames[method - 1]) + " q31", q31.figures});
         compare(f32, q31, detection);

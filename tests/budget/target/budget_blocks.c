@@ -73,14 +73,17 @@ static void count_switched(uint32_t block, uint32_t kind) {
     static sd_wheel_tables_t tables;
     static sd_wheel_f32_t f32;
     static sd_wheel_q31_t q31;
-    const sd_wheel_config_f32_t in_f32 = { .definition = 0.5f, .work_min = 0.001f, .speed_change = 0.3f, .start_firings = 16, .hold_firings = 8, .kind = (uint8_t)kind };
-    const sd_wheel_config_q31_t in_q31 = { .definition = 1 << 30, .work_min = 1 << 21, .speed_change = 1 << 29, .start_firings = 16, .hold_firings = 8, .kind = (uint8_t)kind };
+    const sd_wheel_config_f32_t in_f32 = { .definition = 0.5f, .work_min = 0.001f, .speed_change = 0.3f,
+                                           .start_firings = 16, .hold_firings = 8, .kind = (uint8_t)kind };
+    const sd_wheel_config_q31_t in_q31 = { .definition = 1 << 30, .work_min = 1 << 21, .speed_change = 1 << 29,
+                                           .start_firings = 16, .hold_firings = 8, .kind = (uint8_t)kind };
     fill_tables(&tables);
     expect(sd_wheel_init_f32(&f32, &in_f32, &tables), "switched f32");
     expect(sd_wheel_init_q31(&q31, &in_q31, &tables), "switched q31");
     budget_class(NOT_COUNTED);
     for (uint32_t k = 0; k < 10u * CYCLE_POSITIONS; k++) {
-        const sd_wheel_tooth_t tooth = { .cycle_position = (uint16_t)(k % CYCLE_POSITIONS), .advance = 1, .period_ticks = 660u + ((k * 7u) & 15u), .trusted = 1 };
+        const sd_wheel_tooth_t tooth = { .cycle_position = (uint16_t)(k % CYCLE_POSITIONS), .advance = 1,
+                                         .period_ticks = 660u + ((k * 7u) & 15u), .trusted = 1 };
         const uint32_t read = sd_wheel_tooth_f32(&f32, &tables, &tooth, 0.1f);
         if (sd_wheel_tooth_q31(&q31, &tables, &tooth, 1 << 28) != read) { board_print("switched: f32 and q31 differ\n"), failed = 1u; }
         budget_class((k < CYCLE_POSITIONS) ? NOT_COUNTED : block);

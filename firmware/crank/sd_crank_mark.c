@@ -25,7 +25,7 @@ SD_INLINE bool near(int32_t x) { return (uint32_t)x + STRAY <= 2u * STRAY; }
 /* How far an edge lies beyond the tooth before the mark; whether it is near enough to vote. */
 SD_INLINE bool votes(const sd_crank_t *self, uint32_t i, int32_t width, int32_t *here) {
     *here = (int32_t)((uint32_t)self->witness[i] - (uint32_t)self->mark_travel);
-    return (uint32_t)(*here + (SLIP_MAX + 2) * ONE) <= (uint32_t)(width + (SLIP_MAX + 2 + VOTE_AFTER + 1) * ONE);
+    return (uint32_t)*here + (uint32_t)((SLIP_MAX + 2) * ONE) <= (uint32_t)(width + (SLIP_MAX + 2 + VOTE_AFTER + 1) * ONE);
 }
 
 static sd_vote_t count(const sd_crank_t *self, int32_t width) {

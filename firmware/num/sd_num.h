@@ -27,7 +27,7 @@ _Static_assert((-1 >> 1) == -1, "q31 needs an arithmetic right shift");
 #endif
 
 typedef struct { float factor; } sd_gain_f32_t;
-typedef struct { sd_q31_t mantissa; int8_t exponent; } sd_gain_q31_t; /* value = mantissa 2^(exponent - 31) */
+typedef struct { sd_q31_t mantissa; int32_t exponent; } sd_gain_q31_t; /* value = mantissa 2^(exponent - 31) */
 typedef struct { float factor[4]; } sd_row_f32_t;
 typedef struct { sd_q31_t mantissa[4]; } sd_row_q31_t;                   /* value = mantissa 2^(SD_ROW_BITS - 31) */
 typedef float   sd_acc_f32_t;
@@ -152,7 +152,7 @@ static inline sd_gain_f32_t sd_gain_of_f32(float value) { return (sd_gain_f32_t)
 static inline sd_gain_q31_t sd_gain_scaled_q31(sd_scaled_t a) {
     if (a.exponent > 20) { return (sd_gain_q31_t){ (a.mantissa < 0) ? INT32_MIN : INT32_MAX, 20 }; }
     if (a.exponent < -20) { return (sd_gain_q31_t){ sd_scaled_fit(a.mantissa, a.exponent + 20), -20 }; }
-    return (sd_gain_q31_t){ a.mantissa, (int8_t)a.exponent };
+    return (sd_gain_q31_t){ a.mantissa, a.exponent };
 }
 static inline sd_gain_q31_t sd_gain_of_q31(float value) { return sd_gain_scaled_q31(sd_scaled_of(value)); }
 

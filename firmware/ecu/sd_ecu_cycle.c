@@ -64,15 +64,9 @@ static void learn_delay(sd_ecu_t *self, const sd_calibration_t *page) {
     if (sd_stage_mixture_learn(&self->mixture, &self->working, &cycle)) { sd_balance_resume(&self->trims.balance); }
 }
 
-/* What nobody measures is as it was calibrated. */
-static float known_or_0(const sd_inputs_t *inputs, sd_input_t input) {
-    return sd_inputs_fresh(inputs, input) ? sd_inputs_value(inputs, input) : 0.0f;
-}
-
 /* Without a pressure the manifold's model runs alone, which is well unless there was one. */
 static void judge_pressure(const sd_ecu_t *self, sd_status_t *status) {
-    const bool seen = ((self->inputs.seen >> (uint32_t)SD_INPUT_EXHAUST_PRESSURE) & 1u) != 0u;
-    const bool lost = seen && !sd_inputs_fresh(&self->inputs, SD_INPUT_EXHAUST_PRESSURE);
+    const bool lost = sd_inputs_fell_silent(&self->inputs, SD_INPUT_EXHAUST_PRESSURE);
     if (lost && sd_stage_mixture_takes_pressure(&self->mixture)) { sd_status_worst_of(status, SD_DEGRADED, SD_WHY_STALE_INPUT); }
 }
 
@@ -82,9 +76,9 @@ static void read_mixture(sd_ecu_t *self, const sd_calibration_t *page) {
     const sd_afr_conditions_t at = { .speed_radps = self->work.cycle.speed_radps,
                                      .intake_bar = sd_inputs_value(inputs, SD_INPUT_AIR_INTAKE_PRESSURE),
                                      .fuel_mg = sd_inputs_value(inputs, SD_INPUT_FUEL_INJECTED),
-                                     .exhaust_k = known_or_0(inputs, SD_INPUT_EXHAUST_TEMPERATURE),
-                                     .vanes = known_or_0(inputs, SD_INPUT_EXHAUST_VANES),
-                                     .turbine_rpm = known_or_0(inputs, SD_INPUT_EXHAUST_TURBINE_SPEED) };
+                                     .exhaust_k = sd_inputs_value_or_0(inputs, SD_INPUT_EXHAUST_TEMPERATURE),
+                                     .vanes = sd_inputs_value_or_0(inputs, SD_INPUT_EXHAUST_VANES),
+                                     .turbine_rpm = sd_inputs_value_or_0(inputs, SD_INPUT_EXHAUST_TURBINE_SPEED) };
     sd_stage_mixture_read(&self->mixture, &self->working, &at, out);
     judge_pressure(self, &out->status);
     if (!self->work.cycle.phase_known) { sd_status_worst_of(&out->status, SD_INVALID, SD_WHY_NO_PHASE); }

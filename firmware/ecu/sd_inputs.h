@@ -43,6 +43,16 @@ static inline float sd_inputs_value(const sd_inputs_t *self, sd_input_t input) {
     return sd_inputs_fresh(self, input) ? self->reading[input].value : sd_input_infos[input].usual;
 }
 
+/// The reading while it is fresh, otherwise 0: for what is as it was calibrated where nobody measures it.
+static inline float sd_inputs_value_or_0(const sd_inputs_t *self, sd_input_t input) {
+    return sd_inputs_fresh(self, input) ? self->reading[input].value : 0.0f;
+}
+
+/// Whether the input was read once and has grown too old since.
+static inline bool sd_inputs_fell_silent(const sd_inputs_t *self, sd_input_t input) {
+    return (((self->seen & ~self->fresh) >> (uint32_t)input) & 1u) != 0u;
+}
+
 /// Makes a status no better than the owner may be without the inputs that are not fresh, and says why: SD_WHY_NO_INPUT for one
 /// that was never read, SD_WHY_STALE_INPUT for one that has grown too old.
 void sd_inputs_judge(const sd_inputs_t *self, sd_owner_t owner, sd_status_t *status);

@@ -85,23 +85,18 @@ static bool read_cylinder(sd_ecu_t *self, const sd_calibration_t *page) {
     return self->work.part >= map->cylinders;
 }
 
-static float known_or_0(const sd_inputs_t *inputs, sd_input_t input) {
-    return sd_inputs_fresh(inputs, input) ? sd_inputs_value(inputs, input) : 0.0f;
-}
-
 static void read_mixture(sd_ecu_t *self, const sd_calibration_t *page) {
     const sd_inputs_t *inputs = &self->inputs;
     sd_status_t *status = &self->work.mixture_status;
     const sd_afr_conditions_t at = { .speed_radps = self->work.cycle.speed_radps,
                                      .intake_bar = sd_inputs_value(inputs, SD_INPUT_AIR_INTAKE_PRESSURE),
                                      .fuel_mg = sd_inputs_value(inputs, SD_INPUT_FUEL_INJECTED),
-                                     .exhaust_k = known_or_0(inputs, SD_INPUT_EXHAUST_TEMPERATURE),
-                                     .vanes = known_or_0(inputs, SD_INPUT_EXHAUST_VANES),
-                                     .turbine_rpm = known_or_0(inputs, SD_INPUT_EXHAUST_TURBINE_SPEED) };
+                                     .exhaust_k = sd_inputs_value_or_0(inputs, SD_INPUT_EXHAUST_TEMPERATURE),
+                                     .vanes = sd_inputs_value_or_0(inputs, SD_INPUT_EXHAUST_VANES),
+                                     .turbine_rpm = sd_inputs_value_or_0(inputs, SD_INPUT_EXHAUST_TURBINE_SPEED) };
     self->work.steady = is_steady(self) ? 1u : 0u;
     sd_fixed_mixture_read(&self->mixture, &at, &self->work.mixture, status);
-    const bool seen = ((inputs->seen >> (uint32_t)SD_INPUT_EXHAUST_PRESSURE) & 1u) != 0u;
-    if (seen && !sd_inputs_fresh(inputs, SD_INPUT_EXHAUST_PRESSURE) && sd_fixed_mixture_takes_pressure(&self->mixture)) {
+    if (sd_inputs_fell_silent(inputs, SD_INPUT_EXHAUST_PRESSURE) && sd_fixed_mixture_takes_pressure(&self->mixture)) {
         sd_status_worst_of(status, SD_DEGRADED, SD_WHY_STALE_INPUT);
     }
     if (!self->work.cycle.phase_known) { sd_status_worst_of(status, SD_INVALID, SD_WHY_NO_PHASE); }

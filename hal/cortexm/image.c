@@ -3,6 +3,7 @@
  *
  * In this image the host stands for the engine (sd_link.h): an event that it names makes the interrupt due that such an event makes due
  * on a board, and the next one follows when it has been handled. */
+#include "bench.h"
 #include "sd_board.h"
 #include "sd_cortexm.h"
 #include "sd_ecu.h"
@@ -46,23 +47,30 @@ static uint32_t send(void *context, const sd_event_t *events, uint32_t count) {
 /* ---- the interrupts ------------------------------------------------------------------------------------------------- */
 
 static sd_event_t captured; /* by the capture timer, by the converter, or by the clock: what made the interrupt due */
-static volatile uint32_t handled;
+static volatile uint32_t handled, nested;
+static volatile uint8_t working;
 static uint8_t waiting;
 
-void board_on_capture(void) {
-    sd_cortexm_edge(&port, (sd_event_kind_t)captured.kind, captured.tick);
+static void on_edge(const sd_event_t *edge) {
+    nested += working;
+    sd_cortexm_edge(&port, (sd_event_kind_t)edge->kind, edge->tick);
     board_pend(BOARD_IRQ_WORK);
 }
 
-void board_on_sample(void) {
-    sd_cortexm_post(&port, &captured);
+static void on_other(const sd_event_t *event) {
+    sd_cortexm_post(&port, event);
     board_pend(BOARD_IRQ_WORK);
 }
+
+void board_on_capture(void) {
+    if (bench_count() != 0u) { bench_capture(on_edge); } else { on_edge(&captured); }
+}
+
+void board_on_sample(void) { on_other(&captured); }
 
 /* The 10 ms task: on a board it reads the slow sensors first. */
 void board_on_clock(void) {
-    sd_cortexm_post(&port, &captured);
-    board_pend(BOARD_IRQ_WORK);
+    if (bench_count() != 0u) { bench_task(on_other); } else { on_other(&captured); }
 }
 
 static uint32_t receive(void *context, sd_event_t *events, uint32_t room) {
@@ -76,6 +84,7 @@ static uint32_t receive(void *context, sd_event_t *events, uint32_t room) {
 static const sd_port_t ports = { 0, receive, send };
 
 void board_on_work(void) {
+    working = 1;
     frame.count = 0;
     while (sd_cortexm_next(&port, &frame.in)) {
         if (said_bytes + SAID_ROOM > SAID_BYTES) { hand_over(); }
@@ -88,7 +97,9 @@ void board_on_work(void) {
         said_bytes += frame.count * (uint32_t)sizeof(sd_event_t);
         frame.count = 0;
         handled++;
+        if (frame.in.kind == (uint16_t)SD_EVENT_CRANK_EDGE) { bench_handled(frame.in.tick); }
     }
+    working = 0;
 }
 
 /* ---- the program ---------------------------------------------------------------------------------------------------- */
@@ -113,8 +124,13 @@ static void serve(void) {
         for (uint32_t i = 0; i < count; i++) { happen(&asked[i]); }
         hand_over();
     }
+}
+
+static void say_end(void) {
+    const sd_link_frame_t last = { .count = SD_LINK_LAST };
     const sd_link_end_t end = { .stack_bytes = board_stack_used(), .overruns = port.overruns, .lost_edges = port.lost_edges,
-                                .lost_others = port.lost_others };
+                                .lost_others = port.lost_others, .longest = bench_longest(), .nested = nested };
+    put(&last, sizeof last);
     put(&end, sizeof end);
     hand_over();
 }
@@ -143,6 +159,7 @@ int main(void) {
     put(&hello, sizeof hello);
     hand_over();
     if (hello.state != (uint32_t)SD_LINK_READY) { return (int)hello.state; }
-    serve();
+    if (bench_count() != 0u) { bench_run(); } else { serve(); }
+    say_end();
     return 0;
 }

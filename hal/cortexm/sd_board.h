@@ -14,7 +14,9 @@
 
 /// Before the events. RAM is zero where nothing was loaded, so that event_count 0 means that there are none.
 typedef struct board_header {
-    uint32_t event_count, page_bytes, unused[2];
+    uint32_t event_count, page_bytes;
+    uint32_t tick_ns; ///< Of the events' ticks: a tick lasts so long. A multiple of 40.
+    uint32_t unused;
 } board_header_t;
 
 /// Interrupts, numbers of the NVIC.
@@ -35,7 +37,14 @@ void board_on_work(void);
 void board_enable(uint32_t irq, uint32_t priority);
 /// Makes an interrupt due now.
 void board_pend(uint32_t irq);
-/// Starts the core's own timer, which counts time down by 40 ns each.
+/// Timer 0: makes BOARD_IRQ_CAPTURE due once, after so many ticks of 40 ns; at once for 0.
+void board_capture_after(uint32_t ticks);
+/// Of the handler: the interrupt of timer 0 has been seen.
+void board_capture_seen(void);
+/// Timer 1: ticks of 40 ns since it was started; wraps.
+uint32_t board_now(void);
+
+/// Starts timer 1, and the core's own timer, which counts time down by 40 ns each.
 void board_start_ticks(void);
 /// Its count, 24 bits.
 uint32_t board_ticks(void);

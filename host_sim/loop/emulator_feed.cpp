@@ -13,8 +13,9 @@
 namespace sixdeg {
 namespace {
 
-/// An instruction takes 1024 ns of the emulator's time, a tick of the core's timer 40 ns.
-double instructions(std::uint32_t ticks) { return double(ticks) * 40 / 1024; }
+constexpr int kShift = 10;
+/// A tick of the core's timer is 40 ns.
+double instructions(std::uint32_t ticks) { return double(ticks) * 40 / (1 << kShift); }
 
 std::filesystem::path page_file() {
     static int files = 0;
@@ -43,7 +44,7 @@ EmulatorFeed::~EmulatorFeed() {
 
 void EmulatorFeed::begin() {
     emulator_.reset();
-    emulator_ = std::make_unique<Emulator>(*figures_.core, image_, page_);
+    emulator_ = std::make_unique<Emulator>(*figures_.core, EmulatorStart{image_, page_, {}, kShift});
     figures_.hello = emulator_->hello();
 }
 

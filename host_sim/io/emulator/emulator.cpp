@@ -55,9 +55,9 @@ std::filesystem::path image_of(const EmulatedCore &core) {
                      fmt::format("its image build/{0}/sixdeg_image is not there; `tools/build {0} sixdeg_image` makes it", core.preset));
 }
 
-Emulator::Emulator(const EmulatedCore &core, const std::filesystem::path &image, const std::filesystem::path &page) {
+Emulator::Emulator(const EmulatedCore &core, const EmulatorStart &with) {
     std::signal(SIGPIPE, SIG_IGN); // whether the emulator still listens, write() says
-    start(core, image, page);
+    start(core, with);
     const bool heard = read(&hello_, sizeof hello_) && hello_.magic == SD_LINK_MAGIC;
     const char *const wrong = !heard                                      ? "it has not begun"
                               : hello_.signature != SD_SIGNALS_SIGNATURE  ? "it has another table of signals; build it anew"
@@ -67,16 +67,18 @@ Emulator::Emulator(const EmulatedCore &core, const std::filesystem::path &image,
     if (wrong == nullptr) return;
     const std::string what = fmt::format("{} (`tools/build {} sixdeg_image`)", wrong, core.preset);
     stop();
-    throw InputError(image.string(), "", what);
+    throw InputError(with.image.string(), "", what);
 }
 
-void Emulator::start(const EmulatedCore &core, const std::filesystem::path &image, const std::filesystem::path &page) {
-    // 1024 ns an instruction, so that the core's timer, 40 ns a tick, counts single ones; see docs/porting.md.
-    std::string words[] = {kProgram, "-M", core.board, "-display", "none", "-monitor", "none", "-serial", "none", "-icount", "shift=10,sleep=off",
-                           "-semihosting-config", "enable=on,target=native", "-kernel", image.string(), "-device",
-                           fmt::format("loader,file={},addr=0x200000,force-raw=on", page.string())};
+void Emulator::start(const EmulatedCore &core, const EmulatorStart &with) {
+    std::string words[] = {kProgram, "-M", core.board, "-display", "none", "-monitor", "none", "-serial", "none", "-icount", fmt::format("shift={},sleep=off", with.shift),
+                           "-semihosting-config", "enable=on,target=native", "-kernel", with.image.string(), "-device",
+                           fmt::format("loader,file={},addr=0x200000,force-raw=on", with.page.string())};
+    std::string bench_words[] = {"-device", fmt::format("loader,file={},addr=0x20200000,force-raw=on", with.bench.string())};
     std::vector<char *> arguments;
     for (std::string &word : words) arguments.push_back(word.data());
+    if (!with.bench.empty())
+        for (std::string &word : bench_words) arguments.push_back(word.data());
     arguments.push_back(nullptr);
     const Pipe asked, answered;
     to_ = asked.write, from_ = answered.read;
@@ -147,17 +149,33 @@ bool Emulator::exchange(const std::vector<sd_event_t> &events, std::vector<Emula
     if (!write(asked.data(), asked.size() * 4)) return false;
     for (std::size_t i = 0; i < events.size(); ++i) {
         EmulatedAnswer answer;
-        if (!read(&answer.frame, sizeof answer.frame)) return false;
-        answer.said.resize(answer.frame.count);
-        if (!read(answer.said.data(), answer.said.size() * sizeof(sd_event_t))) return false;
+        if (!take(answer) || answer.frame.count == SD_LINK_LAST) return false;
         answers.push_back(std::move(answer));
     }
     return true;
 }
 
+bool Emulator::take(EmulatedAnswer &answer) {
+    if (!read(&answer.frame, sizeof answer.frame)) return false;
+    if (answer.frame.count == SD_LINK_LAST) return true;
+    answer.said.resize(answer.frame.count);
+    return read(answer.said.data(), answer.said.size() * sizeof(sd_event_t));
+}
+
+bool Emulator::take_bench(std::vector<EmulatedAnswer> &answers, sd_link_end_t &end) {
+    EmulatedAnswer answer;
+    while (take(answer)) {
+        if (answer.frame.count == SD_LINK_LAST) return read(&end, sizeof end);
+        answers.push_back(std::move(answer));
+        answer = {};
+    }
+    return false;
+}
+
 bool Emulator::finish(sd_link_end_t &end) {
     const std::uint32_t nothing = 0;
-    return write(&nothing, sizeof nothing) && read(&end, sizeof end);
+    EmulatedAnswer last;
+    return write(&nothing, sizeof nothing) && take(last) && last.frame.count == SD_LINK_LAST && read(&end, sizeof end);
 }
 
 } // namespace sixdeg

@@ -50,9 +50,13 @@ static bool judge(sd_cortexm_t *self, uint32_t tick, sd_event_t *event) {
     const uint32_t overruns = self->overruns;
     if (overruns != self->overruns_answered) {
         self->overruns_answered = overruns;
-        const bool soon = self->calm < self->patience;
-        if (self->level < (uint8_t)SD_SHED_MOST) {
+        if (self->taken_back != 0u) { /* too early, if it was not long ago */
+            const bool soon = self->calm < self->patience;
+            if (!soon) { self->patience = SD_CORTEXM_PATIENCE; }
             if (soon && (self->patience < SD_CORTEXM_PATIENCE_MAX)) { self->patience *= 2u; }
+        }
+        self->taken_back = 0;
+        if (self->level < (uint8_t)SD_SHED_MOST) {
             change_level(self, (uint8_t)(self->level + 1u), tick, event);
             return true;
         }
@@ -60,6 +64,7 @@ static bool judge(sd_cortexm_t *self, uint32_t tick, sd_event_t *event) {
         return false;
     }
     if ((self->level == 0u) || (self->calm < self->patience)) { return false; }
+    self->taken_back = 1;
     change_level(self, (uint8_t)(self->level - 1u), tick, event);
     return true;
 }

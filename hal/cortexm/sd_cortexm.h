@@ -12,7 +12,7 @@
 /// Overrun: an edge is captured while the one before it has not been handled. The queue keeps it, so no edge is lost, but the ecu is
 /// behind. The port then says SD_EVENT_LATE with one level more, and the ecu leaves out work (sd_shed_t in sd_shed.h) and says so in
 /// the health of what it leaves out. After `patience` edges without an overrun the port takes a level back; an overrun within so many
-/// edges of that doubles the patience. Where the queue is full an edge is lost: the port says SD_EVENT_GAP.
+/// edges of that doubles the patience, one after a longer calm makes it what it was at first. Where the queue is full an edge is lost: the port says SD_EVENT_GAP.
 ///
 /// Since all of it is events, a run that was recorded on a target is the same to the bit when it is replayed.
 #ifndef SD_CORTEXM_H
@@ -42,6 +42,7 @@ typedef struct sd_cortexm {
     volatile uint32_t lost_others;  ///< Samples and clock events likewise, wraps.
     volatile uint8_t  losing;       ///< 1: edges have been lost since the last one that was queued.
     uint8_t  level;                 ///< sd_shed_t that the ecu was told.
+    uint8_t  taken_back;            ///< 1: the last change of level took one back.
     uint8_t  handling;              ///< 1: the event handed out last is a crank edge.
     uint32_t overruns_answered;     ///< Of `overruns`.
     uint32_t calm, patience;        ///< Edges since the last overrun or change of level; how many it takes.

@@ -10,9 +10,10 @@
 /// lock. Edges go first.
 ///
 /// Overrun: an edge is captured while the one before it has not been handled. The queue keeps it, so no edge is lost, but the ecu is
-/// behind. The port then says SD_EVENT_LATE with one level more, and the ecu leaves out work (sd_shed_t in sd_shed.h) and says so in
-/// the health of what it leaves out. After `patience` edges without an overrun the port takes a level back; an overrun within so many
-/// edges of that doubles the patience, one after a longer calm makes it what it was at first. Where the queue is full an edge is lost: the port says SD_EVENT_GAP.
+/// behind. The port then says SD_EVENT_LATE with one level more, and the ecu leaves out work (sd_shed_t in sd_shed.h) and says so in the
+/// health of what it leaves out. After `patience` edges without an overrun the port takes a level back; an overrun within so many edges
+/// of that doubles the patience, one after a longer calm makes it what it was at first. Where the queue is full an edge is lost: the port
+/// says SD_EVENT_GAP.
 ///
 /// Since all of it is events, a run that was recorded on a target is the same to the bit when it is replayed.
 #ifndef SD_CORTEXM_H

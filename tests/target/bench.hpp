@@ -70,7 +70,9 @@ class BenchFiles {
     std::filesystem::path events_file() const { return name("events"); }
 
   private:
-    std::filesystem::path name(const char *end) const { return std::filesystem::temp_directory_path() / ("bench_" + std::to_string(getpid()) + "." + end); }
+    std::filesystem::path name(const char *end) const {
+        return std::filesystem::temp_directory_path() / ("bench_" + std::to_string(getpid()) + "." + end);
+    }
 };
 
 /// What came of a bench.

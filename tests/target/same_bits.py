@@ -92,8 +92,8 @@ def compare(run, processors, turn):
         if of_fixed and fixed is None:
             continue
         (right if run.on(processor) == (fixed if of_fixed else usual) else wrong).append(processor)
-    print(f"{run.name:11} {run.teeth:6} teeth  {usual}  the same on {', '.join(right) or 'none'}" + (f"; NOT on {', '.join(wrong)}" if wrong else ""),
-          flush=True)
+    differs = f"; NOT on {', '.join(wrong)}" if wrong else ""
+    print(f"{run.name:11} {run.teeth:6} teeth  {usual}  the same on {', '.join(right) or 'none'}{differs}", flush=True)
     return wrong
 
 

@@ -188,6 +188,38 @@ TEST(Controller, HopelesslyOverloadedLosesTeethAndSaysWhere) {
     EXPECT_EQ(s.most, std::uint32_t(SD_SHED_MOST));
 }
 
+/* ---- what is left out ------------------------------------------------------------------------------------------------------ */
+
+namespace {
+
+/// Reasons of an owner's last signals, by owner.
+std::map<int, std::uint32_t> last_reasons(const std::vector<std::vector<sd_event_t>> &said, std::size_t begin, std::size_t end) {
+    std::map<int, std::uint32_t> reasons;
+    for (std::size_t i = begin; i < end; ++i)
+        for (const sd_event_t &event : said[i])
+            if (event.kind == SD_EVENT_SIGNAL) reasons[sd_signal_infos[event.channel].owner] = event.flags >> 8;
+    return reasons;
+}
+
+} // namespace
+
+TEST(Shed, LeavesOutWhatItsLevelSaysAndNothingElse) {
+    const GoldenRun &golden = run("smooth");
+    for (std::uint32_t level = SD_SHED_NONE; level <= SD_SHED_MOST; ++level) {
+        auto events = beginning(golden.events, 4500);
+        const std::size_t from = events.size() / 2, to = from + events.size() / 4;
+        events.insert(events.begin() + std::ptrdiff_t(to), {events[to].tick, SD_EVENT_LATE, 0, SD_SHED_NONE, 0});
+        events.insert(events.begin() + std::ptrdiff_t(from), {events[from].tick, SD_EVENT_LATE, 0, level, 1});
+        const auto said = host_says(golden.calibration, events);
+        auto during = last_reasons(said, from, to), after = last_reasons(said, to + 1, said.size());
+        const auto shed = [&](sd_owner_t owner) { return (during.at(owner) & SD_WHY_OVERLOAD) != 0; };
+        for (const sd_owner_t owner : {SD_OWNER_CYLINDER, SD_OWNER_AFR, SD_OWNER_BALANCE}) EXPECT_EQ(shed(owner), level >= SD_SHED_CYCLE);
+        for (const sd_owner_t owner : {SD_OWNER_FIRING, SD_OWNER_MISFIRE}) EXPECT_EQ(shed(owner), level >= SD_SHED_FIRINGS) << level;
+        for (const sd_owner_t owner : {SD_OWNER_CRANK, SD_OWNER_TORQUE, SD_OWNER_INPUTS}) EXPECT_FALSE(shed(owner));
+        for (const auto &[owner, why] : after) EXPECT_EQ(why & SD_WHY_OVERLOAD, 0u) << "owner " << owner << " after level " << level;
+    }
+}
+
 /* ---- the port alone ------------------------------------------------------------------------------------------------------ */
 
 namespace {

@@ -5,7 +5,6 @@
 
 #include "sd_board.h"
 
-#define BOARD_TICK_NS 40u
 #define BEFORE_FIRST  25000u /* ticks of 40 ns until the first event: 1 ms */
 
 static volatile uint32_t due;   /* events that have happened */
@@ -18,7 +17,7 @@ uint32_t bench_count(void) { return header()->event_count; }
 uint32_t bench_longest(void) { return longest; }
 
 /* When a tick of the events is, on the board's timer. */
-static uint32_t when(uint32_t tick) { return begun + (tick - event(0)->tick) * (header()->tick_ns / BOARD_TICK_NS); }
+static uint32_t when(uint32_t tick) { return begun + (uint32_t)(((uint64_t)(tick - event(0)->tick) * header()->step_q16) >> 16); }
 
 static bool is_edge(const sd_event_t *e) { return (e->kind == (uint16_t)SD_EVENT_CRANK_EDGE) || (e->kind == (uint16_t)SD_EVENT_CAM_EDGE); }
 

@@ -15,7 +15,7 @@
 /// Before the events. RAM is zero where nothing was loaded, so that event_count 0 means that there are none.
 typedef struct board_header {
     uint32_t event_count, page_bytes;
-    uint32_t tick_ns; ///< Of the events' ticks: a tick lasts so long. A multiple of 40.
+    uint32_t step_q16; ///< How long a tick of the events lasts, in ticks of 40 ns, with 16 bits behind the point.
     uint32_t unused;
 } board_header_t;
 

@@ -52,12 +52,14 @@ inline bool same(const std::vector<sd_event_t> &a, const std::vector<sd_event_t>
     return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(sd_event_t)) == 0);
 }
 
+constexpr std::uint32_t kMicrosecond = 25 << 16; ///< As a bench has it: ticks of 40 ns, 16 bits behind the point.
+
 /// Files of one bench, removed with it.
 class BenchFiles {
   public:
-    BenchFiles(const sd_calibration_t &calibration, const std::vector<sd_event_t> &events, std::uint32_t tick_ns) {
+    BenchFiles(const sd_calibration_t &calibration, const std::vector<sd_event_t> &events) {
         const auto bytes = page_bytes(calibration);
-        const std::uint32_t header[4] = {std::uint32_t(events.size()), std::uint32_t(bytes.size()), tick_ns, 0};
+        const std::uint32_t header[4] = {std::uint32_t(events.size()), std::uint32_t(bytes.size()), kMicrosecond, 0};
         write_file(page(), std::string(bytes.begin(), bytes.end()));
         write_file(events_file(), std::string(reinterpret_cast<const char *>(header), sizeof header) +
                                       std::string(reinterpret_cast<const char *>(events.data()), events.size() * sizeof(sd_event_t)));
@@ -83,10 +85,9 @@ struct BenchResult {
 };
 
 /// Lets events happen at their own times on a controller whose instructions take 2^shift ns each.
-inline BenchResult run_bench(const char *core_name, const sd_calibration_t &calibration, const std::vector<sd_event_t> &events, int shift,
-                             std::uint32_t tick_ns = 1000) {
+inline BenchResult run_bench(const char *core_name, const sd_calibration_t &calibration, const std::vector<sd_event_t> &events, int shift) {
     const EmulatedCore &core = emulated_core(core_name);
-    const BenchFiles files(calibration, events, tick_ns);
+    const BenchFiles files(calibration, events);
     Emulator emulator(core, {image_of(core), files.page(), files.events_file(), shift});
     BenchResult result;
     result.whole = emulator.take_bench(result.answers, result.end);

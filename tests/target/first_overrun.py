@@ -18,7 +18,7 @@ import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 BOARDS = {"cortex-m7": "mps2-an500", "cortex-m4f": "mps2-an386", "cortex-m3": "mps2-an385", "cortex-m3-fixed": "mps2-an385"}
-TIMER_NS, NORMAL_NS, LAST, SHIFT = 40, 1000, 0xffffffff, 3
+TIMER_NS, NORMAL, LAST, SHIFT = 40, 25 << 16, 0xffffffff, 3  # NORMAL: a tick of 1 us, in ticks of 40 ns with 16 bits behind the point
 CRANK_EDGE, TEETH = 1, 58  # of a wheel of 60 - 2
 
 
@@ -30,9 +30,9 @@ def end_of(said):
     return struct.unpack_from("<6I", said, at + 24)
 
 
-def happen(processor, page, events, tick_ns, folder):
+def happen(processor, page, events, step, folder):
     bench = folder / "bench"
-    bench.write_bytes(struct.pack("<4I", len(events) // 16, page.stat().st_size, tick_ns, 0) + events)
+    bench.write_bytes(struct.pack("<4I", len(events) // 16, page.stat().st_size, step, 0) + events)
     done = subprocess.run(["qemu-system-arm", "-M", BOARDS[processor], "-display", "none", "-monitor", "none", "-serial", "none",
                            "-icount", f"shift={SHIFT},sleep=off", "-semihosting-config", "enable=on,target=native",
                            "-kernel", ROOT / f"build/{processor}/sixdeg_image",
@@ -45,30 +45,32 @@ def happen(processor, page, events, tick_ns, folder):
 
 
 def first_overrun(processor, page, events, folder):
-    """(longest tick without an overrun less one step, how it went there): by halving, in steps of the board's timer."""
-    calm, hasty = 4 * NORMAL_NS // TIMER_NS, 1  # in steps of 40 ns
-    if happen(processor, page, events, calm * TIMER_NS, folder)[1]:
+    """(shortest step without an overrun, how it went there): by halving, to half a percent."""
+    calm, hasty = 4 * NORMAL, NORMAL // 64
+    at_calm = happen(processor, page, events, calm, folder)
+    if at_calm[1]:
         raise SystemExit(f"first_overrun: {processor} overruns at a quarter of the speed too")
-    while calm - hasty > 1:
-        middle = (calm + hasty) // 2
-        if happen(processor, page, events, middle * TIMER_NS, folder)[1]:
+    while calm > 1.005 * hasty:
+        middle = round((calm * hasty) ** 0.5)
+        said = happen(processor, page, events, middle, folder)
+        if said[1]:
             hasty = middle
         else:
-            calm = middle
-    return calm * TIMER_NS, happen(processor, page, events, calm * TIMER_NS, folder)
+            calm, at_calm = middle, said
+    return calm, at_calm
 
 
 def highest_rpm(events):
     """Of one revolution of the run at its own speed."""
     ticks = [tick for tick, kind, *_ in struct.iter_unpack("<IHHII", events) if kind == CRANK_EDGE]
-    return max(60e9 / NORMAL_NS / (b - a) for a, b in zip(ticks, ticks[TEETH:]) if b > a)
+    return max(60e6 / (b - a) for a, b in zip(ticks, ticks[TEETH:]) if b > a)
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--run", default="smooth", help="golden run; its wheel has 60 - 2 teeth")
     parser.add_argument("--on", action="append", choices=BOARDS, help="on these images only; may be given again")
-    parser.add_argument("--events", type=int, default=12000, metavar="N", help="of the run's first so many events")
+    parser.add_argument("--events", type=int, default=8000, metavar="N", help="of the run's first so many events")
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
@@ -78,8 +80,8 @@ def main():
         events = (folder / "events").read_bytes()[16:16 * (options.events + 1)]
         own_rpm = highest_rpm(events)
         for processor in options.on or BOARDS:
-            tick_ns, (stack, _, _, _, longest, nested) = first_overrun(processor, page, events, folder)
-            print(f"{processor:16} first overrun above {own_rpm * NORMAL_NS / tick_ns:6.0f} rpm; there the longest tooth takes "
+            step, (stack, _, _, _, longest, nested) = first_overrun(processor, page, events, folder)
+            print(f"{processor:16} first overrun above {own_rpm * NORMAL / step:6.0f} rpm; there the longest tooth takes "
                   f"{longest * TIMER_NS / 1000:.1f} us, {nested} edges come during work; stack {stack} B", flush=True)
 
 

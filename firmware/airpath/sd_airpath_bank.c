@@ -107,8 +107,8 @@ static void observe(sd_airpath_bank_t *self, const sd_airpath_tables_t *tables, 
         sd_nuio_estimate_t at;
         sd_airpath_flows_t flows;
         float rate[SD_AIRPATH_STATES];
-        sd_nuio_estimate(&self->observer[i], &tables->observer[i], y, &at);
-        sd_airpath_flows(&tables->model, now, at.x[SD_AIRPATH_PRESSURE], now->per_exhaust * at.x[SD_AIRPATH_EXHAUST], &flows);
+        sd_nuio_look(&self->observer[i], &tables->observer[i], y, &at);
+        sd_airpath_flow(&tables->model, now, at.x[SD_AIRPATH_PRESSURE], now->per_exhaust * at.x[SD_AIRPATH_EXHAUST], &flows);
         sd_airpath_rate(&tables->model, in, now, at.x, &flows, rate);
         sd_nuio_step(&self->observer[i], &tables->observer[i], &at, rate, share, tables->period_s);
         residual[i] = at.residual;

@@ -61,7 +61,7 @@ typedef struct sd_airpath_now {
 
 void sd_airpath_prepare(const sd_airpath_model_t *model, const sd_airpath_in_t *in, sd_airpath_now_t *now);
 /// Flows between pressures, kPa; no flow from the intake back.
-void sd_airpath_flows(const sd_airpath_model_t *model, const sd_airpath_now_t *now, float intake_kpa, float exhaust_kpa, sd_airpath_flows_t *out);
+void sd_airpath_flow(const sd_airpath_model_t *model, const sd_airpath_now_t *now, float intake_kpa, float exhaust_kpa, sd_airpath_flows_t *out);
 /// x' with these flows, of [kPa, g, g, g] a second.
 void sd_airpath_rate(const sd_airpath_model_t *model, const sd_airpath_in_t *in, const sd_airpath_now_t *now, const float *x,
                      const sd_airpath_flows_t *flows, float *rate);

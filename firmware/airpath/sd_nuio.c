@@ -7,7 +7,7 @@ void sd_nuio_begin(sd_nuio_t *self, const sd_nuio_table_t *table, const float *x
     for (uint32_t i = 0; i < STATES; ++i) { self->z[i] = x[i] + table->e[i][0] * x[0] + table->e[i][1] * x[3]; }
 }
 
-void sd_nuio_estimate(const sd_nuio_t *self, const sd_nuio_table_t *table, const float *y, sd_nuio_estimate_t *out) {
+void sd_nuio_look(const sd_nuio_t *self, const sd_nuio_table_t *table, const float *y, sd_nuio_estimate_t *out) {
     for (uint32_t i = 0; i < STATES; ++i) { out->x[i] = self->z[i] - table->e[i][0] * y[0] - table->e[i][1] * y[1]; }
     out->innovation[0] = y[0] - out->x[0];
     out->innovation[1] = y[1] - out->x[3];

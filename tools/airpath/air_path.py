@@ -14,7 +14,6 @@ import numpy as np
 R_AIR, R_EXHAUST = 0.287, 0.286      # kPa m3/(kg K): of a gram, 1e-3 of it
 TURBINE_FLOW, TURBINE_EXPONENT = 0.762, 2.89  # of document 001's model as parameterised by Wahlstrom and Eriksson, 2011
 CHOKED = 0.65                        # pressure ratio below which the valve's flow no longer grows, same source
-AMBIENT_KPA = 100.0
 C = np.array([[1.0, 0, 0, 0], [0, 0, 0, 1.0]])
 STATES = ("intake pressure", "air", "recirculated gas", "exhaust gas")
 
@@ -22,6 +21,7 @@ STATES = ("intake pressure", "air", "recirculated gas", "exhaust gas")
 class AirPath:
     def __init__(self, engine):
         a, cylinders = engine["airpath"], engine["cylinders"]
+        self.ambient_kpa = a.get("ambient_kpa", 101.11)
         self.intake_m3, self.exhaust_m3 = 1e-3 * a["intake_l"], 1e-3 * a["exhaust_l"]
         self.kappa = a.get("heat_ratio", 1.0)
         self.charge_k, self.egr_k, self.exhaust_k = a.get("charge_k", 310.0), a.get("egr_k", 370.0), a.get("exhaust_k", 720.0)
@@ -59,7 +59,7 @@ class AirPath:
         return np.interp(opening, *self.egr_area) * self.per_root * exhaust * psi
 
     def turbine_flow(self, position, exhaust):
-        drop = np.sqrt(np.maximum(1 - (exhaust / AMBIENT_KPA) ** -TURBINE_EXPONENT, 0))
+        drop = np.sqrt(np.maximum(1 - (exhaust / self.ambient_kpa) ** -TURBINE_EXPONENT, 0))
         return np.interp(position, *self.turbine_area) * self.per_root * exhaust * TURBINE_FLOW * drop
 
     def rate(self, x, rpm, air, fuel, opening, position):
@@ -71,7 +71,7 @@ class AirPath:
         """The state in which nothing changes."""
         from scipy.optimize import brentq
         def exhaust_of(intake):
-            return brentq(lambda e: self.turbine_flow(position, e) - air - fuel, AMBIENT_KPA * 1.0001, 5000)
+            return brentq(lambda e: self.turbine_flow(position, e) - air - fuel, self.ambient_kpa * 1.0001, 5000)
         exhaust, k = exhaust_of(0), self.emptying(rpm)
         intake = brentq(lambda p: self.per_air * air + self.per_egr * self.egr_flow(opening, p, exhaust) - self.kappa * k * p, 1, 2000)
         egr = self.egr_flow(opening, intake, exhaust)

@@ -72,7 +72,7 @@ def shifts(path, observer, design):
     rate, slopes = design["middle_k"], design["middle_slopes"]
     whole = error_matrix(path, observer, rate, design["k"], slopes)
     gamma = np.array(observer["gamma"])
-    return {name: float(gamma @ C @ np.linalg.solve(whole, -m @ f) * -1) for name, f in (("egr", path.f_egr), ("vgt", path.f_vgt))}
+    return {name: float(-gamma @ C @ np.linalg.solve(whole, m @ f)) for name, f in (("egr", path.f_egr), ("vgt", path.f_vgt))}
 
 
 def check(path, file):

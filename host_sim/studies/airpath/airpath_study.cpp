@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: MIT
+#include "studies/airpath/airpath_study.hpp"
+
+#include <cmath>
+#include <fmt/format.h>
+
+#include "common/files.hpp"
+#include "studies/airpath/matched_delay.hpp"
+#include "studies/airpath/matched_false.hpp"
+
+namespace sixdeg {
+namespace {
+
+constexpr double kPerTwoHours = 0.5, kPerThousandHours = 1e-3;
+
+MatchedSetup setup_of(const AirPathStudy &study) {
+    const std::string folder = std::string(SD_DATA) + "/models/";
+    return read_matched_setup(folder + "airpath_matched.toml", study.design.empty() ? folder + "airpath_matched_design.toml" : study.design);
+}
+
+std::vector<AlarmRate> rates_of(const AirPathStudy &study, const MatchedSetup &setup) {
+    std::vector<double> thresholds;
+    for (double h = 4; h <= 40; h += 1) thresholds.push_back(h);
+    return sample_alarm_rates(setup, thresholds, study.hours / 10, study.seed);
+}
+
+/// Largest that 95 % of such counts go with, of a Poisson variable.
+double upper_95(int count) { return count + 1.92 + 1.96 * std::sqrt(count + 0.96); }
+
+void decoupling(const AirPathStudy &study) {
+    const MatchedSetup setup = setup_of(study);
+    fmt::print("\nwithout noise: what a fault leaves in each residual after 3 s, kPa\n");
+    for (const MatchedFault &fault : matched_faults()) {
+        const auto end = trace_fault(setup, fault).end_kpa;
+        const std::size_t own = fault.actuator == SD_AIRPATH_EGR_FAULT ? 1 : 0;
+        fmt::print("  {:9s} residual 1 {:+8.4f}  residual 2 {:+8.4f}   decoupled over other {:.3f} %\n", fault.name, end[0], end[1],
+                   100 * std::abs(end[1 - own] / end[own]));
+    }
+}
+
+void print_delays(const AirPathStudy &study, const MatchedSetup &setup, double threshold, double mean_time_s) {
+    fmt::print("  fault      mean delay    95 %    formula  Lorden bound   right    wrong   early  missed  fault's time off by\n");
+    for (const MatchedFault &fault : matched_faults()) {
+        const DelayFigures f = measure_delay(setup, fault, threshold, study.runs, study.seed);
+        fmt::print("  {:9s} {:.3f} +-{:.3f} s {:.2f} s  {:.3f} s      {:.3f} s  {:5d}  {:5d} (<= {:.2f} %)  {:3d}  {:4d}   {:+.3f} s\n", fault.name,
+                   f.mean_s, 1.96 * f.sd_s, f.p95_s, formula_delay_s(setup, fault, threshold), lorden_delay_s(setup, fault, mean_time_s), f.named,
+                   f.wrong, 100 * upper_95(f.wrong) / study.runs, f.early, f.missed, f.time_error_s);
+    }
+}
+
+void matched(const AirPathStudy &study) {
+    const MatchedSetup setup = setup_of(study);
+    const auto rates = rates_of(study, setup);
+    for (const double per_hour : {kPerTwoHours, kPerThousandHours}) {
+        const double threshold = threshold_for(rates, per_hour);
+        fmt::print("\nmatched plant, one false alarm in {:g} h by importance sampling: threshold {:.2f}, {} runs a fault\n", 1 / per_hour, threshold,
+                   study.runs);
+        if (per_hour == kPerTwoHours) {
+            const FalseAlarms found = count_false_alarms(setup, threshold, study.hours, study.seed);
+            fmt::print("  counted: {} false alarms in {:.1f} h (95 %: at most {:.2f} in 2 h)\n", found.alarms, found.hours,
+                       upper_95(found.alarms) / found.hours * 2);
+        }
+        print_delays(study, setup, threshold, 3600 / per_hour);
+    }
+}
+
+void thresholds(const AirPathStudy &study) {
+    const MatchedSetup setup = setup_of(study);
+    const auto rates = rates_of(study, setup);
+    fmt::print("\nthreshold against false alarms and mean delay; white: an alarm every exp(threshold) steps, as for white residuals of the design's "
+               "covariance\n  threshold  alarms an hour (importance sampling)  white    ");
+    for (const MatchedFault &fault : matched_faults()) fmt::print("{} (formula)     ", fault.name);
+    fmt::print("\n");
+    bool fails = false;
+    for (const AlarmRate &rate : rates) {
+        if (int(rate.threshold) % 4 != 0 || rate.threshold > 24) continue;
+        const double white = 3600 / kMatchedPeriodS * std::exp(-rate.threshold);
+        fmt::print("  {:6.0f}     {:.3g} +-{:.1f} %  {:.3g}   ", rate.threshold, rate.per_hour, 196 * rate.sd / rate.per_hour, white);
+        fails = fails || (rate.per_hour > 3 * white && rate.threshold > 8);
+        for (const MatchedFault &fault : matched_faults()) {
+            const DelayFigures f = measure_delay(setup, fault, rate.threshold, study.runs / 10 + 1, study.seed);
+            fmt::print("{:.3f} ({:.3f}) s   ", f.mean_s, formula_delay_s(setup, fault, rate.threshold));
+        }
+        fmt::print("\n");
+    }
+    if (fails) fmt::print("  THE WHITE-NOISE FORMULA FAILS HERE: false alarms come more than three times as often as it says\n");
+}
+
+void residuals(const AirPathStudy &study) {
+    OutputFolder out{std::filesystem::path(study.folder)};
+    out.add("residuals.csv", residuals_csv(setup_of(study), 3600, study.seed));
+    out.commit();
+}
+
+struct Part {
+    const char *name;
+    void (*print)(const AirPathStudy &);
+};
+constexpr Part kParts[] = {{"decoupling", decoupling}, {"matched", matched}, {"thresholds", thresholds}, {"residuals", residuals}};
+
+} // namespace
+
+std::vector<std::string> air_path_study_parts() {
+    std::vector<std::string> names;
+    for (const Part &part : kParts) names.push_back(part.name);
+    return names;
+}
+
+void print_air_path_study(const AirPathStudy &study) {
+    for (const Part &part : kParts) {
+        const bool files = part.print == residuals;
+        if (study.part == part.name || (study.part.empty() && !files)) part.print(study);
+    }
+}
+
+} // namespace sixdeg

@@ -63,22 +63,15 @@ sd_nuio_table_t observer_of(TomlFile &file, const std::string &at) {
 } // namespace
 
 void set_covariance(AirPathDesign &design, const double (&s)[2][2]) {
-    const double det = s[0][0] * s[1][1] - s[0][1] * s[1][0];
-    const double inverse[2][2] = {{s[1][1] / det, -s[0][1] / det}, {-s[1][0] / det, s[0][0] / det}};
     sd_cusum_tables_t &c = design.tables.cusum;
     c.residuals = SD_AIRPATH_RESIDUALS;
     c.hypotheses = 4;
     for (int l = 0; l < 4; ++l) { // EGR opening and closing, then VGT closing and opening
         const int group = l / 2, residual = 1 - group;
-        double mean[2] = {0, 0};
-        mean[residual] = design.sign[std::size_t(residual)] * design.mean_kpa[std::size_t(residual)] * (l % 2 ? -1 : 1);
-        double offset = 0;
-        for (int i = 0; i < 2; ++i) {
-            const double weight = inverse[i][0] * mean[0] + inverse[i][1] * mean[1];
-            c.weight[l][i] = float(weight);
-            offset += weight * mean[i] / 2;
-        }
-        c.offset[l] = float(offset);
+        const double mean = design.sign[std::size_t(residual)] * design.mean_kpa[std::size_t(residual)] * (l % 2 ? -1 : 1);
+        const double weight = mean / s[residual][residual];
+        c.weight[l][residual] = float(weight);
+        c.offset[l] = float(weight * mean / 2);
         c.group[l] = std::uint8_t(group);
     }
     std::copy(&s[0][0], &s[0][0] + 4, &design.covariance[0][0]);

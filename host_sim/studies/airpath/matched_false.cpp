@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kRunS = 60, kStepsPerHour = 3600 / kMatchedPeriodS;
 constexpr double kNever = 9999; ///< A threshold that is not passed.
-constexpr int kSparse = 40;     ///< One excursion of so many is followed.
+constexpr int kSparse = 10;     ///< One excursion of so many is followed.
 constexpr long kLongest = 2000; ///< Steps of a copy.
 
 using Shift = Eigen::Vector3d;

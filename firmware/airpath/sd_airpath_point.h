@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /// sd_airpath_point.h - whether the engine runs at one operating point, and whether it is still that where offsets were learned.
 ///
-/// Document 001's model holds at rest: its temperatures come from sensors that lag, and what its parameters are off by is another residual at
-/// another point. So nothing is decided while speed or fuel are on their way, and offsets are learned anew at a point far from the last one.
+/// Document 001's model holds at rest: its temperatures come from sensors that lag, and what its parameters are off by leaves other
+/// residuals at another point. So nothing is decided while speed or fuel are on their way, and offsets are learned anew at a point far
+/// from the last one.
 ///     calm: for calm_s, speed within 5 % and fuel within 10 % of what they are on average over mean_s
 ///     left: speed more than 12 % or fuel more than 25 % off the point that was kept
 ///

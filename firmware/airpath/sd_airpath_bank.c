@@ -12,7 +12,7 @@
 #define SUSPECT     0.5f  /* of a fault of interest */
 
 _Static_assert(sizeof(sd_airpath_bank_t) <= 1024, "goal: 1 KiB of state");
-_Static_assert(sizeof(sd_airpath_bank_t) == 140, "without pointers, the same size on every target");
+_Static_assert(sizeof(sd_airpath_bank_t) == 160, "without pointers, the same size on every target");
 
 /* ---- ranges ---------------------------------------------------------------------------------------------------- */
 
@@ -64,10 +64,11 @@ static void say(const sd_airpath_bank_t *self, sd_airpath_out_t *out) {
     }
 }
 
-static void decide(const sd_airpath_tables_t *tables, sd_airpath_out_t *out) {
+static void decide(sd_airpath_bank_t *self, const sd_airpath_tables_t *tables, sd_airpath_out_t *out) {
     out->since_s = tables->period_s * (float)out->decision.since_steps;
     out->fault = out->decision.groups; /* more than one group: no single fault explains them */
     if ((out->fault != (uint8_t)SD_AIRPATH_UNCLEAR) && (out->decision.named == 0u)) { out->fault = (uint8_t)SD_AIRPATH_NO_FAULT; }
+    self->said |= (out->fault != (uint8_t)SD_AIRPATH_NO_FAULT) ? 1u : 0u;
 }
 
 void sd_airpath_wait(sd_airpath_bank_t *self, sd_airpath_out_t *out) {
@@ -83,7 +84,7 @@ void sd_airpath_hold(sd_airpath_bank_t *self, const sd_airpath_tables_t *tables,
     sd_status_worst_of(&out->status, SD_DEGRADED, SD_WHY_REJECTED);
     if (self->phase != (uint8_t)SD_AIRPATH_DECIDES) { return; }
     sd_cusum_read(&self->cusum, &tables->cusum, &config->thresholds, &out->decision);
-    decide(tables, out);
+    decide(self, tables, out);
 }
 
 /* ---- a step ---------------------------------------------------------------------------------------------------- */
@@ -126,7 +127,15 @@ static void learn(sd_airpath_bank_t *self, const sd_airpath_tables_t *tables, ui
         const float offset = self->offsets.per_flow[i] * flow_gps;
         if (!sd_within(offset, -SUSPECT * tables->fault[i], SUSPECT * tables->fault[i])) { self->offsets.suspect = 1; }
     }
+    sd_airpath_point_keep(&self->point);
+    self->said = 0;
     enter(self, SD_AIRPATH_DECIDES);
+}
+
+/* The operating point is on its way: what was summed belongs to another one. */
+static void disturb(sd_airpath_bank_t *self) {
+    sd_cusum_start(&self->cusum);
+    sd_airpath_offsets_drop(&self->offsets);
 }
 
 void sd_airpath_step(sd_airpath_bank_t *self, const sd_airpath_tables_t *tables, const sd_airpath_config_t *config, const sd_airpath_in_t *in,
@@ -144,15 +153,24 @@ void sd_airpath_step(sd_airpath_bank_t *self, const sd_airpath_tables_t *tables,
     }
     sd_airpath_offsets_take(&self->offsets, residual, flow_gps, self->residual);
     self->steps += (self->steps < UINT32_MAX) ? 1u : 0u;
+    const bool calm = sd_airpath_point_step(&self->point, tables->period_s, in->speed_rpm, in->fuel_gps);
+    if (!calm) { disturb(self); }
+    else if ((self->phase == (uint8_t)SD_AIRPATH_DECIDES) && (config->window_steps > 0u) && (self->said == 0u) && sd_airpath_point_left(&self->point)) {
+        enter(self, SD_AIRPATH_LEARNS);
+    }
     const uint8_t phase = self->phase;
     if ((phase == (uint8_t)SD_AIRPATH_SETTLES) && (self->steps > config->settle_steps)) {
         enter(self, (self->offsets.learned != 0u) ? SD_AIRPATH_DECIDES : SD_AIRPATH_LEARNS);
-    } else if (phase == (uint8_t)SD_AIRPATH_LEARNS) {
+    } else if ((phase == (uint8_t)SD_AIRPATH_LEARNS) && calm) {
         learn(self, tables, config->window_steps, residual, flow_gps);
     }
     say(self, out);
     for (uint32_t i = 0; i < RESIDUALS; ++i) { out->offset_faults[i] = self->offsets.per_flow[i] * flow_gps / tables->fault[i]; }
     if (phase != (uint8_t)SD_AIRPATH_DECIDES) { return; }
+    if (!calm) {
+        sd_status_worst_of(&out->status, SD_DEGRADED, SD_WHY_CONVERGING);
+        return;
+    }
     sd_cusum_step(&self->cusum, &tables->cusum, &config->thresholds, self->residual, &out->decision);
-    decide(tables, out);
+    decide(self, tables, out);
 }

@@ -3,6 +3,8 @@
 /// offsets of their residuals, and the multi-CUSUM that decides (document 001; docs/airpath.md).
 ///
 ///     state 0 waits  -> 1 settles -> 2 learns -> 3 decides        a sensor that is silent or stuck, or a restart: back to 0
+/// While the engine moves from one operating point to another nothing is decided; at another point than that where offsets were learned
+/// they are learned anew (back to 2), unless a fault was named.
 /// Residual 1 sees the turbine's vanes (VGT) and residual 2 the recirculation valve (EGR); both are kPa.
 ///
 /// Real-time contract: no heap, no globals, no I/O, no libm; constant time. One writer per state, plain data without pointers; tables are
@@ -11,6 +13,7 @@
 #define SD_AIRPATH_BANK_H
 #include "sd_airpath_flows.h"
 #include "sd_airpath_offsets.h"
+#include "sd_airpath_point.h"
 #include "sd_cusum.h"
 #include "sd_nuio.h"
 #include "sd_status.h"
@@ -39,12 +42,13 @@ typedef struct sd_airpath_tables {
 typedef struct sd_airpath_bank {
     sd_nuio_t            observer[SD_AIRPATH_OBSERVERS];
     sd_airpath_offsets_t offsets;
+    sd_airpath_point_t   point;
     sd_cusum_t           cusum;
     uint32_t             steps;      ///< In the present phase, saturating.
     float                residual[SD_AIRPATH_RESIDUALS]; ///< Of the last step, without the offset.
     uint16_t             rejected;   ///< Steps held, saturating.
     uint8_t              phase;      ///< sd_airpath_phase_t.
-    uint8_t              reserved;
+    uint8_t              said;       ///< 1: a fault was named with the offsets of now, which are therefore kept.
 } sd_airpath_bank_t;
 
 typedef struct sd_airpath_config {

@@ -138,7 +138,8 @@ TEST(AirPath, OffsetsComeAtOnceGrowOrComeAndGo) {
 
 TEST(AirPath, ASensorIsSilentStuckBiasedOrFarOffAndNoOtherChanges) {
     const Course sound = course(usual(), 2);
-    const Course c = course(usual({fault(kFirstSensor + kAirFlow, FaultKind::silent, 1), fault(kFirstSensor + kIntakePressure, FaultKind::stuck, 1),
+    const Course c = course(usual({fault(kFirstSensor + kAirFlow, FaultKind::silent, 1), fault(kFirstSensor + kIntakePressure,
+        FaultKind::stuck, 1),
                                    fault(kFirstSensor + kExhaustPressure, FaultKind::step, 1, 5000),
                                    fault(kFirstSensor + kChargeTemperature, FaultKind::out_of_range, 1)}),
                             2);

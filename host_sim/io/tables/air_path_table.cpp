@@ -16,7 +16,8 @@ AirPathTable::AirPathTable() {
 }
 
 void AirPathTable::row(const airpath::Readings &readings, const airpath::Truth &truth) {
-    std::vector<float> said = rows_.empty() ? std::vector<float>(signals_.size(), std::numeric_limits<float>::quiet_NaN()) : rows_.back().said;
+    std::vector<float> said = rows_.empty() ? std::vector<float>(signals_.size(), std::numeric_limits<float>::quiet_NaN())
+        : rows_.back().said;
     rows_.push_back({readings, truth, std::move(said)});
 }
 
@@ -43,7 +44,8 @@ std::string AirPathTable::csv() const {
         add(row.truth.speed_radps * 30 / M_PI, 1), add(1e3 * row.truth.fuel_kgps, 4);
         read(kEgrCommand, 1, 4), read(kVgtCommand, 1, 4), read(kEgrPosition, 1, 4), read(kVgtPosition, 1, 4);
         add(row.truth.egr, 4), add(row.truth.vgt, 4);
-        read(kAirFlow, 1e-3, 3), add(1e3 * f.compressor_kgps, 3), add(1e3 * f.egr_kgps, 3), add(1e3 * f.turbine_kgps, 3), add(1e3 * f.cylinder_kgps, 3);
+        read(kAirFlow, 1e-3, 3), add(1e3 * f.compressor_kgps, 3), add(1e3 * f.egr_kgps, 3), add(1e3 * f.turbine_kgps, 3), add(1e3 *
+            f.cylinder_kgps, 3);
         read(kIntakePressure, 1e3, 3), add(1e-3 * f.intake_pa, 3), read(kExhaustPressure, 1e3, 3), add(1e-3 * f.exhaust_pa, 3);
         read(kChargeTemperature, 1, 2), read(kEgrTemperature, 1, 2), read(kExhaustTemperature, 1, 2);
         for (float value : row.said) {

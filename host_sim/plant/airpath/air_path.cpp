@@ -64,7 +64,8 @@ void AirPath::advance(double time_s, const EngineDrive &engine) {
         const double t_s = double(++steps_) * kStepS;
         egr_.step(t_s, kStepS, setup_.egr.at(t_s), setup_.faults);
         vgt_.step(t_s, kStepS, setup_.vgt.at(t_s), setup_.faults);
-        model_.step({engine.speed_radps, engine.fuel_kgps, egr_.position(), vgt_.position(), offset_at(setup_.faults, kIntakeLeak, t_s)}, kStepS);
+        model_.step({engine.speed_radps, engine.fuel_kgps, egr_.position(), vgt_.position(), offset_at(setup_.faults, kIntakeLeak, t_s)},
+            kStepS);
         const auto now = seen_now();
         for (std::size_t i = 0; i < now.size(); ++i) seen_[i] += (now[i] - seen_[i]) * share_[i];
         if (steps_ % kStepsARead == 0) read(t_s, engine);

@@ -9,12 +9,14 @@
 namespace sixdeg::airpath {
 
 /// What the ecu reads of the air path, in SI units; positions from 0 to 1.
-enum Channel { kAirFlow, kIntakePressure, kExhaustPressure, kChargeTemperature, kEgrTemperature, kExhaustTemperature, kEgrPosition, kVgtPosition,
+enum Channel { kAirFlow, kIntakePressure, kExhaustPressure, kChargeTemperature, kEgrTemperature, kExhaustTemperature, kEgrPosition,
+    kVgtPosition,
                kEgrCommand, kVgtCommand, kChannels };
 
 /// As the signal table names them.
 constexpr std::array<const char *, kChannels> kChannelNames{
-    "air.flow", "air.intake_pressure", "exhaust.pressure", "air.charge_temperature", "egr.temperature", "exhaust.temperature", "egr.position",
+    "air.flow", "air.intake_pressure", "exhaust.pressure", "air.charge_temperature", "egr.temperature", "exhaust.temperature",
+        "egr.position",
     "vgt.position", "egr.command", "vgt.command"};
 
 /// Where a fault sits. A sensor's is its channel plus kFirstSensor.

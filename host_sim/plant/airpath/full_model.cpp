@@ -19,7 +19,8 @@ double square(double x) { return x * x; }
 /// root has no slope.
 struct Nozzle {
     explicit Nozzle(double gamma)
-        : inverse(1 / gamma), factor(2 * gamma / (gamma - 1)), critical(std::pow(2 / (gamma + 1), gamma / (gamma - 1))), at_straight(isentropic(0.97)) {}
+        : inverse(1 / gamma), factor(2 * gamma / (gamma - 1)), critical(std::pow(2 / (gamma + 1), gamma / (gamma - 1))),
+            at_straight(isentropic(0.97)) {}
     double isentropic(double ratio) const {
         const double root = std::pow(ratio, inverse);
         return std::sqrt(factor * root * (root - ratio));
@@ -95,7 +96,8 @@ Flows FullModel::flows_at(const State &s, const Drive &drive) const {
     f.compressor_kgps = d.compressor_flow * (1 - square(square(share))) * M_PI / 4 * d.compressor_m * d.compressor_m * tip_mps *
                         d.ambient_pa / (kAirR * d.ambient_k);
     f.charge_kgps = through(f.boost_pa, f.intake_pa, d.cooler_drop_pa);
-    f.egr_kgps = valve_area_m2(d, drive.egr) * f.exhaust_pa / std::sqrt(kGasR * f.exhaust_k) * pulsating(1 - f.intake_pa / f.exhaust_pa, d.egr_pulsation);
+    f.egr_kgps = valve_area_m2(d, drive.egr) * f.exhaust_pa / std::sqrt(kGasR * f.exhaust_k) * pulsating(1 - f.intake_pa / f.exhaust_pa,
+        d.egr_pulsation);
     if (drive.leak_m2 > 0)
         f.leak_kgps = drive.leak_m2 * f.intake_pa / std::sqrt(kAirR * f.intake_k) * kAirNozzle(d.ambient_pa / f.intake_pa);
 
@@ -108,7 +110,8 @@ Flows FullModel::flows_at(const State &s, const Drive &drive) const {
     f.behind_pa = d.ambient_pa + d.back_pressure_pa * square(s.leaving_kgps / kRatedKgps);
     const double turned = s.turbo_radps / d.turbo_rated_radps;
     const double area = vane_area_m2(d, drive.vgt) * (1 - d.turbine_swallow_drop * turned * turned);
-    f.turbine_kgps = area * f.exhaust_pa / std::sqrt(kGasR * f.exhaust_k) * kGasNozzle(std::sqrt(std::min(f.behind_pa / f.exhaust_pa, 1.0)));
+    f.turbine_kgps = area * f.exhaust_pa / std::sqrt(kGasR * f.exhaust_k) * kGasNozzle(std::sqrt(std::min(f.behind_pa / f.exhaust_pa,
+        1.0)));
     return f;
 }
 
@@ -120,7 +123,8 @@ void FullModel::turbine_and_compressor(const State &s, const Flows &f, double &t
     const double efficiency = d.turbine_efficiency * std::max(1 - off * off, 0.2);
     turbine_w = efficiency * f.turbine_kgps * drop_jpkg;
 
-    const double full_kgps = d.compressor_flow * M_PI / 4 * d.compressor_m * d.compressor_m * tip_mps * d.ambient_pa / (kAirR * d.ambient_k);
+    const double full_kgps = d.compressor_flow * M_PI / 4 * d.compressor_m * d.compressor_m * tip_mps * d.ambient_pa / (kAirR *
+        d.ambient_k);
     const double load = f.compressor_kgps / full_kgps - 0.65;
     const double of_compressor = d.compressor_efficiency * std::max(1 - 1.2 * load * load, 0.3);
     const double rise_k = f.isentropic_rise_k / of_compressor;

@@ -25,6 +25,10 @@ class MeanValueModel {
   public:
     MeanValueModel(const AirPathSystem &system, double displaced_m3) : system_(system), displaced_m3_(displaced_m3) {}
 
+    /// Measured ones from now on, in place of the usual ones of the engine file.
+    void set_temperatures(double charge_k, double egr_k, double exhaust_k) {
+        system_.charge_k = charge_k, system_.egr_k = egr_k, system_.exhaust_k = exhaust_k;
+    }
     /// Rests at this input: the turbine takes what comes in.
     void rest(const MeanValueInput &input);
     /// dt_s, up to 2 ms, by Runge-Kutta of fourth order; the input is held.

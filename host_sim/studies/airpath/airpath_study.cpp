@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "common/files.hpp"
+#include "studies/airpath/full_parts.hpp"
 #include "studies/airpath/matched_delay.hpp"
 #include "studies/airpath/matched_false.hpp"
 
@@ -98,7 +99,12 @@ struct Part {
     const char *name;
     void (*print)(const AirPathStudy &);
 };
-constexpr Part kParts[] = {{"decoupling", decoupling}, {"matched", matched}, {"thresholds", thresholds}, {"residuals", residuals}};
+void full(const AirPathStudy &study) { print_full(study.design, study.runs, study.seed); }
+void model(const AirPathStudy &study) { print_model_error(study.folder); }
+void fit(const AirPathStudy &) { print_fit(); }
+
+constexpr Part kParts[] = {{"decoupling", decoupling}, {"matched", matched}, {"thresholds", thresholds}, {"residuals", residuals},
+                           {"full", full}, {"model", model}, {"fit", fit}};
 
 } // namespace
 
@@ -110,8 +116,8 @@ std::vector<std::string> air_path_study_parts() {
 
 void print_air_path_study(const AirPathStudy &study) {
     for (const Part &part : kParts) {
-        const bool files = part.print == residuals;
-        if (study.part == part.name || (study.part.empty() && !files)) part.print(study);
+        const bool by_name_only = part.print == residuals || part.print == full || part.print == fit;
+        if (study.part == part.name || (study.part.empty() && !by_name_only)) part.print(study);
     }
 }
 

@@ -7,7 +7,7 @@
 namespace sixdeg {
 
 struct AirPathStudy {
-    std::string part;   ///< Empty: every one but residuals.
+    std::string part;   ///< Empty: every one but residuals, full and fit.
     std::string folder; ///< Takes residuals.csv.
     std::string air_path, design; ///< Files with an [airpath], and DESIGN.toml, in place of the matched ones.
     int runs = 2000;    ///< For each fault.

@@ -63,6 +63,7 @@ void add_air_path(Command &study) {
     command.option("PART", options->part, "one table alone").one_of(air_path_study_parts());
     command.option("--runs", options->runs, "for each fault, default 2000").within(10, 1000000);
     command.option("--hours", options->hours, "of healthy running, default 20").within(0.1, 1e5);
+    command.option("--air-path", options->air_path, "file with [cylinders] and [airpath], in place of the matched plant's own");
     command.option("--design", options->design, "DESIGN.toml of tools/airpath/design.py, in place of the matched plant's own");
     command.option("--seed", options->seed, "of noise and inputs");
     command.output_folder(options->folder, "of residuals: an hour of healthy ones as CSV");

@@ -2,7 +2,10 @@
 #include "common/air_path.hpp"
 
 #include <cmath>
+#include <filesystem>
 #include <string>
+
+#include "common/files.hpp"
 
 namespace sixdeg {
 
@@ -33,6 +36,11 @@ std::optional<AirPathSystem> read_air_path(TomlFile &file) {
     a.charge_k = file.number_or("airpath.charge_k", {200, 500, "K"}, 310);
     a.egr_k = file.number_or("airpath.egr_k", {200, 1000, "K"}, 370);
     a.exhaust_k = file.number_or("airpath.exhaust_k", {300, 1400, "K"}, 720);
+    const std::string design = file.text_or("airpath.design", "");
+    if (design.empty()) return a;
+    const auto path = std::filesystem::path(file.name()).parent_path() / design;
+    a.design_name = path.string();
+    if (std::filesystem::exists(path)) a.design_text = read_file(path); // an engine file in a log has none beside it
     return a;
 }
 

@@ -3,6 +3,7 @@
 // variable turbine (VGT). Field by field: docs/files.md. The laws that areas and efficiency belong to: docs/airpath.md.
 #pragma once
 #include <optional>
+#include <string>
 
 #include "common/profile.hpp"
 #include "common/toml_file.hpp"
@@ -17,6 +18,8 @@ struct AirPathSystem {
     Profile turbine_area_m2;       ///< Effective, over the vanes' position, 0 closed to 1 open.
     double heat_ratio = 1;         ///< kappa of the intake pressure's balance: 1 isothermal.
     double ambient_pa = 1.0111e5; ///< Behind the turbine.
+    std::string design_name; ///< Of the observers' design file (tools/airpath/design.py); empty: none, and no diagnosis.
+    std::string design_text; ///< What it holds; empty where it is not there.
     double charge_k = 310, egr_k = 370, exhaust_k = 720; ///< Usual temperatures: behind both coolers, in the exhaust manifold.
 };
 

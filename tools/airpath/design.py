@@ -51,7 +51,7 @@ def middle(path):
     slopes = path.slopes(MIDDLE["opening"], MIDDLE["position"], x[0], exhaust)
     egr = path.egr_flow(MIDDLE["opening"] + FAULT["egr"], x[0], exhaust) - path.egr_flow(MIDDLE["opening"], x[0], exhaust)
     turbine = path.turbine_flow(MIDDLE["position"] + FAULT["vgt"], exhaust) - path.turbine_flow(MIDDLE["position"], exhaust)
-    return float(path.emptying(MIDDLE["rpm"])), slopes, {"egr": float(egr), "vgt": float(turbine)}
+    return x, slopes, {"egr": float(egr), "vgt": float(turbine)}
 
 
 def as_table(observer):
@@ -61,10 +61,10 @@ def as_table(observer):
 
 def design(path, form, residuals):
     observers = [nuio.solve(path, limits_of(path, name), name, form) for name in ("vgt", "egr")]
-    rate, slopes, fault = middle(path)
-    lim = limits(path)
+    state, slopes, fault = middle(path)
+    rate, lim = float(path.emptying(MIDDLE["rpm"])), limits(path)
     file = {"design": {"k": list(lim["k"]), "slopes": lim["slopes"].tolist(), "sigma": lim["sigma"].tolist(), "middle_k": rate,
-                       "middle_slopes": slopes.tolist(), "fault_gps": fault}, "observer": [as_table(o) for o in observers]}
+                       "middle_state": state.tolist(), "middle_slopes": slopes.tolist(), "fault_gps": fault}, "observer": [as_table(o) for o in observers]}
     shift = [certificate.shifts(path, o, file["design"])[o["sees"]] * fault[o["sees"]] for o in file["observer"]]
     white = [float(lim["sigma"][0])] * 2
     file["decision"] = {"fault_kpa": [abs(s) for s in shift], "mean_kpa": [abs(s) * TUNED[o.name] for s, o in zip(shift, observers)],
@@ -100,7 +100,7 @@ def write(file, engine, out):
 
 
 def show_forms(path):
-    rate, slopes, _ = middle(path)
+    rate, slopes = float(path.emptying(MIDDLE["rpm"])), middle(path)[1]
     for name in ("vgt", "egr"):
         lim = limits_of(path, name)
         for form in ("bounded", "printed", "output"):

@@ -9,7 +9,7 @@ namespace sixdeg {
 struct AirPathStudy {
     std::string part;   ///< Empty: every one but residuals, full and fit.
     std::string folder; ///< Takes residuals.csv.
-    std::string design; ///< DESIGN.toml in place of the matched one.
+    std::string air_path, design; ///< Files with an [airpath], and DESIGN.toml, in place of the matched ones.
     int runs = 2000;    ///< For each fault.
     double hours = 20;  ///< Of healthy running.
     unsigned seed = 1;

@@ -66,8 +66,14 @@ static void say(const sd_airpath_bank_t *self, sd_airpath_out_t *out) {
 
 static void decide(sd_airpath_bank_t *self, const sd_airpath_tables_t *tables, sd_airpath_out_t *out) {
     out->since_s = tables->period_s * (float)out->decision.since_steps;
-    out->fault = out->decision.groups; /* more than one group: no single fault explains them */
-    if ((out->fault != (uint8_t)SD_AIRPATH_UNCLEAR) && (out->decision.named == 0u)) { out->fault = (uint8_t)SD_AIRPATH_NO_FAULT; }
+    const uint32_t named = out->decision.named;
+    out->fault = (uint8_t)SD_AIRPATH_NO_FAULT;
+    if ((out->decision.groups & (uint8_t)SD_AIRPATH_UNCLEAR) == (uint8_t)SD_AIRPATH_UNCLEAR) { /* no single actuator explains them */
+        out->fault = (uint8_t)SD_AIRPATH_UNCLEAR;
+    } else if (named != 0u) {
+        const uint32_t group = tables->cusum.group[named - 1u];
+        out->fault = (uint8_t)((group < 2u) ? (1u << group) : (uint32_t)SD_AIRPATH_UNCLEAR);
+    } else { /* nothing is sure */ }
     self->said |= (out->fault != (uint8_t)SD_AIRPATH_NO_FAULT) ? 1u : 0u;
 }
 

@@ -36,7 +36,7 @@ typedef struct sd_airpath_tables {
     float    fault[SD_AIRPATH_RESIDUALS];       ///< Residual that a fault of interest leaves in the end, kPa, (0, 1e4]: half of it is suspect.
     sd_airpath_model_t model;
     sd_nuio_table_t    observer[SD_AIRPATH_OBSERVERS];
-    sd_cusum_tables_t  cusum;        ///< Hypotheses in pairs of either sign: group 0 EGR, group 1 VGT.
+    sd_cusum_tables_t  cusum;        ///< Hypotheses in pairs of either sign: group 0 EGR, 1 VGT, more: what is neither.
 } sd_airpath_tables_t;
 
 typedef struct sd_airpath_bank {
@@ -62,7 +62,7 @@ typedef struct sd_airpath_out {
     float    offset_faults[SD_AIRPATH_RESIDUALS];  ///< What was learned, over what a fault of interest leaves.
     sd_cusum_out_t decision;  ///< named 0 unless it decides.
     float    since_s;         ///< Time since the fault's most likely beginning; 0 without one.
-    uint8_t  fault;           ///< sd_airpath_fault_t: the actuator named, or SD_AIRPATH_UNCLEAR where both would have to be faulty.
+    uint8_t  fault;           ///< sd_airpath_fault_t: the actuator named, or SD_AIRPATH_UNCLEAR: both, or something else.
     uint8_t  phase;           ///< sd_airpath_phase_t.
     sd_status_t status;       ///< Invalid until it decides; degraded while it holds, and while what was learned is suspect.
 } sd_airpath_out_t;

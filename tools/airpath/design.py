@@ -6,7 +6,7 @@
     design.py ENGINE.toml --forms      what each form of the inequality gives: feasible or not, what binds, how blind its residual is
     design.py ENGINE.toml --gain G     one product design with gains of at most G: where there is none, which constraint binds
 --expect: what the decision expects of each residual, over what a fault of 0.05 leaves: more leaves room for offsets of a model that is
-not the plant. --variance: of each residual, in place of the noise's.
+not the plant. --other, up to twice: what a wrong sensor or a leak leaves in both residuals, so that no actuator is named for it. --variance: of each residual, in place of the noise's.
 --residuals: healthy residuals of this design, from `sixdeg study airpath residuals --out FOLDER`: their long-run covariance goes into the file.
 """
 import argparse
@@ -132,6 +132,7 @@ def main():
     parser.add_argument("--forms", action="store_true")
     parser.add_argument("--gain", type=float)
     parser.add_argument("--expect", type=float, nargs=2, metavar=("VGT", "EGR"))
+    parser.add_argument("--other", type=float, nargs=2, action="append", default=[], metavar="KPA")
     parser.add_argument("--variance", type=float, metavar="KPA2")
     options = parser.parse_args()
     path = AirPath.load(options.engine)
@@ -153,6 +154,8 @@ def main():
         sys.exit(f"{options.engine}: no observer keeps all limits: {error}")
     if options.variance is not None:
         file["decision"].update(covariance=[[options.variance, 0.0], [0.0, options.variance]], source="given")
+    if options.other:
+        file["decision"]["others_kpa"] = options.other
     if options.out:
         write(file, options.engine, options.out)
     return None if certificate.check(path, file) else 1

@@ -65,13 +65,20 @@ sd_nuio_table_t observer_of(TomlFile &file, const std::string &at) {
 void set_covariance(AirPathDesign &design, const double (&s)[2][2]) {
     sd_cusum_tables_t &c = design.tables.cusum;
     c.residuals = SD_AIRPATH_RESIDUALS;
-    c.hypotheses = 4;
-    for (int l = 0; l < 4; ++l) { // EGR opening and closing, then VGT closing and opening
+    c.hypotheses = std::uint8_t(4 + 2 * design.others_kpa.size());
+    for (int l = 0; l < c.hypotheses; ++l) { // EGR opening and closing, then VGT closing and opening, then the others
         const int group = l / 2, residual = 1 - group;
-        const double mean = design.sign[std::size_t(residual)] * design.mean_kpa[std::size_t(residual)] * (l % 2 ? -1 : 1);
-        const double weight = mean / s[residual][residual];
-        c.weight[l][residual] = float(weight);
-        c.offset[l] = float(weight * mean / 2);
+        const double way = l % 2 ? -1 : 1;
+        double mean[2] = {0, 0};
+        if (group < 2) mean[residual] = way * design.sign[std::size_t(residual)] * design.mean_kpa[std::size_t(residual)];
+        else for (int i = 0; i < 2; ++i) mean[i] = way * design.others_kpa[std::size_t(group - 2)][std::size_t(i)];
+        double offset = 0;
+        for (int i = 0; i < 2; ++i) {
+            const double weight = mean[i] / s[i][i];
+            c.weight[l][i] = float(weight);
+            offset += weight * mean[i] / 2;
+        }
+        c.offset[l] = float(offset);
         c.group[l] = std::uint8_t(group);
     }
     std::copy(&s[0][0], &s[0][0] + 4, &design.covariance[0][0]);
@@ -100,6 +107,11 @@ AirPathDesign read_air_path_design(TomlFile &file, const AirPathSystem &system, 
     }
     const auto first = file.numbers("decision.covariance[0]", kNumber, 2), second = file.numbers("decision.covariance[1]", kNumber, 2);
     if (!(first[0] * second[1] > first[1] * second[0]) || first[0] <= 0) file.fail("decision.covariance", "is not positive definite");
+    for (std::size_t i = 0; i < file.array_size("decision.others_kpa"); ++i) {
+        const auto other = file.numbers(fmt::format("decision.others_kpa[{}]", i), kNumber, 2);
+        if (i == 2 || (other[0] == 0 && other[1] == 0)) file.fail("decision.others_kpa", "has more than two entries, or one that is 0");
+        d.others_kpa.push_back({other[0], other[1]});
+    }
     set_covariance(d, {{first[0], first[1]}, {second[0], second[1]}});
     d.source = file.text("decision.source");
     for (const char *table : {"design", "observer[0]", "observer[1]", "decision"}) file.ignore(table); // what only the certificate takes

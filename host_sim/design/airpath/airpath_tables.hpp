@@ -3,6 +3,7 @@
 #pragma once
 #include <array>
 #include <string>
+#include <vector>
 
 #include "common/air_path.hpp"
 extern "C" {
@@ -17,6 +18,7 @@ struct AirPathDesign {
     double sigma_kpa[2] = {1, 2};              ///< Noise of the two pressures that it was made for.
     std::array<double, 2> mean_kpa{}, fault_kpa{}; ///< Of each residual: what the decision expects of a fault, and what one of interest leaves.
     std::array<double, 2> sign{};              ///< Of residual 1 at a closing VGT, of residual 2 at an opening EGR valve.
+    std::vector<std::array<double, 2>> others_kpa; ///< Residuals that something else than an actuator leaves, up to two, either sign.
     double covariance[2][2] = {{1, 0}, {0, 1}};
     std::string source;                        ///< Where the covariance is from.
 };

@@ -6,6 +6,7 @@
 
 #include "common/files.hpp"
 #include "studies/airpath/full_parts.hpp"
+#include "studies/airpath/matched_compare.hpp"
 #include "studies/airpath/matched_delay.hpp"
 #include "studies/airpath/matched_false.hpp"
 
@@ -89,6 +90,16 @@ void thresholds(const AirPathStudy &study) {
     if (fails) fmt::print("  THE WHITE-NOISE FORMULA FAILS HERE: false alarms come more than three times as often as it says\n");
 }
 
+void compare(const AirPathStudy &study) {
+    constexpr double kHealthyS = 3600, kAlarmS = 300;
+    fmt::print("\nother residuals, same decision, each with its own covariance, at one false alarm in {:.0f} s: mean delay (right actuator)\n", kAlarmS);
+    for (const MethodFigures &f : compare_methods(setup_of(study), kHealthyS, kAlarmS, study.runs / 10 + 1, study.seed)) {
+        fmt::print("  {:24s} threshold {:5.1f}", f.name, f.threshold);
+        for (std::size_t i = 0; i < 4; ++i) fmt::print("   {} {:.3f} s ({:.1f} %)", matched_faults()[i].name, f.delay_s[i], f.right_percent[i]);
+        fmt::print("\n");
+    }
+}
+
 void residuals(const AirPathStudy &study) {
     OutputFolder out{std::filesystem::path(study.folder)};
     out.add("residuals.csv", residuals_csv(setup_of(study), 3600, study.seed));
@@ -103,7 +114,7 @@ void full(const AirPathStudy &study) { print_full(study.design, study.runs, stud
 void model(const AirPathStudy &study) { print_model_error(study.folder); }
 void fit(const AirPathStudy &) { print_fit(); }
 
-constexpr Part kParts[] = {{"decoupling", decoupling}, {"matched", matched}, {"thresholds", thresholds}, {"residuals", residuals},
+constexpr Part kParts[] = {{"decoupling", decoupling}, {"matched", matched}, {"thresholds", thresholds}, {"compare", compare}, {"residuals", residuals},
                            {"full", full}, {"model", model}, {"fit", fit}};
 
 } // namespace

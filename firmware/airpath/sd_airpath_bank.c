@@ -122,7 +122,8 @@ static void observe(sd_airpath_bank_t *self, const sd_airpath_tables_t *tables, 
     }
 }
 
-static void learn(sd_airpath_bank_t *self, const sd_airpath_tables_t *tables, uint32_t window_steps, const float *residual, float flow_gps) {
+static void learn(sd_airpath_bank_t *self, const sd_airpath_tables_t *tables, uint32_t window_steps, const float *residual,
+    float flow_gps) {
     if (window_steps == 0u) {
         enter(self, SD_AIRPATH_DECIDES);
         return;
@@ -144,7 +145,8 @@ static void disturb(sd_airpath_bank_t *self) {
     sd_airpath_offsets_drop(&self->offsets);
 }
 
-void sd_airpath_step(sd_airpath_bank_t *self, const sd_airpath_tables_t *tables, const sd_airpath_config_t *config, const sd_airpath_in_t *in,
+void sd_airpath_step(sd_airpath_bank_t *self, const sd_airpath_tables_t *tables, const sd_airpath_config_t *config,
+    const sd_airpath_in_t *in,
                      sd_airpath_out_t *out) {
     sd_airpath_now_t now;
     float residual[RESIDUALS];
@@ -161,7 +163,8 @@ void sd_airpath_step(sd_airpath_bank_t *self, const sd_airpath_tables_t *tables,
     self->steps += (self->steps < UINT32_MAX) ? 1u : 0u;
     const bool calm = sd_airpath_point_step(&self->point, tables->period_s, in->speed_rpm, in->fuel_gps);
     if (!calm) { disturb(self); }
-    else if ((self->phase == (uint8_t)SD_AIRPATH_DECIDES) && (config->window_steps > 0u) && (self->said == 0u) && sd_airpath_point_left(&self->point)) {
+    else if ((self->phase == (uint8_t)SD_AIRPATH_DECIDES) && (config->window_steps > 0u) && (self->said == 0u)
+        && sd_airpath_point_left(&self->point)) {
         enter(self, SD_AIRPATH_LEARNS);
     }
     const uint8_t phase = self->phase;

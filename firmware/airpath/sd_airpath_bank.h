@@ -25,7 +25,8 @@ extern "C" {
 #define SD_AIRPATH_OBSERVERS 2
 
 /// Groups of the hypotheses, and bits of what is said to be faulty.
-typedef enum sd_airpath_fault { SD_AIRPATH_NO_FAULT = 0, SD_AIRPATH_EGR_FAULT = 1, SD_AIRPATH_VGT_FAULT = 2, SD_AIRPATH_UNCLEAR = 3 } sd_airpath_fault_t;
+typedef enum sd_airpath_fault { SD_AIRPATH_NO_FAULT = 0, SD_AIRPATH_EGR_FAULT = 1, SD_AIRPATH_VGT_FAULT = 2,
+    SD_AIRPATH_UNCLEAR = 3 } sd_airpath_fault_t;
 typedef enum sd_airpath_phase { SD_AIRPATH_WAITS, SD_AIRPATH_SETTLES, SD_AIRPATH_LEARNS, SD_AIRPATH_DECIDES } sd_airpath_phase_t;
 
 /// Of the calibration page.
@@ -33,7 +34,8 @@ typedef struct sd_airpath_tables {
     uint32_t present;                ///< 1: the engine file has an [airpath] with a design; 0: all the rest is 0.
     float    period_s;               ///< Of a step, (0, 0.1].
     float    emptying_low_ps, emptying_high_ps; ///< Ends of the schedule, (0, 1000], ascending.
-    float    fault[SD_AIRPATH_RESIDUALS];       ///< Residual that a fault of interest leaves in the end, kPa, (0, 1e4]: half of it is suspect.
+    float    fault[SD_AIRPATH_RESIDUALS];       ///< Residual that a fault of interest leaves in the end, kPa, (0, 1e4]: half of it is
+                                                ///< suspect.
     sd_airpath_model_t model;
     sd_nuio_table_t    observer[SD_AIRPATH_OBSERVERS];
     sd_cusum_tables_t  cusum;        ///< Hypotheses in pairs of either sign: group 0 EGR, 1 VGT, more: what is neither.
@@ -76,7 +78,8 @@ void sd_airpath_wait(sd_airpath_bank_t *self, sd_airpath_out_t *out);
 /// A period without one of its measurements: sums and window stay, nothing is named anew.
 void sd_airpath_hold(sd_airpath_bank_t *self, const sd_airpath_tables_t *tables, const sd_airpath_config_t *config, sd_airpath_out_t *out);
 /// A period with all measurements.
-void sd_airpath_step(sd_airpath_bank_t *self, const sd_airpath_tables_t *tables, const sd_airpath_config_t *config, const sd_airpath_in_t *in,
+void sd_airpath_step(sd_airpath_bank_t *self, const sd_airpath_tables_t *tables, const sd_airpath_config_t *config,
+    const sd_airpath_in_t *in,
                      sd_airpath_out_t *out);
 
 #ifdef __cplusplus

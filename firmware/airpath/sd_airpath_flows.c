@@ -24,7 +24,8 @@ void sd_airpath_prepare(const sd_airpath_model_t *model, const sd_airpath_in_t *
     now->turbine_gpspkpa = per_root * between(model->turbine_area_mm2, SD_AIRPATH_KNOTS, in->vgt_position);
 }
 
-void sd_airpath_flow(const sd_airpath_model_t *model, const sd_airpath_now_t *now, float intake_kpa, float exhaust_kpa, sd_airpath_flows_t *out) {
+void sd_airpath_flow(const sd_airpath_model_t *model, const sd_airpath_now_t *now, float intake_kpa, float exhaust_kpa,
+    sd_airpath_flows_t *out) {
     const float exhaust = (exhaust_kpa > model->ambient_kpa) ? exhaust_kpa : model->ambient_kpa;
     const float per_exhaust = 1.0f / exhaust;
     const float ratio = sd_clamp(intake_kpa * per_exhaust, CHOKED, 1.0f);

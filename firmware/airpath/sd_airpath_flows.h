@@ -22,7 +22,8 @@ extern "C" {
 #define SD_AIRPATH_DROP_KNOTS  33 ///< Of the turbine's law over the pressure ratio 0 to 1.
 
 /// State of the model, in this order.
-typedef enum sd_airpath_state { SD_AIRPATH_PRESSURE, SD_AIRPATH_AIR, SD_AIRPATH_EGR, SD_AIRPATH_EXHAUST, SD_AIRPATH_STATES } sd_airpath_state_t;
+typedef enum sd_airpath_state { SD_AIRPATH_PRESSURE, SD_AIRPATH_AIR, SD_AIRPATH_EGR, SD_AIRPATH_EXHAUST,
+    SD_AIRPATH_STATES } sd_airpath_state_t;
 
 typedef struct sd_airpath_model {
     float kappa;               ///< [1, 1.5].
@@ -61,7 +62,8 @@ typedef struct sd_airpath_now {
 
 void sd_airpath_prepare(const sd_airpath_model_t *model, const sd_airpath_in_t *in, sd_airpath_now_t *now);
 /// Flows between pressures, kPa; no flow from the intake back.
-void sd_airpath_flow(const sd_airpath_model_t *model, const sd_airpath_now_t *now, float intake_kpa, float exhaust_kpa, sd_airpath_flows_t *out);
+void sd_airpath_flow(const sd_airpath_model_t *model, const sd_airpath_now_t *now, float intake_kpa, float exhaust_kpa,
+    sd_airpath_flows_t *out);
 /// x' with these flows, of [kPa, g, g, g] a second.
 void sd_airpath_rate(const sd_airpath_model_t *model, const sd_airpath_in_t *in, const sd_airpath_now_t *now, const float *x,
                      const sd_airpath_flows_t *flows, float *rate);

@@ -14,7 +14,8 @@ void sd_nuio_look(const sd_nuio_t *self, const sd_nuio_table_t *table, const flo
     out->residual = table->gamma[0] * out->innovation[0] + table->gamma[1] * out->innovation[1];
 }
 
-void sd_nuio_step(sd_nuio_t *self, const sd_nuio_table_t *table, const sd_nuio_estimate_t *at, const float *rate, float share, float period_s) {
+void sd_nuio_step(sd_nuio_t *self, const sd_nuio_table_t *table, const sd_nuio_estimate_t *at, const float *rate, float share,
+    float period_s) {
     for (uint32_t i = 0; i < STATES; ++i) {
         const float *m = table->m[i], *k = table->k[i], *more = table->more[i];
         const float by_model = m[0] * rate[0] + m[1] * rate[1] + m[2] * rate[2] + m[3] * rate[3];

@@ -45,7 +45,8 @@ void sd_nuio_begin(sd_nuio_t *self, const sd_nuio_table_t *table, const float *x
 /// The estimate with the outputs measured now; the state stays.
 void sd_nuio_look(const sd_nuio_t *self, const sd_nuio_table_t *table, const float *y, sd_nuio_estimate_t *out);
 /// Goes on by period_s. rate: of the model at out->x, per second; share: of the schedule, [0, 1].
-void sd_nuio_step(sd_nuio_t *self, const sd_nuio_table_t *table, const sd_nuio_estimate_t *at, const float *rate, float share, float period_s);
+void sd_nuio_step(sd_nuio_t *self, const sd_nuio_table_t *table, const sd_nuio_estimate_t *at, const float *rate, float share,
+    float period_s);
 
 #ifdef __cplusplus
 }

@@ -4,7 +4,8 @@
 
     covariance.py RESIDUALS.csv
 RESIDUALS.csv: a header, then a row a step: time in s and the residuals. The long-run covariance is that of means over batches of 1 s, times
-their length: what a sum of residuals, which a CUSUM is, scatters by for each of its terms. It is that of single residuals where these are white.
+their length: what a sum of residuals, which a CUSUM is,
+        scatters by for each of its terms. It is that of single residuals where these are white.
 """
 import sys
 

@@ -6,8 +6,10 @@
     design.py ENGINE.toml --forms      what each form of the inequality gives: feasible or not, what binds, how blind its residual is
     design.py ENGINE.toml --gain G     one product design with gains of at most G: where there is none, which constraint binds
 --expect: what the decision expects of each residual, over what a fault of 0.05 leaves: more leaves room for offsets of a model that is
-not the plant. --other, up to twice: what a wrong sensor or a leak leaves in both residuals, so that no actuator is named for it. --variance: of each residual, in place of the noise's.
---residuals: healthy residuals of this design, from `sixdeg study airpath residuals --out FOLDER`: their long-run covariance goes into the file.
+not the plant. --other, up to twice: what a wrong sensor or a leak leaves in both residuals,
+        so that no actuator is named for it. --variance: of each residual, in place of the noise's.
+--residuals: healthy residuals of this design,
+        from `sixdeg study airpath residuals --out FOLDER`: their long-run covariance goes into the file.
 """
 import argparse
 import itertools
@@ -55,7 +57,8 @@ def middle(path):
 
 
 def as_table(observer):
-    return {"sees": observer.name, "output_fed": observer.output_fed, "gamma": [1.0, 0.0], "m": observer.m.tolist(), "e": observer.e.tolist(),
+    return {"sees": observer.name, "output_fed": observer.output_fed, "gamma": [1.0, 0.0], "m": observer.m.tolist(),
+            "e": observer.e.tolist(),
             "k_low": observer.k[0].tolist(), "k_high": observer.k[1].tolist(), "p": observer.figures["p"].tolist()}
 
 
@@ -64,7 +67,8 @@ def design(path, form, residuals):
     state, slopes, fault = middle(path)
     rate, lim = float(path.emptying(MIDDLE["rpm"])), limits(path)
     file = {"design": {"k": list(lim["k"]), "slopes": lim["slopes"].tolist(), "sigma": lim["sigma"].tolist(), "middle_k": rate,
-                       "middle_state": state.tolist(), "middle_slopes": slopes.tolist(), "fault_gps": fault}, "observer": [as_table(o) for o in observers]}
+                       "middle_state": state.tolist(), "middle_slopes": slopes.tolist(), "fault_gps": fault},
+                               "observer": [as_table(o) for o in observers]}
     shift = [certificate.shifts(path, o, file["design"])[o["sees"]] * fault[o["sees"]] for o in file["observer"]]
     white = [float(lim["sigma"][0])] * 2
     file["decision"] = {"fault_kpa": [abs(s) for s in shift], "mean_kpa": [abs(s) * TUNED[o.name] for s, o in zip(shift, observers)],
@@ -90,7 +94,8 @@ def text(value):
 
 
 def write(file, engine, out):
-    lines = ["# SPDX-License-Identifier: MIT", f"# Made by tools/airpath/design.py from {Path(engine).name}; do not edit. docs/airpath.md says what it holds.",
+    lines = ["# SPDX-License-Identifier: MIT",
+            f"# Made by tools/airpath/design.py from {Path(engine).name}; do not edit. docs/airpath.md says what it holds.",
              "# Units: kPa, g, s. Rows of matrices are states: intake pressure, air, recirculated gas, exhaust gas."]
     for name in ("design", "decision"):
         lines += ["", f"[{name}]"] + [f"{k} = {text(v)}" for k, v in file[name].items()]

@@ -135,7 +135,8 @@ class Problem:
         for g in self.spread():
             he, skew = g + g.T, g - g.T
             if self.form == "lipschitz":
-                whole = cp.bmat([[he + lim.lipschitz ** 2 * eye, self.pm @ self.pick.T @ self.s], [(self.pm @ self.pick.T @ self.s).T, -eye]])
+                whole = cp.bmat([[he + lim.lipschitz ** 2 * eye, self.pm @ self.pick.T @ self.s], [(self.pm @ self.pick.T @ self.s).T,
+                        -eye]])
                 self.rules.append(("Lipschitz", (whole + whole.T) / 2 << -EPS * np.eye(2 * len(eye))))
                 continue
             least = 0 if self.form == "printed" else lim.least

@@ -46,8 +46,10 @@ void print_delays(const AirPathStudy &study, const MatchedSetup &setup, double t
     fmt::print("  fault      mean delay    95 %    formula  Lorden bound   right    wrong   early  missed  fault's time off by\n");
     for (const MatchedFault &fault : matched_faults()) {
         const DelayFigures f = measure_delay(setup, fault, threshold, study.runs, study.seed);
-        fmt::print("  {:9s} {:.3f} +-{:.3f} s {:.2f} s  {:.3f} s      {:.3f} s  {:5d}  {:5d} (<= {:.2f} %)  {:3d}  {:4d}   {:+.3f} s\n", fault.name,
-                   f.mean_s, 1.96 * f.sd_s, f.p95_s, formula_delay_s(setup, fault, threshold), lorden_delay_s(setup, fault, mean_time_s), f.named,
+        fmt::print("  {:9s} {:.3f} +-{:.3f} s {:.2f} s  {:.3f} s      {:.3f} s  {:5d}  {:5d} (<= {:.2f} %)  {:3d}  {:4d}   {:+.3f} s\n",
+            fault.name,
+                   f.mean_s, 1.96 * f.sd_s, f.p95_s, formula_delay_s(setup, fault, threshold), lorden_delay_s(setup, fault, mean_time_s),
+                       f.named,
                    f.wrong, 100 * upper_95(f.wrong) / study.runs, f.early, f.missed, f.time_error_s);
     }
 }
@@ -57,7 +59,8 @@ void matched(const AirPathStudy &study) {
     const auto rates = rates_of(study, setup);
     for (const double per_hour : {kPerTwoHours, kPerThousandHours}) {
         const double threshold = threshold_for(rates, per_hour);
-        fmt::print("\nmatched plant, one false alarm in {:g} h by importance sampling: threshold {:.2f}, {} runs a fault\n", 1 / per_hour, threshold,
+        fmt::print("\nmatched plant, one false alarm in {:g} h by importance sampling: threshold {:.2f}, {} runs a fault\n",
+            1 / per_hour, threshold,
                    study.runs);
         if (per_hour == kPerTwoHours) {
             const FalseAlarms found = count_false_alarms(setup, threshold, study.hours, study.seed);
@@ -95,7 +98,8 @@ void compare(const AirPathStudy &study) {
     fmt::print("\nother residuals, same decision, each with its own covariance, at one false alarm in {:.0f} s: mean delay (right actuator)\n", kAlarmS);
     for (const MethodFigures &f : compare_methods(setup_of(study), kHealthyS, kAlarmS, study.runs / 10 + 1, study.seed)) {
         fmt::print("  {:24s} threshold {:5.1f}", f.name, f.threshold);
-        for (std::size_t i = 0; i < 4; ++i) fmt::print("   {} {:.3f} s ({:.1f} %)", matched_faults()[i].name, f.delay_s[i], f.right_percent[i]);
+        for (std::size_t i = 0; i < 4; ++i) fmt::print("   {} {:.3f} s ({:.1f} %)", matched_faults()[i].name, f.delay_s[i],
+            f.right_percent[i]);
         fmt::print("\n");
     }
 }
@@ -114,7 +118,8 @@ void full(const AirPathStudy &study) { print_full(study.design, study.runs, stud
 void model(const AirPathStudy &study) { print_model_error(study.folder); }
 void fit(const AirPathStudy &) { print_fit(); }
 
-constexpr Part kParts[] = {{"decoupling", decoupling}, {"matched", matched}, {"thresholds", thresholds}, {"compare", compare}, {"residuals", residuals},
+constexpr Part kParts[] = {{"decoupling", decoupling}, {"matched", matched}, {"thresholds", thresholds}, {"compare", compare},
+    {"residuals", residuals},
                            {"full", full}, {"model", model}, {"fit", fit}};
 
 } // namespace

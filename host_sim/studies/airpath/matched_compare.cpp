@@ -34,11 +34,13 @@ struct ScalarInjection {
         const double per_air = 1e-6 * 287 * s.charge_k / s.intake_m3, per_egr = 1e-6 * 286 * s.egr_k / s.intake_m3;
         const double y = double(in.intake_kpa), mass = double(in.exhaust_kpa) / (1e-6 * 286 * s.exhaust_k / s.exhaust_m3);
         const double k = model.emptying_ps(double(in.speed_rpm) * M_PI / 30);
-        const MeanValueFlows w = model.flows({0, 0, 0, double(in.egr_opening), double(in.vgt_position)}, 1e3 * y, 1e3 * double(in.exhaust_kpa));
+        const MeanValueFlows w = model.flows({0, 0, 0, double(in.egr_opening), double(in.vgt_position)}, 1e3 * y,
+            1e3 * double(in.exhaust_kpa));
         if (!begun) p = y, q = y + per_egr * mass, air = double(in.air_gps) / k, egr = (y - per_air * air) / per_egr, begun = true;
         const Residuals r{y + per_egr * mass - q, y - p};
         const double flow = 1e3 * w.egr_kgps, dt = kMatchedPeriodS;
-        q += dt * (per_air * double(in.air_gps) - k * y + per_egr * (k * (air + egr) + double(in.fuel_gps) - 1e3 * w.turbine_kgps) + kInjection * r[0]);
+        q += dt * (per_air * double(in.air_gps) - k * y + per_egr * (k * (air + egr) + double(in.fuel_gps) - 1e3 * w.turbine_kgps)
+            + kInjection * r[0]);
         p += dt * (per_air * double(in.air_gps) + per_egr * flow - k * y + kInjection * r[1]);
         air += dt * (double(in.air_gps) - k * air);
         egr += dt * (flow - k * egr) + dt * kInjection * (y - per_air * air - per_egr * egr) / per_egr;
@@ -116,7 +118,8 @@ struct Decided {
     }
 };
 
-double threshold_of(const MatchedSetup &setup, const MakeMethod &make, const Known &known, double healthy_s, double alarm_s, std::uint64_t seed) {
+double threshold_of(const MatchedSetup &setup, const MakeMethod &make, const Known &known, double healthy_s, double alarm_s,
+    std::uint64_t seed) {
     RandomStream random(seed, 22);
     Decided d{MatchedRun(setup, kNever, kNever, random), make(), known, tables_of(known), {1e-3f, 1e-3f}};
     for (int i = 0; i < kSettle; ++i) d.step(random);
@@ -137,7 +140,8 @@ double threshold_of(const MatchedSetup &setup, const MakeMethod &make, const Kno
 
 std::vector<MethodFigures> compare_methods(const MatchedSetup &setup, double healthy_s, double alarm_s, int runs, std::uint64_t seed) {
     const std::pair<const char *, MakeMethod> methods[] = {
-        {"unknown-input observers", [] { return [](const MatchedRun &run) { return Residuals{double(run.bank().residual[0]), double(run.bank().residual[1])}; }; }},
+        {"unknown-input observers", [] { return [](const MatchedRun &run) { return Residuals{double(run.bank().residual[0]),
+            double(run.bank().residual[1])}; }; }},
         {"scalar output injection", [&] { return ScalarInjection{setup, MeanValueModel(setup.system, setup.displaced_m3)}; }},
         {"augmented Kalman filter", [&] {
              return [filter = MatchedFilter(setup, kFlowWalkGps)](const MatchedRun &run) mutable {
@@ -152,7 +156,8 @@ std::vector<MethodFigures> compare_methods(const MatchedSetup &setup, double hea
         for (std::size_t i = 0; i < 4; ++i) {
             RandomStream random(seed, 23);
             for (int r = 0; r < runs; ++r) {
-                Decided d{MatchedRun(setup, kNever, kNever, random), make(), known, tables_of(known), {float(f.threshold), float(f.threshold)}};
+                Decided d{MatchedRun(setup, kNever, kNever, random), make(), known, tables_of(known), {float(f.threshold),
+                    float(f.threshold)}};
                 for (int k = 0; k < kSettle; ++k) d.step(random);
                 sd_cusum_start(&d.sums);
                 d.run.set_fault(matched_faults()[i]);

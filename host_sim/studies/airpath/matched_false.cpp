@@ -44,7 +44,8 @@ std::array<Shift, 4> shifts(const MatchedSetup &setup) {
 }
 
 /// One copy: at each threshold the likelihood ratio where it was first passed, else 0.
-std::vector<double> follow(MatchedRun copy, std::size_t hypothesis, const Shift &shift, const std::vector<double> &thresholds, RandomStream &random) {
+std::vector<double> follow(MatchedRun copy, std::size_t hypothesis, const Shift &shift, const std::vector<double> &thresholds,
+    RandomStream &random) {
     std::vector<double> weight(thresholds.size(), 0);
     double log_ratio = 0;
     std::size_t passed = 0;
@@ -86,7 +87,8 @@ FalseAlarms count_false_alarms(const MatchedSetup &setup, double threshold, doub
     return found;
 }
 
-std::vector<AlarmRate> sample_alarm_rates(const MatchedSetup &setup, const std::vector<double> &thresholds, double hours, std::uint64_t seed) {
+std::vector<AlarmRate> sample_alarm_rates(const MatchedSetup &setup, const std::vector<double> &thresholds, double hours,
+    std::uint64_t seed) {
     const auto shift = shifts(setup);
     RandomStream random(seed, 2), tilted(seed, 3);
     std::vector<double> sum(thresholds.size(), 0), squares(thresholds.size(), 0);

@@ -22,7 +22,8 @@ struct AlarmRate {
 /// Every alarm of a hypothesis lies in one excursion of its sum from 0. From the start of an excursion a copy of plant and bank goes on
 /// with noise whose mean is shifted towards the hypothesis, until the sum is back at 0; where it passes a threshold on the way, named and
 /// isolated, the likelihood ratio of its noise is what it counts. `hours` of healthy running give the starts.
-std::vector<AlarmRate> sample_alarm_rates(const MatchedSetup &setup, const std::vector<double> &thresholds, double hours, std::uint64_t seed);
+std::vector<AlarmRate> sample_alarm_rates(const MatchedSetup &setup, const std::vector<double> &thresholds, double hours,
+    std::uint64_t seed);
 
 /// The smallest threshold of a table at which alarms are at most so many an hour, between its entries; 0 where none is.
 double threshold_for(const std::vector<AlarmRate> &rates, double per_hour);

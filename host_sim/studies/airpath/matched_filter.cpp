@@ -17,12 +17,14 @@ MatchedFilter::MatchedFilter(const MatchedSetup &setup, double walk_gps)
 
 MatchedFilter::State MatchedFilter::moved(const State &x, const sd_airpath_in_t &in) const {
     const AirPathSystem &s = setup_->system;
-    const double per_exhaust = 1e-6 * kExhaustJpkgk * s.exhaust_k / s.exhaust_m3, k = model_.emptying_ps(double(in.speed_rpm) * kRadpsPerRpm);
+    const double per_exhaust = 1e-6 * kExhaustJpkgk * s.exhaust_k / s.exhaust_m3,
+        k = model_.emptying_ps(double(in.speed_rpm) * kRadpsPerRpm);
     const MeanValueInput input{0, 0, 0, double(in.egr_opening), double(in.vgt_position)};
     State now = x;
     for (int i = 0; i < kSubsteps; ++i) {
         const MeanValueFlows w = model_.flows(input, 1e3 * now(0), 1e3 * per_exhaust * now(3));
-        const double egr = 1e3 * w.egr_kgps + now(4), turbine = 1e3 * w.turbine_kgps + now(5), air = double(in.air_gps), dt = kMatchedPeriodS / kSubsteps;
+        const double egr = 1e3 * w.egr_kgps + now(4), turbine = 1e3 * w.turbine_kgps + now(5), air = double(in.air_gps),
+            dt = kMatchedPeriodS / kSubsteps;
         const double filling = 1e-6 * (kAirJpkgk * s.charge_k * air + kExhaustJpkgk * s.egr_k * egr) / s.intake_m3;
         const Eigen::Vector4d rate(s.heat_ratio * (filling - k * now(0)), air - k * now(1), egr - k * now(2),
                                    k * (now(1) + now(2)) + double(in.fuel_gps) - egr - turbine);

@@ -79,12 +79,11 @@ class AirPath:
 
     def slopes(self, opening, position, intake, exhaust):
         """dW_egr/dp, dW_egr/dm_X, dW_t/dm_X, g/s a kPa or a g, by central differences."""
-        d = 1e-4
-        return np.array([(self.egr_flow(opening, intake + d, exhaust) - self.egr_flow(opening, intake - d, exhaust)) / (2 * d),
-                         self.per_exhaust * (self.egr_flow(opening, intake, exhaust + d) - self.egr_flow(opening, intake,
-                                 exhaust - d)) / (2 * d),
-                         self.per_exhaust * (self.turbine_flow(position, exhaust + d) - self.turbine_flow(position,
-                                 exhaust - d)) / (2 * d)])
+        def slope(flow, at):
+            return (flow(at + 1e-4) - flow(at - 1e-4)) / 2e-4
+        return np.array([slope(lambda p: self.egr_flow(opening, p, exhaust), intake),
+                         self.per_exhaust * slope(lambda p: self.egr_flow(opening, intake, p), exhaust),
+                         self.per_exhaust * slope(lambda p: self.turbine_flow(position, p), exhaust)])
 
     def jacobian(self, slopes):
         """Of F_egr W_egr + F_vgt W_t."""

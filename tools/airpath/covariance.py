@@ -4,8 +4,7 @@
 
     covariance.py RESIDUALS.csv
 RESIDUALS.csv: a header, then a row a step: time in s and the residuals. The long-run covariance is that of means over batches of 1 s, times
-their length: what a sum of residuals, which a CUSUM is,
-        scatters by for each of its terms. It is that of single residuals where these are white.
+their length: what a sum of residuals, which a CUSUM is, scatters by for each of its terms. Of white residuals it is that of one of them.
 """
 import sys
 
@@ -47,8 +46,8 @@ class Covariance:
         if self.is_white():
             print("these residuals are white within what can be told: the white-noise formulas of threshold and delay hold")
         else:
-            print("THE WHITE-NOISE FORMULA OF THE THRESHOLD FAILS for these residuals: take the threshold from measured or importance-sampled "
-                  "false alarms, and the long-run covariance")
+            print("THE WHITE-NOISE FORMULA OF THE THRESHOLD FAILS for these residuals: take the threshold from false alarms that were "
+                  "measured or sampled, and the long-run covariance")
 
 
 if __name__ == "__main__":

@@ -6,10 +6,9 @@
     design.py ENGINE.toml --forms      what each form of the inequality gives: feasible or not, what binds, how blind its residual is
     design.py ENGINE.toml --gain G     one product design with gains of at most G: where there is none, which constraint binds
 --expect: what the decision expects of each residual, over what a fault of 0.05 leaves: more leaves room for offsets of a model that is
-not the plant. --other, up to twice: what a wrong sensor or a leak leaves in both residuals,
-        so that no actuator is named for it. --variance: of each residual, in place of the noise's.
---residuals: healthy residuals of this design,
-        from `sixdeg study airpath residuals --out FOLDER`: their long-run covariance goes into the file.
+not the plant. --other, up to twice: what a wrong sensor or a leak leaves in both residuals, so that no actuator is named for it.
+--variance: of each residual, in place of the noise's.
+--residuals: healthy residuals of this design, from `sixdeg study airpath residuals --out FOLDER`: their long-run covariance is taken.
 """
 import argparse
 import itertools
@@ -117,7 +116,8 @@ def show_forms(path):
             jacobian = np.zeros((4, 4)) if o.output_fed else o.m @ path.jacobian(slopes)
             whole = o.n(path, rate, lim.k) + jacobian
             poles = np.sort(np.linalg.eigvals(whole).real)
-            seen = np.abs(C @ o.m @ o.other).max() / np.abs(C @ o.other).max() if name == "egr" else np.abs(C @ o.m @ o.other)[0] / path.per_egr
+            whole_speed = path.per_egr   # kPa of a gram, of the decoupled design of either
+            seen = np.abs(C @ o.m @ o.other)[0] / whole_speed
             print(f"{name}: {form:9s} feasible; the fault reaches the residual with {seen:.3f} of the decoupled design's speed; "
                   f"poles {poles.round(1).tolist()} 1/s")
         box = [nuio.SCALE[:, None] ** -1 * path.jacobian(s) * nuio.SCALE for s in itertools.product(*lim.slopes)]
@@ -151,7 +151,8 @@ def main():
             try:
                 print(f"{name}: feasible, gain {nuio.solve(path, lim, name).figures['gain']:.2f}")
             except nuio.Infeasible:
-                print(f"{name}: infeasible; these bind, and leaving one out makes it feasible: {', '.join(nuio.what_binds(path, lim, name))}")
+                binds = ", ".join(nuio.what_binds(path, lim, name))
+                print(f"{name}: infeasible; these bind, and leaving one out makes it feasible: {binds}")
         return None
     try:
         file = design(path, options.form, options.residuals)

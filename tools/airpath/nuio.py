@@ -4,7 +4,7 @@
     z' = sum mu_k (N_k z + L_k y) + G g + M phi(xhat),   xhat = z - E y,   r = gamma (y - C xhat)                  (7)
     N_k = M A_k - K_k C (9a), L_k = K_k (I + C E) - M A_k E (9b), G = M B (9c), M = I + E C (9d), M F = 0 (9e)
     E = U + Y V, U = -F (C F)^+, V = I - (C F)(C F)^+ (10)
-The error e = xhat - x obeys e' = (N + M J) e, with J the Jacobian of phi between x and xhat. P M = P (I + U C) + Ytil V C and P K_k = Ktil_k
+The error e = xhat - x obeys e' = (N + M J) e, J the Jacobian of phi between x and xhat. P M = P (I + U C) + Ytil V C and P K_k = Ktil_k
 make inequalities of it that are linear in P, Ytil, Ktil_k.
 
 The pseudo-inverse of (10) is taken with a weight: the unknown flow is found by the exhaust's mass, which it moves by seven standard

@@ -99,8 +99,8 @@ AirPathDesign read_air_path_design(TomlFile &file, const AirPathSystem &system, 
         if (file.text(at + "sees") != wanted) file.fail(at + "sees", "is not \"" + wanted + "\"");
         t.observer[i] = observer_of(file, at);
     }
-    const auto mean = file.numbers("decision.mean_kpa", {1e-3, 1e4, "kPa"}, 2), fault = file.numbers("decision.fault_kpa", {1e-3, 1e4,
-        "kPa"}, 2);
+    const auto mean = file.numbers("decision.mean_kpa", {1e-3, 1e4, "kPa"}, 2);
+    const auto fault = file.numbers("decision.fault_kpa", {1e-3, 1e4, "kPa"}, 2);
     const auto sign = file.numbers("decision.sign", {-1, 1, ""}, 2);
     for (std::size_t i = 0; i < 2; ++i) {
         d.mean_kpa[i] = mean[i], d.fault_kpa[i] = fault[i], d.sign[i] = sign[i] < 0 ? -1 : 1;

@@ -26,9 +26,8 @@ struct AirPathDesign {
 
 /// Reads DESIGN.toml. Throws InputError.
 AirPathDesign read_air_path_design(TomlFile &file, const AirPathSystem &system, double displaced_m3);
-/// The tables of the decision for another covariance of the residuals. Its diagonal is taken: each residual speaks for one actuator alone,
-/// so
-/// that two faults at once are two sums and no contest of one against the other.
+/// The tables of the decision for another covariance of the residuals. Its diagonal is taken: each residual speaks for one actuator
+/// alone, so that two faults at once are two sums and no contest of one against the other.
 void set_covariance(AirPathDesign &design, const double (&covariance)[2][2]);
 
 } // namespace sixdeg

@@ -48,6 +48,8 @@ struct ScalarInjection {
     }
 };
 
+Residuals of_bank(const MatchedRun &run) { return {double(run.bank().residual[0]), double(run.bank().residual[1])}; }
+
 Residuals difference(const Residuals &a, const Residuals &b) { return {a[0] - b[0], a[1] - b[1]}; }
 
 /// What the decision needs to know of a method's residuals.
@@ -140,8 +142,7 @@ double threshold_of(const MatchedSetup &setup, const MakeMethod &make, const Kno
 
 std::vector<MethodFigures> compare_methods(const MatchedSetup &setup, double healthy_s, double alarm_s, int runs, std::uint64_t seed) {
     const std::pair<const char *, MakeMethod> methods[] = {
-        {"unknown-input observers", [] { return [](const MatchedRun &run) { return Residuals{double(run.bank().residual[0]),
-            double(run.bank().residual[1])}; }; }},
+        {"unknown-input observers", [] { return of_bank; }},
         {"scalar output injection", [&] { return ScalarInjection{setup, MeanValueModel(setup.system, setup.displaced_m3)}; }},
         {"augmented Kalman filter", [&] {
              return [filter = MatchedFilter(setup, kFlowWalkGps)](const MatchedRun &run) mutable {
@@ -156,8 +157,8 @@ std::vector<MethodFigures> compare_methods(const MatchedSetup &setup, double hea
         for (std::size_t i = 0; i < 4; ++i) {
             RandomStream random(seed, 23);
             for (int r = 0; r < runs; ++r) {
-                Decided d{MatchedRun(setup, kNever, kNever, random), make(), known, tables_of(known), {float(f.threshold),
-                    float(f.threshold)}};
+                const float h = float(f.threshold);
+                Decided d{MatchedRun(setup, kNever, kNever, random), make(), known, tables_of(known), {h, h}};
                 for (int k = 0; k < kSettle; ++k) d.step(random);
                 sd_cusum_start(&d.sums);
                 d.run.set_fault(matched_faults()[i]);

@@ -30,12 +30,9 @@ FaultTrace trace_fault(const MatchedSetup &setup, const MatchedFault &fault);
 double formula_delay_s(const MatchedSetup &setup, const MatchedFault &fault, double threshold);
 
 /// Bound in G. Lorden's sense, 1971: the least mean delay, the worst past assumed, of any rule with a mean time of `mean_time_s` between
-/// false
-/// alarms. A CUSUM of all that is known attains it; of a Brownian motion with information I a step its threshold h and the information s
-/// that
-/// it waits for obey  exp(h) - h - 1 = I mean time,  s = h - 1 + exp(-h)  (A. Shiryaev, 1996). I: of the shift in the end of the
-/// innovations
-/// of a Kalman filter that knows plant and noise; the bound is the time in which its sum reaches s.
+/// false alarms. A CUSUM of all that is known attains it; of a Brownian motion with information I a step its threshold h and the
+/// information s that it waits for obey  exp(h) - h - 1 = I mean time,  s = h - 1 + exp(-h)  (A. Shiryaev, 1996). I: of the shift in the
+/// end of the innovations of a Kalman filter that knows plant and noise; the bound is the time in which its sum reaches s.
 double lorden_delay_s(const MatchedSetup &setup, const MatchedFault &fault, double mean_time_s);
 
 /// Healthy residuals: time_s,residual_1_kpa,residual_2_kpa.

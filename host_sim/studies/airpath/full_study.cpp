@@ -21,6 +21,9 @@ std::pair<double, double> share_bounds(int k, int n) {
     return {std::max(middle - half, 0.0), std::min(middle + half, 1.0)};
 }
 
+/// Of the false alarms and transients: with few runs a look is enough.
+double share_of(const FullStudy &study) { return study.runs >= 50 ? 1 : study.runs / 500.0; }
+
 struct Counts {
     int runs = 0, early = 0, right = 0, wrong = 0, unclear = 0, silent = 0, not_ready = 0, suspect = 0;
     std::vector<double> delays;
@@ -103,35 +106,35 @@ void print_delays(const FullStudy &study) {
 
 void print_false_alarms(const FullStudy &study) {
     constexpr int kPieces = 8;
-    constexpr double kPieceS = 900;
+    const double piece_s = 900 * share_of(study);
     int alarms = 0;
     double judged_s = 0;
     for (int i = 0; i < kPieces; ++i) {
-        const FullResult r = judge_full(study.engine, study.tables, study.config, wandering(kPieceS, study.seed + 100000 +
+        const FullResult r = judge_full(study.engine, study.tables, study.config, wandering(piece_s, study.seed + 100000 +
             std::uint64_t(i)));
         alarms += int(r.alarms.size());
-        if (r.decides_s >= 0) judged_s += kPieceS - r.decides_s;
+        if (r.decides_s >= 0) judged_s += piece_s - r.decides_s;
     }
     fmt::print("false alarms: {} in {:.2f} h of wandering operation\n", alarms, judged_s / 3600);
 }
 
 void print_transients(const FullStudy &study) {
-    constexpr int kRuns = 200;
+    const int count = int(200 * share_of(study));
     constexpr double kRampS = 5;
     int steps = 0, ramps = 0;
-    for (int i = 0; i < kRuns; ++i) {
+    for (int i = 0; i < count; ++i) {
         const std::uint64_t seed = study.seed + 200000 + std::uint64_t(i);
         RandomStream random(seed, kWhen);
         FullCase step = wandering(24, seed);
         add_load_step(step, kLearnedS, kLearnedS + 6, 1e5 * (4 + 9 * random.uniform()));
         steps += !judge_full(study.engine, study.tables, study.config, step).alarms.empty();
-        FullCase ramp = wandering(24, seed + kRuns);
+        FullCase ramp = wandering(24, seed + 200);
         ramp.speed_radps = Profile({kLearnedS, kLearnedS + kRampS}, {1000 * kRadpsPerRpm, 2000 * kRadpsPerRpm});
         ramps += !judge_full(study.engine, study.tables, study.config, ramp).alarms.empty();
     }
     fmt::print("runs with an alarm: {} of {} load steps from 8 to 4..13 bar and back, {} of {} ramps from 1000 to 2000 rpm in {:g} s\n",
-        steps, kRuns,
-               ramps, kRuns, kRampS);
+        steps, count,
+               ramps, count, kRampS);
 }
 
 void print_others(const FullStudy &study) {

@@ -215,6 +215,8 @@ def _controller(folder):
         return []
     return ["<h3>Your engine, on this controller</h3>", text(controller.words(about)),
             table(controller.rows(about, folder.engine), ("", "average tooth", "worst tooth"))]
+
+
 def airpath_model_section(model):
     import airpath_pictures as pictures
 

@@ -21,7 +21,8 @@ sd_result_t sd_ecu_init(sd_ecu_t *self, const sd_calibration_t *page) {
     const bool ok = (sd_crank_init(&self->crank, &crank) == SD_OK) && (sd_stage_torque_init(&self->torque, page, p) == SD_OK) &&
                     (sd_firings_init(&self->firings, &firings, &page->kalman) == SD_OK) &&
                     (sd_stage_misfire_init(&self->misfire, page, p) == SD_OK) &&
-                    (sd_stage_mixture_init(&self->mixture, page, p) == SD_OK) && (sd_stage_trims_init(&self->trims, page, p) == SD_OK);
+                    (sd_stage_mixture_init(&self->mixture, page, p) == SD_OK) && (sd_stage_trims_init(&self->trims, page, p) == SD_OK) &&
+                    (sd_stage_airpath_init(&self->airpath, page, p) == SD_OK);
     if (!ok) { return SD_ERR_CONFIG; }
     self->working = *p;
     self->reference = *p;
@@ -185,4 +186,15 @@ void sd_ecu_sample(sd_ecu_t *self, sd_input_t input, float value) {
     } else if (input == SD_INPUT_EXHAUST_PRESSURE) {
         sd_stage_mixture_pressure(&self->mixture, value);
     }
+}
+
+void sd_ecu_task(sd_ecu_t *self, const sd_calibration_t *page, const sd_port_t *port, uint32_t tick) {
+    if (page->airpath.present == 0u) { return; }
+    const sd_stage_airpath_crank_t crank = { .speed_rpm = self->say.signals.crank_speed_rpm,
+                                             .health = sd_publish_judged(&self->say, SD_OWNER_CRANK).health,
+                                             .cylinders = page->cylinders };
+    sd_stage_airpath_out_t out;
+    sd_stage_airpath_step(&self->airpath, page, &self->inputs, &crank, tick, &out);
+    sd_say_airpath(&self->say, &out);
+    sd_publish_row(&self->say, port, tick, SD_RATE_AIRPATH);
 }

@@ -38,6 +38,7 @@ static void on_time(sd_ecu_t *self, const sd_calibration_t *page, const sd_port_
     if (sd_crank_poll(&self->crank, tick)) { publish_lost_angle(self, port, tick, SD_WHY_STALL); }
     if (self->edge_seen == 0u) { sd_ecu_do_piece(self, page, port); } /* no tooth comes to do it */
     self->edge_seen = 0;
+    sd_ecu_task(self, page, port, tick);
     sd_say_inputs(&self->say, &self->inputs);
     sd_publish_row(&self->say, port, tick, SD_RATE_TASK);
     const sd_event_t done = { .tick = tick, .kind = SD_EVENT_DONE, .value = self->say.unsent, .flags = self->unknown_events };

@@ -27,6 +27,7 @@ sd_result_t sd_ecu_init(sd_ecu_t *self, const sd_calibration_t *page) {
     if (!ok) { return SD_ERR_CONFIG; }
     const sd_status_t not_built = { .health = SD_INVALID, .why = SD_WHY_NOT_BUILT };
     sd_publish_judge(&self->say, SD_OWNER_FIRING, &not_built);
+    sd_publish_judge(&self->say, SD_OWNER_AIRPATH, &not_built);
     sd_publish_judge(&self->say, SD_OWNER_MISFIRE, &self->misfire.status);
     self->ready = 1;
     return SD_OK;
@@ -144,4 +145,12 @@ sd_result_t sd_ecu_apply(sd_ecu_t *self, const sd_calibration_t *page, uint32_t 
     case SD_OWNER_BALANCE: return SD_OK;
     default:               return SD_ERR_CONFIG;
     }
+}
+
+/* The air path's diagnosis is in single precision, and not in this ecu (docs/airpath.md). */
+void sd_ecu_task(sd_ecu_t *self, const sd_calibration_t *page, const sd_port_t *port, uint32_t tick) {
+    (void)self;
+    (void)page;
+    (void)port;
+    (void)tick;
 }

@@ -257,6 +257,7 @@ void run(const Options &options) {
         out.add("summary.json", summary);
         out.add("teeth.csv", tables->teeth_csv());
         out.add("cycles.csv", tables->cycles_csv());
+        if (!tables->air_path().empty()) out.add("airpath.csv", tables->air_path().csv());
         out.commit();
     }
     if (!options.json.empty()) write_file(options.json, summary);

@@ -209,6 +209,14 @@ def driveline_section(driveline):
             table(driveline.figures(), driveline.HEADER)]
 
 
+def _controller(folder):
+    about = folder.summary.get("controller") if isinstance(folder, Run) else None
+    if not about:
+        return []
+    return ["<h3>Your engine, on this controller</h3>", text(controller.words(about)),
+            table(controller.rows(about, folder.engine), ("", "average tooth", "worst tooth"))]
+
+
 def airpath_model_section(model):
     import airpath_pictures as pictures
 
@@ -226,14 +234,6 @@ def airpath_run_section(run):
                  "and what the firmware says of a step of the EGR valve and one of the vanes (Figure 9).", "lead"),
             table(run.incidence(), ("fault", "residual 1", "residual 2")),
             picture(pictures.figure_9(run), "actuators, normalised residuals, decision functions"), table(run.figures(), run.HEADER)]
-
-
-def _controller(folder):
-    about = folder.summary.get("controller") if isinstance(folder, Run) else None
-    if not about:
-        return []
-    return ["<h3>Your engine, on this controller</h3>", text(controller.words(about)),
-            table(controller.rows(about, folder.engine), ("", "average tooth", "worst tooth"))]
 
 
 def section(folder, build=None):

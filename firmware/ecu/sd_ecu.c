@@ -138,16 +138,18 @@ void sd_ecu_tooth(sd_ecu_t *self, const sd_calibration_t *page, const sd_port_t 
     if (moved != SD_COURSE_NONE) { jump(self, moved); }
     if (sd_course_ended(&self->course, tooth, page->positions, page->tick_hz, &cycle)) { end_cycle(self, page, port, &cycle); }
     step_torque(self, page, tooth);
-    const bool firing_read = step_firings(self, page, port, tooth, speed_radps);
+    const bool firing_read = (self->shed < (uint8_t)SD_SHED_FIRINGS) && step_firings(self, page, port, tooth, speed_radps);
     /* A tooth has one burden beside its own position: positions passed without an edge, a firing, mixture that waits, or a piece. */
     const bool burdened = firing_read || (tooth->advance > 1u);
-    const bool catches_up = sd_stage_mixture_tooth(&self->mixture, page, tooth, burdened ? 0u : SD_MIXTURE_STEPS);
+    const bool catches_up = (self->shed < (uint8_t)SD_SHED_MIXTURE) &&
+                            sd_stage_mixture_tooth(&self->mixture, page, tooth, burdened ? 0u : SD_MIXTURE_STEPS);
     if (!burdened && !catches_up) { sd_ecu_do_piece(self, page, port); }
 }
 
 /* ---- beside teeth ---------------------------------------------------------------------------------------------- */
 
 void sd_ecu_spurious(sd_ecu_t *self, const sd_calibration_t *page) {
+    if (self->shed >= (uint8_t)SD_SHED_FIRINGS) { return; }
     sd_firings_spurious(&self->firings, &page->kalman);
     sd_stage_misfire_spurious(&self->misfire, page);
 }
@@ -164,6 +166,18 @@ float sd_ecu_say_edge(sd_ecu_t *self, const sd_calibration_t *page, const sd_too
     const sd_crank_motion_t motion = sd_crank_motion_of(&self->crank, tooth, page->tick_hz);
     sd_say_tooth(&self->say, page, tooth, &motion);
     return motion.speed_radps;
+}
+
+/* A block that followed no teeth for a while starts afresh. */
+void sd_ecu_shed(sd_ecu_t *self, uint8_t level) {
+    const uint8_t before = self->shed;
+    self->shed = level;
+    if ((before < (uint8_t)SD_SHED_MIXTURE) != (level < (uint8_t)SD_SHED_MIXTURE)) { sd_stage_mixture_restart(&self->mixture); }
+    if ((before < (uint8_t)SD_SHED_FIRINGS) != (level < (uint8_t)SD_SHED_FIRINGS)) { restart_firings(self); }
+    if (level >= (uint8_t)SD_SHED_FIRINGS) {
+        sd_publish_worst_of(&self->say, SD_OWNER_FIRING, SD_INVALID, SD_WHY_OVERLOAD);
+        sd_publish_worst_of(&self->say, SD_OWNER_MISFIRE, SD_INVALID, SD_WHY_OVERLOAD);
+    }
 }
 
 void sd_ecu_sample(sd_ecu_t *self, sd_input_t input, float value) {

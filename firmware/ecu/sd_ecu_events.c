@@ -51,6 +51,11 @@ static void on_gap(sd_ecu_t *self, const sd_port_t *port, uint32_t tick) {
     publish_lost_angle(self, port, tick, SD_WHY_NO_SYNC);
 }
 
+static void on_late(sd_ecu_t *self, uint32_t level) {
+    const uint8_t most = (uint8_t)SD_SHED_MOST;
+    sd_ecu_shed(self, (level < most) ? (uint8_t)level : most);
+}
+
 uint32_t sd_ecu_run(sd_ecu_t *self, const sd_calibration_t *page, const sd_port_t *port) {
     sd_event_t event;
     uint32_t handled = 0;
@@ -62,6 +67,7 @@ uint32_t sd_ecu_run(sd_ecu_t *self, const sd_calibration_t *page, const sd_port_
         case SD_EVENT_TIME:       on_time(self, page, port, event.tick); break;
         case SD_EVENT_SAMPLE:     on_sample(self, &event); break;
         case SD_EVENT_GAP:        on_gap(self, port, event.tick); break;
+        case SD_EVENT_LATE:       on_late(self, event.value); break;
         case SD_EVENT_PARAMETER:  sd_ecu_parameter(self, page, port, &event); break;
         default:                  self->unknown_events++; break;
         }

@@ -248,8 +248,9 @@ RunResult run_scenario(const Scenario &scenario, const sd_calibration_t &calibra
 }
 
 RunResult run_on_bench(const Scenario &scenario, const sd_calibration_t &calibration, RunTables *tables,
-                       const sd_pattern_sums_t *learned, const EventListener &listener) {
+                       const sd_pattern_sums_t *learned, const EventListener &listener, std::optional<double> restart_s) {
     const auto bench = std::make_unique<EcuBench>(calibration);
+    if (restart_s) bench->restart_at(*restart_s);
     if (listener) bench->listen(listener);
     if (learned && !bench->resume(*learned))
         throw InputError("learned page", "pattern", "it is of another wheel, or the engine file has no heat release");

@@ -3,6 +3,7 @@
 import base64
 import html
 
+import controller
 from run_folder import Run
 
 MISSING_WAVES = "No torque to compare: no whole cycle with a valid estimate, or the speed is prescribed."
@@ -208,6 +209,14 @@ def driveline_section(driveline):
             table(driveline.figures(), driveline.HEADER)]
 
 
+def _controller(folder):
+    about = folder.summary.get("controller") if isinstance(folder, Run) else None
+    if not about:
+        return []
+    return ["<h3>Your engine, on this controller</h3>", text(controller.words(about)),
+            table(controller.rows(about, folder.engine), ("", "average tooth", "worst tooth"))]
+
+
 def airpath_model_section(model):
     import airpath_pictures as pictures
 
@@ -230,4 +239,4 @@ def airpath_run_section(run):
 def section(folder, build=None):
     """One folder's part of the page."""
     build = build or (run_section if isinstance(folder, Run) else replay_section)
-    return "\n".join([f"<h2>{html.escape(folder.title())}</h2>", *build(folder)])
+    return "\n".join([f"<h2>{html.escape(folder.title())}</h2>", *build(folder), *_controller(folder)])

@@ -21,7 +21,8 @@ sd_result_t sd_ecu_init(sd_ecu_t *self, const sd_calibration_t *page) {
     const bool ok = (sd_crank_init(&self->crank, &crank) == SD_OK) && (sd_stage_torque_init(&self->torque, page, p) == SD_OK) &&
                     (sd_firings_init(&self->firings, &firings, &page->kalman) == SD_OK) &&
                     (sd_stage_misfire_init(&self->misfire, page, p) == SD_OK) &&
-                    (sd_stage_mixture_init(&self->mixture, page, p) == SD_OK) && (sd_stage_trims_init(&self->trims, page, p) == SD_OK);
+                    (sd_stage_mixture_init(&self->mixture, page, p) == SD_OK) && (sd_stage_trims_init(&self->trims, page, p) == SD_OK) &&
+                    (sd_stage_driveline_init(&self->driveline, page, p) == SD_OK);
     if (!ok) { return SD_ERR_CONFIG; }
     self->working = *p;
     self->reference = *p;
@@ -49,6 +50,8 @@ static void jump(sd_ecu_t *self, sd_course_jump_t jump) {
     sd_stage_torque_jump(&self->torque, jump);
     restart_firings(self);
     sd_stage_mixture_restart(&self->mixture);
+    sd_stage_driveline_restart(&self->driveline, SD_WHY_CONVERGING);
+    self->driveline_word = (uint8_t)SD_DRIVELINE_UNKNOWN;
 }
 
 static void end_cycle(sd_ecu_t *self, const sd_calibration_t *page, const sd_port_t *port, const sd_cycle_t *cycle) {
@@ -90,6 +93,23 @@ static void judge_firing(sd_ecu_t *self, const sd_calibration_t *page, uint32_t 
     sd_publish_judge(&self->say, SD_OWNER_MISFIRE, &status);
 }
 
+/* The gear that is in with the clutch closed, as far as anybody says so. */
+static uint8_t gear_of(const sd_inputs_t *inputs) {
+    const bool shifting = sd_inputs_value(inputs, SD_INPUT_DRIVELINE_SHIFT) > 0.5f;
+    return shifting ? (uint8_t)0u : (uint8_t)sd_inputs_value(inputs, SD_INPUT_DRIVELINE_GEAR);
+}
+
+static void step_driveline(sd_ecu_t *self, const sd_page_driveline_t *driveline, const sd_tooth_t *tooth, const sd_firings_out_t *firings) {
+    const sd_pattern_t *pattern = &self->firings.pattern;
+    const bool learned = (pattern->sd_rad > 0.0f) && (pattern->sd_rad < self->firings.unlearned_rad);
+    const sd_stage_driveline_in_t in = { .engine_nm = firings->waveform_nm - firings->level_nm,
+                                         .late_rad = learned ? pattern->late_rad[tooth->position] : 0.0f,
+                                         .torque = firings->status,
+                                         .gear = gear_of(&self->inputs) };
+    sd_stage_driveline_tooth(&self->driveline, driveline, tooth, &in);
+    self->driveline_word = sd_stage_driveline_word(&self->driveline);
+}
+
 /* Returns true when a firing was read. */
 static bool step_firings(sd_ecu_t *self, const sd_calibration_t *page, const sd_port_t *port, const sd_tooth_t *tooth, float speed_radps) {
     const sd_inputs_t *inputs = &self->inputs;
@@ -104,12 +124,15 @@ static bool step_firings(sd_ecu_t *self, const sd_calibration_t *page, const sd_
                                       .intake_known = sd_inputs_fresh(inputs, SD_INPUT_AIR_INTAKE_PRESSURE) ? 1u : 0u,
                                       .fuel_cut = (fuel_known && (fuel_mg <= 0.0f)) ? 1u : 0u,
                                       .intake_bar = sd_inputs_value(inputs, SD_INPUT_AIR_INTAKE_PRESSURE),
+                                      .driveline = self->driveline_word,
                                       .speed_radps = speed_radps };
     sd_firings_out_t out;
     sd_firings_step(&self->firings, &page->kalman, &seen, &out);
     sd_inputs_judge(inputs, SD_OWNER_FIRING, &out.status);
     sd_publish_judge(&self->say, SD_OWNER_FIRING, &out.status);
     self->say.signals.firing_waveform_nm = out.waveform_nm;
+    const sd_page_driveline_t *driveline = sd_calibration_driveline(page);
+    if (driveline != NULL) { step_driveline(self, driveline, tooth, &out); }
     const bool observed = sd_stage_misfire_observes(&self->misfire);
     if ((self->firings.enabled == 0u) && !observed) {
         sd_publish_judge(&self->say, SD_OWNER_MISFIRE, &out.status);
@@ -154,6 +177,8 @@ void sd_ecu_spurious(sd_ecu_t *self, const sd_calibration_t *page) {
 void sd_ecu_lose_angle(sd_ecu_t *self, uint16_t why) {
     sd_course_lose(&self->course);
     sd_stage_mixture_restart(&self->mixture);
+    sd_stage_driveline_restart(&self->driveline, why);
+    self->driveline_word = (uint8_t)SD_DRIVELINE_UNKNOWN;
     self->say.signals.torque_mass_nm = 0.0f;
     sd_publish_worst_of(&self->say, SD_OWNER_TORQUE, SD_INVALID, why);
     sd_publish_worst_of(&self->say, SD_OWNER_FIRING, SD_INVALID, why);
@@ -171,4 +196,21 @@ void sd_ecu_sample(sd_ecu_t *self, sd_input_t input, float value) {
     } else if (input == SD_INPUT_EXHAUST_PRESSURE) {
         sd_stage_mixture_pressure(&self->mixture, value);
     }
+}
+
+void sd_ecu_wheel(sd_ecu_t *self, const sd_calibration_t *page, uint16_t wheel, uint32_t tick) {
+    const sd_page_driveline_t *driveline = sd_calibration_driveline(page);
+    if (driveline != NULL) { sd_stage_driveline_wheel(&self->driveline, driveline, wheel, tick); }
+}
+
+void sd_ecu_task(sd_ecu_t *self, const sd_calibration_t *page, const sd_port_t *port, uint32_t tick) {
+    const sd_page_driveline_t *driveline = sd_calibration_driveline(page);
+    if (driveline == NULL) { return; }
+    sd_stage_driveline_task(&self->driveline, driveline);
+    sd_status_t status = self->driveline.out.status;
+    sd_inputs_judge(&self->inputs, SD_OWNER_DRIVELINE, &status);
+    sd_say_driveline(&self->say, &self->driveline);
+    sd_publish_judge(&self->say, SD_OWNER_DRIVELINE, &status);
+    sd_publish_judge(&self->say, SD_OWNER_DRIVELINE_REFERENCE, &self->driveline.reference.status);
+    sd_publish_row(&self->say, port, tick, SD_RATE_DRIVELINE);
 }

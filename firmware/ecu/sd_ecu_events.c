@@ -40,6 +40,7 @@ static void on_time(sd_ecu_t *self, const sd_calibration_t *page, const sd_port_
     self->edge_seen = 0;
     sd_say_inputs(&self->say, &self->inputs);
     sd_publish_row(&self->say, port, tick, SD_RATE_TASK);
+    sd_ecu_task(self, page, port, tick);
     const sd_event_t done = { .tick = tick, .kind = SD_EVENT_DONE, .value = self->say.unsent, .flags = self->unknown_events };
     (void)port->send(port->context, &done, 1u);
 }
@@ -57,7 +58,7 @@ uint32_t sd_ecu_run(sd_ecu_t *self, const sd_calibration_t *page, const sd_port_
         switch (event.kind) {
         case SD_EVENT_CRANK_EDGE: on_crank_edge(self, page, port, event.tick); break;
         case SD_EVENT_CAM_EDGE:   sd_crank_cam_edge(&self->crank, event.tick); break;
-        case SD_EVENT_WHEEL_EDGE: break; /* nothing takes it yet */
+        case SD_EVENT_WHEEL_EDGE: sd_ecu_wheel(self, page, event.channel, event.tick); break;
         case SD_EVENT_TIME:       on_time(self, page, port, event.tick); break;
         case SD_EVENT_SAMPLE:     on_sample(self, &event); break;
         case SD_EVENT_GAP:        on_gap(self, port, event.tick); break;

@@ -11,7 +11,7 @@ extern "C" {
 #endif
 
 /// Changes whenever the table does; calibration pages and logs carry it.
-#define SD_SIGNALS_SIGNATURE 0xe0a956a0u
+#define SD_SIGNALS_SIGNATURE 0xaffd71a6u
 
 /// Channel of an SD_EVENT_SAMPLE.
 typedef enum sd_input {
@@ -25,8 +25,9 @@ typedef enum sd_input {
     SD_INPUT_EXHAUST_VANES = 7, ///< Area between the vanes of a variable turbine (VGT), over the calibration's. [-]
     SD_INPUT_EXHAUST_TURBINE_SPEED = 8, ///< Of the turbocharger. Not known: as calibrated; see afr.turbine_drop. [rpm]
     SD_INPUT_BALANCE_ENABLE = 9, ///< Above 0.5 the trims learn; otherwise, and while nothing is said, they are 0. [-]
+    SD_INPUT_DRIVELINE_GEAR = 10, ///< Gear that is in with the clutch closed, 1 the first of the engine file; 0: none is, or the clutch is open or slips. [-]
 } sd_input_t;
-#define SD_INPUT_COUNT 10u
+#define SD_INPUT_COUNT 11u
 
 /// Channel of an SD_EVENT_SIGNAL.
 typedef enum sd_signal {
@@ -76,8 +77,19 @@ typedef enum sd_signal {
     SD_SIGNAL_MISFIRE_PARTIAL_BURNS = 92, ///< Partial burns since init. [-]
     SD_SIGNAL_INPUTS_STALE = 93, ///< Inputs read once whose last reading is older than it counts: bit i of element n is input 16 (n - 1) + i. [-, 2 channels]
     SD_SIGNAL_INPUTS_MISSING = 95, ///< The same of inputs never read. [-, 2 channels]
+    SD_SIGNAL_DRIVELINE_LOCATION = 97, ///< Where the shaft is: 1 wound up backward and stiff, 2 soft, 3 wound up forward and stiff; 0: not known. [-]
+    SD_SIGNAL_DRIVELINE_TORSION = 98, ///< Torsion of the shaft, at the wheels. [rad]
+    SD_SIGNAL_DRIVELINE_WINDING = 99, ///< Rate of the torsion. [rad/s]
+    SD_SIGNAL_DRIVELINE_SHAFT = 100, ///< Torque of the shaft, spring and damping, at the crank. [Nm]
+    SD_SIGNAL_DRIVELINE_WHEEL_SPEED = 101, ///< Speed of the driven wheels, as the filter has it. [rad/s]
+    SD_SIGNAL_DRIVELINE_BIAS = 102, ///< What the engine's torque is believed to lack, at the crank. [Nm]
+    SD_SIGNAL_DRIVELINE_MOVING = 103, ///< 1: the shaft winds or unwinds fast, or did within the last quarter of a second. Firings and misfires are judged by it. [-]
+    SD_SIGNAL_DRIVELINE_DAMPING_REQUEST = 104, ///< Torque at the crank to be added to what the driver wants, so that the swing dies out; 0 unless driveline.damping is 1. [Nm]
+    SD_SIGNAL_DRIVELINE_REFERENCE_LOCATION = 105, ///< Location by document 003's identification; 0: it rests. [-]
+    SD_SIGNAL_DRIVELINE_REFERENCE_TORSION = 106, ///< Torsion by its continuous observer. [rad]
+    SD_SIGNAL_DRIVELINE_REFERENCE_RESIDUAL = 107, ///< Residual of location n. [rpm, 3 channels]
 } sd_signal_t;
-#define SD_SIGNAL_COUNT 97u
+#define SD_SIGNAL_COUNT 110u
 
 /// Present values, in channel order.
 typedef struct sd_signals {
@@ -127,6 +139,17 @@ typedef struct sd_signals {
     float misfire_partial_burns;
     float inputs_stale[2];
     float inputs_missing[2];
+    float driveline_location;
+    float driveline_torsion_rad;
+    float driveline_winding_radps;
+    float driveline_shaft_nm;
+    float driveline_wheel_speed_radps;
+    float driveline_bias_nm;
+    float driveline_moving;
+    float driveline_damping_request_nm;
+    float driveline_reference_location;
+    float driveline_reference_torsion_rad;
+    float driveline_reference_residual_rpm[3];
 } sd_signals_t;
 
 /// Parameters of the working page; names, ranges and defaults in sd_parameter_infos.
@@ -197,8 +220,13 @@ typedef struct sd_parameters {
     float balance_limit; ///< Largest trim.
     float balance_sd_max; ///< Stated standard deviation of a deviation above which nothing is learned.
     float balance_hold_cycles; ///< How long trims hold after a transient or an estimate that is not valid.
+    float driveline_damping; ///< 1: the damping asks for torque. It needs the engine file's driveline.
+    float driveline_damping_gain_nmsprad; ///< Torque at the crank for a rate of torsion.
+    float driveline_damping_limit_nm; ///< Largest request either way.
+    float driveline_damping_rate_nmps; ///< Fastest change of the request.
+    float driveline_damping_drop_nmps; ///< The same on its way to 0, once the estimate is not valid.
 } sd_parameters_t;
-#define SD_PARAMETER_COUNT 66u
+#define SD_PARAMETER_COUNT 71u
 
 /// What is said together, and when.
 typedef enum sd_rate {
@@ -206,8 +234,9 @@ typedef enum sd_rate {
     SD_RATE_CYCLE = 1, ///< Every 720 deg. The tick is that of the tooth that ended the cycle; a row may be said over some of the teeth that follow.
     SD_RATE_FIRING = 2, ///< Each firing, 300 deg after its TDC.
     SD_RATE_TASK = 3, ///< Every 10 ms, with the clock event, whether the engine turns or not.
+    SD_RATE_DRIVELINE = 4, ///< Every 10 ms, with the clock event, where the page has a driveline.
 } sd_rate_t;
-#define SD_RATE_COUNT 4u
+#define SD_RATE_COUNT 5u
 
 /// Whose health comes with a value.
 typedef enum sd_owner {
@@ -218,9 +247,11 @@ typedef enum sd_owner {
     SD_OWNER_MISFIRE = 4, ///< The misfire monitor. A firing whose fuel is unknown is not judged; a tank or a gearbox that says nothing forbids nothing.
     SD_OWNER_AFR = 5, ///< Mixture of each cylinder, from the lambda sensor.
     SD_OWNER_BALANCE = 6, ///< Trims of the fuel. They hold while the estimate that they follow is not valid, whatever it lacks.
-    SD_OWNER_INPUTS = 7, ///< What the ecu knows of its inputs; always valid.
+    SD_OWNER_DRIVELINE = 7, ///< The guard filter: torsion of the driveline from crank teeth, and the damping of its swing.
+    SD_OWNER_DRIVELINE_REFERENCE = 8, ///< Document 003's observers of the same, which want a speed without noise.
+    SD_OWNER_INPUTS = 9, ///< What the ecu knows of its inputs; always valid.
 } sd_owner_t;
-#define SD_OWNER_COUNT 8u
+#define SD_OWNER_COUNT 10u
 
 /// One row of the table. `value` is the default of a parameter.
 typedef struct sd_signal_info {

@@ -337,8 +337,48 @@ static inline void sd_bus_task_to_row(sd_row_t *row, const struct sd_bus_task_t 
     sd_row_put(row, 96, m->inputs_missing_2);
 }
 
+static inline void sd_bus_driveline_from_row(struct sd_bus_driveline_t *m, const sd_row_t *row) {
+    m->tick = (uint32_t)row->tick;
+    m->driveline_health = (uint8_t)row->health[SD_OWNER_DRIVELINE];
+    m->driveline_why = (uint16_t)row->why[SD_OWNER_DRIVELINE];
+    m->driveline_reference_health = (uint8_t)row->health[SD_OWNER_DRIVELINE_REFERENCE];
+    m->driveline_reference_why = (uint16_t)row->why[SD_OWNER_DRIVELINE_REFERENCE];
+    m->driveline_location = row->value[97];
+    m->driveline_torsion = row->value[98];
+    m->driveline_winding = row->value[99];
+    m->driveline_shaft = row->value[100];
+    m->driveline_wheel_speed = row->value[101];
+    m->driveline_bias = row->value[102];
+    m->driveline_moving = row->value[103];
+    m->driveline_damping_request = row->value[104];
+    m->driveline_reference_location = row->value[105];
+    m->driveline_reference_torsion = row->value[106];
+    m->driveline_reference_residual_1 = row->value[107];
+    m->driveline_reference_residual_2 = row->value[108];
+    m->driveline_reference_residual_3 = row->value[109];
+}
+
+static inline void sd_bus_driveline_to_row(sd_row_t *row, const struct sd_bus_driveline_t *m) {
+    sd_row_begin(row, (uint32_t)m->tick, SD_RATE_DRIVELINE);
+    sd_row_status(row, SD_OWNER_DRIVELINE, (uint8_t)m->driveline_health, (uint16_t)m->driveline_why);
+    sd_row_status(row, SD_OWNER_DRIVELINE_REFERENCE, (uint8_t)m->driveline_reference_health, (uint16_t)m->driveline_reference_why);
+    sd_row_put(row, 97, m->driveline_location);
+    sd_row_put(row, 98, m->driveline_torsion);
+    sd_row_put(row, 99, m->driveline_winding);
+    sd_row_put(row, 100, m->driveline_shaft);
+    sd_row_put(row, 101, m->driveline_wheel_speed);
+    sd_row_put(row, 102, m->driveline_bias);
+    sd_row_put(row, 103, m->driveline_moving);
+    sd_row_put(row, 104, m->driveline_damping_request);
+    sd_row_put(row, 105, m->driveline_reference_location);
+    sd_row_put(row, 106, m->driveline_reference_torsion);
+    sd_row_put(row, 107, m->driveline_reference_residual_1);
+    sd_row_put(row, 108, m->driveline_reference_residual_2);
+    sd_row_put(row, 109, m->driveline_reference_residual_3);
+}
+
 #define SD_BUS_INPUTS_FIRST 0xd0u
-#define SD_BUS_INPUTS_END   0xdau /* the identifier after the last input's */
+#define SD_BUS_INPUTS_END   0xdbu /* the identifier after the last input's */
 #define SD_BUS_ROW_FRAMES   6u /* of the longest row */
 #define SD_BUS_WHEELS       14u /* whose edges a teeth frame can carry */
 
@@ -405,6 +445,12 @@ static inline uint32_t sd_bus_row_pack(const sd_row_t *row, uint32_t part, uint3
         *id = SD_BUS_TASK_FRAME_ID;
         return (uint32_t)sd_bus_task_pack(bytes, &m, 64);
     }
+    if ((row->rate == SD_RATE_DRIVELINE) && (at++ == part)) {
+        struct sd_bus_driveline_t m;
+        sd_bus_driveline_from_row(&m, row);
+        *id = SD_BUS_DRIVELINE_FRAME_ID;
+        return (uint32_t)sd_bus_driveline_pack(bytes, &m, 64);
+    }
     return 0;
 }
 
@@ -468,6 +514,12 @@ static inline int sd_bus_row_unpack(sd_row_t *row, uint32_t id, const uint8_t *b
         struct sd_bus_task_t m;
         if ((size != SD_BUS_TASK_LENGTH) || (sd_bus_task_unpack(&m, bytes, size) != 0)) { return -1; }
         sd_bus_task_to_row(row, &m);
+        return 1;
+    }
+    if (id == SD_BUS_DRIVELINE_FRAME_ID) {
+        struct sd_bus_driveline_t m;
+        if ((size != SD_BUS_DRIVELINE_LENGTH) || (sd_bus_driveline_unpack(&m, bytes, size) != 0)) { return -1; }
+        sd_bus_driveline_to_row(row, &m);
         return 1;
     }
     return 0;

@@ -23,7 +23,8 @@ uint64_t __sixdeg_outputs_t_hash_recursive(const __lcm_hash_ptr *p)
     cp.v = (void*)__sixdeg_outputs_t_get_hash;
     (void) cp;
 
-    uint64_t hash = (uint64_t)0xa38feecac583378aLL
+    uint64_t hash = (uint64_t)0x517d056c535a5d99LL
+         + __int32_t_hash_recursive(&cp)
          + __int32_t_hash_recursive(&cp)
          + __int32_t_hash_recursive(&cp)
          + __int32_t_hash_recursive(&cp)
@@ -37,6 +38,7 @@ uint64_t __sixdeg_outputs_t_hash_recursive(const __lcm_hash_ptr *p)
          + __sixdeg_cycle_t_hash_recursive(&cp)
          + __sixdeg_firing_t_hash_recursive(&cp)
          + __sixdeg_task_t_hash_recursive(&cp)
+         + __sixdeg_driveline_t_hash_recursive(&cp)
         ;
 
     return (hash<<1) + ((hash>>63)&1);
@@ -71,6 +73,9 @@ int __sixdeg_outputs_t_encode_array(void *buf, int offset, int maxlen, const six
         thislen = __int32_t_encode_array(buf, offset + pos, maxlen - pos, &(p[element].tasks), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
+        thislen = __int32_t_encode_array(buf, offset + pos, maxlen - pos, &(p[element].drivelines), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
         thislen = __int32_t_encode_array(buf, offset + pos, maxlen - pos, &(p[element].done), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
@@ -96,6 +101,9 @@ int __sixdeg_outputs_t_encode_array(void *buf, int offset, int maxlen, const six
         if (thislen < 0) return thislen; else pos += thislen;
 
         thislen = __sixdeg_task_t_encode_array(buf, offset + pos, maxlen - pos, p[element].task, p[element].tasks);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __sixdeg_driveline_t_encode_array(buf, offset + pos, maxlen - pos, p[element].driveline, p[element].drivelines);
         if (thislen < 0) return thislen; else pos += thislen;
 
     }
@@ -129,6 +137,8 @@ int __sixdeg_outputs_t_encoded_array_size(const sixdeg_outputs_t *p, int element
 
         size += __int32_t_encoded_array_size(&(p[element].tasks), 1);
 
+        size += __int32_t_encoded_array_size(&(p[element].drivelines), 1);
+
         size += __int32_t_encoded_array_size(&(p[element].done), 1);
 
         size += __int32_t_encoded_array_size(&(p[element].tick), 1);
@@ -146,6 +156,8 @@ int __sixdeg_outputs_t_encoded_array_size(const sixdeg_outputs_t *p, int element
         size += __sixdeg_firing_t_encoded_array_size(p[element].firing, p[element].firings);
 
         size += __sixdeg_task_t_encoded_array_size(p[element].task, p[element].tasks);
+
+        size += __sixdeg_driveline_t_encoded_array_size(p[element].driveline, p[element].drivelines);
 
     }
     return size;
@@ -172,6 +184,9 @@ int __sixdeg_outputs_t_decode_array(const void *buf, int offset, int maxlen, six
         if (thislen < 0) return thislen; else pos += thislen;
 
         thislen = __int32_t_decode_array(buf, offset + pos, maxlen - pos, &(p[element].tasks), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __int32_t_decode_array(buf, offset + pos, maxlen - pos, &(p[element].drivelines), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
         thislen = __int32_t_decode_array(buf, offset + pos, maxlen - pos, &(p[element].done), 1);
@@ -205,6 +220,10 @@ int __sixdeg_outputs_t_decode_array(const void *buf, int offset, int maxlen, six
         thislen = __sixdeg_task_t_decode_array(buf, offset + pos, maxlen - pos, p[element].task, p[element].tasks);
         if (thislen < 0) return thislen; else pos += thislen;
 
+        p[element].driveline = (sixdeg_driveline_t*) lcm_malloc(sizeof(sixdeg_driveline_t) * p[element].drivelines);
+        thislen = __sixdeg_driveline_t_decode_array(buf, offset + pos, maxlen - pos, p[element].driveline, p[element].drivelines);
+        if (thislen < 0) return thislen; else pos += thislen;
+
     }
     return pos;
 }
@@ -221,6 +240,8 @@ int __sixdeg_outputs_t_decode_array_cleanup(sixdeg_outputs_t *p, int elements)
         __int32_t_decode_array_cleanup(&(p[element].firings), 1);
 
         __int32_t_decode_array_cleanup(&(p[element].tasks), 1);
+
+        __int32_t_decode_array_cleanup(&(p[element].drivelines), 1);
 
         __int32_t_decode_array_cleanup(&(p[element].done), 1);
 
@@ -243,6 +264,9 @@ int __sixdeg_outputs_t_decode_array_cleanup(sixdeg_outputs_t *p, int elements)
 
         __sixdeg_task_t_decode_array_cleanup(p[element].task, p[element].tasks);
         if (p[element].task) free(p[element].task);
+
+        __sixdeg_driveline_t_decode_array_cleanup(p[element].driveline, p[element].drivelines);
+        if (p[element].driveline) free(p[element].driveline);
 
     }
     return 0;
@@ -282,6 +306,8 @@ int __sixdeg_outputs_t_clone_array(const sixdeg_outputs_t *p, sixdeg_outputs_t *
 
         __int32_t_clone_array(&(p[element].tasks), &(q[element].tasks), 1);
 
+        __int32_t_clone_array(&(p[element].drivelines), &(q[element].drivelines), 1);
+
         __int32_t_clone_array(&(p[element].done), &(q[element].done), 1);
 
         __int32_t_clone_array(&(p[element].tick), &(q[element].tick), 1);
@@ -303,6 +329,9 @@ int __sixdeg_outputs_t_clone_array(const sixdeg_outputs_t *p, sixdeg_outputs_t *
 
         q[element].task = (sixdeg_task_t*) lcm_malloc(sizeof(sixdeg_task_t) * q[element].tasks);
         __sixdeg_task_t_clone_array(p[element].task, q[element].task, p[element].tasks);
+
+        q[element].driveline = (sixdeg_driveline_t*) lcm_malloc(sizeof(sixdeg_driveline_t) * q[element].drivelines);
+        __sixdeg_driveline_t_clone_array(p[element].driveline, q[element].driveline, p[element].drivelines);
 
     }
     return 0;

@@ -9,7 +9,7 @@ namespace sixdeg {
 namespace {
 
 // Tables and fields that belong to read_engine.
-constexpr const char *kSharedTables[] = {"cylinders", "valves", "combustion", "crank", "wheel", "cam", "timer", "exhaust", "uego", "dual_mass", "torsion"};
+constexpr const char *kSharedTables[] = {"cylinders", "valves", "combustion", "crank", "wheel", "cam", "timer", "exhaust", "uego", "driveline", "dual_mass", "torsion"};
 
 void read_air(TomlFile &file, PlantEngine &engine) {
     const auto pressure = file.numbers("plant.air.intake_pressure_bar", {0.1, 5, "bar"});

@@ -7,6 +7,9 @@
 #include "common/error.hpp"
 #include "design/driveline/guard_design.hpp"
 #include "design/driveline/hybrid_design.hpp"
+extern "C" {
+#include "hal.h"
+}
 
 namespace sixdeg {
 namespace {

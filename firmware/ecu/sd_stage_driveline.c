@@ -46,6 +46,32 @@ void sd_stage_driveline_restart(sd_stage_driveline_t *self, uint16_t why) {
 
 /* ---- on the tooth -------------------------------------------------------------------------------------------------- */
 
+/* A period of the firings is 2 positions / cylinders long; where the filter begins anew, so does the period. */
+static void follow_winding(sd_stage_driveline_t *self, const sd_page_driveline_t *driveline, const sd_tooth_t *tooth, float step_s,
+                           float last_radps) {
+    sd_driveline_out_t *out = &self->out;
+    if ((out->status.health == (uint8_t)SD_INVALID) || (self->begun_s <= 0.0f)) {
+        self->begun_rad = out->twist_rad;
+        self->begun_s = 1e-6f;
+        self->positions = 0;
+        self->still_s = 0.0f;
+        out->winding_radps = 0.0f;
+        return;
+    }
+    out->winding_radps = last_radps;
+    self->begun_s += step_s;
+    self->positions = (uint16_t)(self->positions + tooth->advance);
+    if (self->positions >= driveline->firing_positions) {
+        out->winding_radps = (out->twist_rad - self->begun_rad) / self->begun_s;
+        self->begun_rad = out->twist_rad;
+        self->begun_s = 1e-6f;
+        self->positions = 0;
+    }
+    const bool fast = __builtin_fabsf(out->winding_radps) > driveline->tables.moving_radps;
+    self->still_s = fast ? 0.0f : self->still_s + step_s;
+    out->moving = (self->still_s < driveline->tables.moving_hold_s) ? 1u : 0u;
+}
+
 void sd_stage_driveline_tooth(sd_stage_driveline_t *self, const sd_page_driveline_t *driveline, const sd_tooth_t *tooth,
                               const sd_stage_driveline_in_t *in) {
     const sd_driveline_tables_t *tables = &driveline->tables;
@@ -62,8 +88,10 @@ void sd_stage_driveline_tooth(sd_stage_driveline_t *self, const sd_page_drivelin
     };
     self->before_nm = in->engine_nm;
     self->tick = tooth->tick;
+    const float winding_radps = self->out.winding_radps;
     sd_driveline_guard_step(&self->guard, tables, &seen, &self->out);
     if (!known) { sd_status_worst_of(&self->out.status, SD_INVALID, SD_WHY_CONVERGING); }
+    follow_winding(self, driveline, tooth, step_s, winding_radps);
     (void)sd_driveline_damping_step(&self->damping, &self->choice, self->out.winding_radps, self->out.status.health, step_s);
     self->torque_nms += seen.torque_nm * step_s;
     self->task_s += step_s;

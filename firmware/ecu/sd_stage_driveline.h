@@ -9,6 +9,9 @@
 /// The engine's torque is the cylinders', as the filter on tooth times has it, less what the engine file says that friction
 /// takes. Kinetic energy is that of the crank's mean inertia: teeth are shifted by where its ripple puts them.
 ///
+/// A firing winds the shaft up and lets it go again. So whether the driveline moves, and what the damping answers, is the torsion's change
+/// over a period of the firings, over its time; out.winding_radps and out.moving are that and not the filter's own.
+///
 /// A page without a driveline costs a branch a tooth, and nothing is said.
 #ifndef SD_STAGE_DRIVELINE_H
 #define SD_STAGE_DRIVELINE_H
@@ -42,6 +45,10 @@ typedef struct sd_stage_driveline {
     float    torque_nms;   ///< Torque told since the last task, times time,
     float    task_s;       ///< and that time.
     uint32_t tick;         ///< Of the last placed tooth.
+    float    begun_rad;    ///< Torsion when the firing period under way began,
+    float    begun_s;      ///< how long ago that is,
+    float    still_s;      ///< and for how long the shaft has moved less than the tables' limit, from period to period.
+    uint16_t positions;    ///< Passed in it.
     uint8_t  hybrid_gear;  ///< That the reference runs in; 0: it rests.
 } sd_stage_driveline_t;
 

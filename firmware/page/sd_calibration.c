@@ -25,7 +25,7 @@ uint32_t sd_page_driveline_words(uint32_t gears) {
 }
 
 bool sd_page_driveline_ok(const sd_page_driveline_t *driveline) {
-    bool ok = sd_bits_within(driveline->drag_nm, -1000.0f, 1000.0f);
+    bool ok = sd_bits_within(driveline->drag_nm, -1000.0f, 1000.0f) && (driveline->firing_positions >= 1u);
     for (uint32_t k = 0; ok && (k < SD_KALMAN_POSITIONS_MAX); ++k) { ok = sd_bits_within(driveline->place_rad[k], -0.1f, 0.1f); }
     return ok;
 }

@@ -30,7 +30,7 @@ typedef struct sd_page_driveline {
     float    place_rad[SD_KALMAN_POSITIONS_MAX];
     float    drag_nm;     ///< What friction takes of the cylinders' torque, beside tables.viscous_nms, [-1000, 1000] N m.
     uint16_t wheel;       ///< sd_wheel_t whose teeth tell the speed of the driven wheels.
-    uint16_t reserved;    ///< 0.
+    uint16_t firing_positions; ///< Wheel positions from firing to firing, on average, 1 to 240.
     sd_driveline_tables_t tables; ///< Stored as far as its gears go.
 } sd_page_driveline_t;
 

@@ -15,6 +15,16 @@ namespace sixdeg {
 namespace {
 
 constexpr double kTaskS = 0.01;
+constexpr double kMovingRadps = 0.1; // from firing to firing
+
+/// What the ecu's own torque is worth: late by a firing, a few N m off for a while, and what it leaves of the firings' ripple in the teeth.
+GuardBelief ecu_belief() {
+    GuardBelief b;
+    b.torque_noise_nm = 0.3;
+    b.bias_walk_nm = 10;
+    b.doubt_rad = 6e-3;
+    return b;
+}
 
 /// The crank's inertia over a turn, kg m2.
 double mean_inertia(const EngineFile &engine) {
@@ -48,7 +58,7 @@ sd_page_driveline_t driveline_page(const EngineFile &engine, const DrivelineFile
     sd_page_driveline_t page{};
     Driveline car = file.car;
     car.engine_inertia_kgm2 = mean_inertia(engine);
-    GuardBelief belief;
+    GuardBelief belief = ecu_belief();
     if (file.wheel_teeth > 0) {
         belief.wheel_positions = file.wheel_teeth;
         belief.wheel_jitter_rad = file.wheel_jitter_deg * M_PI / 180;
@@ -62,6 +72,8 @@ sd_page_driveline_t driveline_page(const EngineFile &engine, const DrivelineFile
     for (std::size_t g = 0; g < car.ratios.size(); ++g) page.tables.gear[g].bank = hybrid_tables(car, car.ratios[g], reference);
     page.drag_nm = float(file.drag_nm);
     page.wheel = SD_WHEEL_FRONT_LEFT;
+    page.firing_positions = std::uint16_t(std::max(1, 2 * engine.wheel.positions / engine.cylinders()));
+    page.tables.moving_radps = float(kMovingRadps);
     fill_places(engine, page);
     return page;
 }

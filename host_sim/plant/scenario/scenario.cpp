@@ -188,6 +188,7 @@ void read_vehicle(TomlFile &file, Scenario &s) {
     if (file.has("vehicle.clutch_open_s")) v.open_s = file.numbers("vehicle.clutch_open_s", {0, kLongest, "s"});
     if (v.open_s.size() % 2 != 0) file.fail("vehicle.clutch_open_s", "is not a list of pairs: from, to, from, to");
     v.slope_nm = read_profile(file, "vehicle", "time_s", "slope_nm", {-1e4, 1e4, "N m"}, {0, kLongest, "s"}, 0);
+    v.tell_gear = file.boolean_or("vehicle.tell_gear", true);
     v.wheel_teeth = d.wheel_teeth;
     v.wheel_jitter_rad = kRadPerDeg * file.number_or("vehicle.wheel_jitter_deg", {0, 2, "deg"}, 0);
     s.vehicle = v;

@@ -26,6 +26,7 @@ struct VehicleSetup {
     std::vector<GearShift> shifts;   ///< Ascending.
     std::vector<double> open_s;      ///< Pairs from, to: the clutch is open.
     Profile slope_nm{0.0};           ///< Load at the wheels beside the road's resistance, over time.
+    bool tell_gear = true;           ///< False: nobody tells the controller which gear is in.
     int wheel_teeth = 0;             ///< 0: none are read.
     double wheel_jitter_rad = 0;
 };
@@ -46,9 +47,8 @@ class CarBehind {
     double crank_radps_of_wheels() const { return car_.state().wheel_radps / car_.ratio(); }
     double inertia_at_crank_kgm2() const { return setup_.car.vehicle_inertia_kgm2 * car_.ratio() * car_.ratio(); }
     /// What the controller knows: the gear, from 1, while the clutch holds; 0 otherwise.
-    int gear() const { return holds_ ? int(car_.gear()) + 1 : 0; }
+    int gear() const { return holds_ && setup_.tell_gear ? int(car_.gear()) + 1 : 0; }
     const VehicleModel &model() const { return car_; }
-    double damping_nm() const { return setup_.car.damping_nms; }
     std::deque<ToothEdge> &wheel_edges() { return edges_; }
 
   private:

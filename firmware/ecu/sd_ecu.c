@@ -73,6 +73,7 @@ static void step_torque(sd_ecu_t *self, const sd_calibration_t *page, const sd_t
 static void judge_firing(sd_ecu_t *self, const sd_calibration_t *page, uint32_t firing, bool phase_known, const sd_firings_out_t *firings) {
     sd_stage_misfire_in_t in = { .firing = firing,
                                  .phase_known = phase_known,
+                                 .geared = self->driveline_word != (uint8_t)SD_DRIVELINE_UNKNOWN,
                                  .shifting = sd_inputs_value(&self->inputs, SD_INPUT_DRIVELINE_SHIFT) > 0.5f,
                                  .level_known = sd_inputs_fresh(&self->inputs, SD_INPUT_FUEL_LEVEL),
                                  .fuel_level_percent = sd_inputs_value(&self->inputs, SD_INPUT_FUEL_LEVEL) };

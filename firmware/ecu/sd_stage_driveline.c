@@ -14,11 +14,12 @@ sd_result_t sd_stage_driveline_init(sd_stage_driveline_t *self, const sd_calibra
     *self = (sd_stage_driveline_t){ .hybrid_gear = 0 };
     self->out.status = (sd_status_t){ .health = SD_INVALID, .why = SD_WHY_UNCALIBRATED };
     self->reference.status = self->out.status;
+    self->choice = damping_of(p);
+    if (sd_driveline_damping_init(&self->damping, &self->choice) != SD_OK) { return SD_ERR_CONFIG; }
     if (driveline == NULL) { return SD_OK; }
     if (!sd_page_driveline_ok(driveline) || (sd_driveline_guard_init(&self->guard, &driveline->tables) != SD_OK)) { return SD_ERR_CONFIG; }
-    self->choice = damping_of(p);
     self->out.status.why = self->reference.status.why = SD_WHY_NO_SYNC;
-    return sd_driveline_damping_init(&self->damping, &self->choice);
+    return SD_OK;
 }
 
 sd_result_t sd_stage_driveline_configure(sd_stage_driveline_t *self, const sd_parameters_t *p) {

@@ -22,8 +22,8 @@ void DrivelineScore::truth(double time_s, int location, double twist_rad) {
 }
 
 void DrivelineScore::said(const sd_event_t &event) {
-    if (event.kind != SD_EVENT_SIGNAL || event.channel < SD_SIGNAL_DRIVELINE_LOCATION || event.channel > SD_SIGNAL_DRIVELINE_REFERENCE_TORSION)
-        return;
+    const bool ours = event.channel >= SD_SIGNAL_DRIVELINE_LOCATION && event.channel <= SD_SIGNAL_DRIVELINE_REFERENCE_TORSION;
+    if (event.kind != SD_EVENT_SIGNAL || !ours) return;
     float value;
     std::memcpy(&value, &event.value, sizeof value);
     const bool told = (event.flags & 0xff) != SD_INVALID;

@@ -16,8 +16,8 @@ DRIVE, SHUFFLE = DATA / "scenarios" / "drive.toml", DATA / "scenarios" / "shuffl
 
 class Driveline(Folder):
     def run_it(self, scenario, *options):
-        done = subprocess.run([os.environ["SIXDEG"], "run", str(scenario), "--nominal", "--json", str(self.folder / "summary.json"), *options],
-                              capture_output=True, text=True, timeout=300)
+        command = [os.environ["SIXDEG"], "run", str(scenario), "--nominal", "--json", str(self.folder / "summary.json"), *options]
+        done = subprocess.run(command, capture_output=True, text=True, timeout=300)
         self.assertEqual(done.returncode, 0, done.stderr)
         return json.loads((self.folder / "summary.json").read_text())
 

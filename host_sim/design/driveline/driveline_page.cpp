@@ -64,7 +64,8 @@ sd_page_driveline_t driveline_page(const EngineFile &engine, const DrivelineFile
         belief.wheel_jitter_rad = file.wheel_jitter_deg * M_PI / 180;
         belief.twist_walk_rad = 1e-3;
     }
-    page.tables = guard_tables(car, belief, engine.wheel.positions, 1 / engine.tick_hz, file.guard_in_torque ? SD_GUARD_TORQUE : SD_GUARD_ANGLE);
+    const auto guard = file.guard_in_torque ? SD_GUARD_TORQUE : SD_GUARD_ANGLE;
+    page.tables = guard_tables(car, belief, engine.wheel.positions, 1 / engine.tick_hz, guard);
     HybridBelief reference;
     reference.equilibrium_rad = 0;
     reference.at_rest = true;
@@ -83,7 +84,8 @@ sd_page_driveline_t driveline_page(const EngineFile &engine, const DrivelineFile
 void add_driveline(const EngineFile &engine, sd_calibration_t &page) {
     if (!engine.driveline) return;
     if (page.kalman.positions == 0) {
-        throw InputError(engine.name, "driveline", "needs the filter on tooth times, which knows the torque: firing.enabled, combustion.pulse");
+        throw InputError(engine.name, "driveline",
+                         "needs the filter on tooth times, which knows the torque: firing.enabled, combustion.pulse");
     }
     const sd_page_driveline_t driveline = driveline_page(engine, *engine.driveline);
     const std::uint32_t at = sd_kalman_pool_used(&page.kalman), words = sd_page_driveline_words(driveline.tables.gears);

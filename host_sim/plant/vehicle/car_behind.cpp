@@ -28,7 +28,9 @@ double CarBehind::capacity_nm(double time_s) const {
 void CarBehind::follow_driver(double time_s) {
     const double capacity = capacity_nm(time_s);
     car_.set_clutch(capacity);
-    while (shifted_ < setup_.shifts.size() && time_s >= setup_.shifts[shifted_].at_s + kOpenS / 2) car_.set_gear(setup_.shifts[shifted_++].gear);
+    while (shifted_ < setup_.shifts.size() && time_s >= setup_.shifts[shifted_].at_s + kOpenS / 2) {
+        car_.set_gear(setup_.shifts[shifted_++].gear);
+    }
     holds_ = capacity >= kCarriesNm && !car_.slips();
 }
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // The car behind the simulated engine: what a scenario's [vehicle] does with the driveline of the engine file.
 //
-// The engine's step comes first, with the shaft's torque going on as it did; then the car is taken along the speed that the crank had, which
-// is straight in time over a step. The shaft is slow beside a step of half a degree.
+// The engine's step comes first, with the shaft's torque going on as it did; then the car is taken along the speed that the crank had,
+// which is straight in time over a step. The shaft is slow beside a step of half a degree.
 #pragma once
 #include <deque>
 #include <memory>

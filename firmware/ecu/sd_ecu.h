@@ -5,7 +5,8 @@
 ///                 and one piece of the work that the end of a cycle left: cylinders, delay, mixture, trims, the cycle's signals
 ///   cam edge   -> phase
 ///   wheel edge -> driveline
-///   time       -> every 10 ms: age of inputs, stall, document 003's observers, signals of that rate, and the answer that all up to now
+///   time       -> every 10 ms: age of inputs, stall, diagnosis of the air path, document 003's observers, signals of that rate, and the
+///                 answer that all up to now
 ///                 is done
 ///   sample     -> inputs; those of the lambda sensor and of the exhaust pressure are averaged between teeth
 ///   gap        -> events were lost: angle and phase are unknown until they are found again
@@ -30,6 +31,7 @@
 #include "sd_inputs.h"
 #include "sd_publish.h"
 #include "sd_stage_driveline.h"
+#include "sd_stage_airpath.h"
 #include "sd_stage_misfire.h"
 #include "sd_stage_mixture.h"
 #include "sd_stage_torque.h"
@@ -61,11 +63,13 @@ typedef struct sd_ecu {
     sd_stage_mixture_t mixture;
     sd_stage_trims_t   trims;
     sd_stage_driveline_t driveline; ///< Rests where the page has none.
+    sd_stage_airpath_t airpath;
     sd_work_t          work;
     sd_publish_t       say;
     float    last_speed_radps, last_fuel_mg; ///< Of the last cycle, to see whether the engine is steady.
     uint32_t unknown_events; ///< Ignored, wraps.
     uint8_t  ready;          ///< 1: initialised.
+    uint8_t  shed;           ///< sd_shed_t: what the port lets it leave out.
     uint8_t  edge_seen;      ///< 1: a crank edge came since the last time event.
     uint8_t  driveline_word; ///< sd_driveline_word_t of the last tooth, for the firings of the next.
     uint8_t  trims_wanted;   ///< 1: when balance.enable was last fresh, it allowed trims.

@@ -19,6 +19,7 @@ extern "C" {
 #include "sixdeg_edge_t.h"
 #include "sixdeg_cycle_t.h"
 #include "sixdeg_firing_t.h"
+#include "sixdeg_airpath_t.h"
 #include "sixdeg_task_t.h"
 #include "sixdeg_driveline_t.h"
 /// SIXDEG_OUTPUTS: what the ecu says, at the latest at each clock event.
@@ -28,6 +29,7 @@ struct _sixdeg_outputs_t
     int32_t    edges;
     int32_t    cycles;
     int32_t    firings;
+    int32_t    airpaths;
     int32_t    tasks;
     int32_t    drivelines;
     int32_t    done;
@@ -38,6 +40,7 @@ struct _sixdeg_outputs_t
     sixdeg_edge_t *edge;
     sixdeg_cycle_t *cycle;
     sixdeg_firing_t *firing;
+    sixdeg_airpath_t *airpath;
     sixdeg_task_t *task;
     sixdeg_driveline_t *driveline;
 };

@@ -47,12 +47,16 @@ static void restart_firings(sd_ecu_t *self) {
     sd_publish_judge(&self->say, SD_OWNER_MISFIRE, &self->misfire.status);
 }
 
+static void rest_driveline(sd_ecu_t *self, uint16_t why) {
+    sd_stage_driveline_restart(&self->driveline, why);
+    self->driveline_word = (uint8_t)SD_DRIVELINE_UNKNOWN;
+}
+
 static void jump(sd_ecu_t *self, sd_course_jump_t jump) {
     sd_stage_torque_jump(&self->torque, jump);
     restart_firings(self);
     sd_stage_mixture_restart(&self->mixture);
-    sd_stage_driveline_restart(&self->driveline, SD_WHY_CONVERGING);
-    self->driveline_word = (uint8_t)SD_DRIVELINE_UNKNOWN;
+    rest_driveline(self, SD_WHY_CONVERGING);
 }
 
 static void end_cycle(sd_ecu_t *self, const sd_calibration_t *page, const sd_port_t *port, const sd_cycle_t *cycle) {
@@ -181,8 +185,7 @@ void sd_ecu_spurious(sd_ecu_t *self, const sd_calibration_t *page) {
 void sd_ecu_lose_angle(sd_ecu_t *self, uint16_t why) {
     sd_course_lose(&self->course);
     sd_stage_mixture_restart(&self->mixture);
-    sd_stage_driveline_restart(&self->driveline, why);
-    self->driveline_word = (uint8_t)SD_DRIVELINE_UNKNOWN;
+    rest_driveline(self, why);
     self->say.signals.torque_mass_nm = 0.0f;
     sd_publish_worst_of(&self->say, SD_OWNER_TORQUE, SD_INVALID, why);
     sd_publish_worst_of(&self->say, SD_OWNER_FIRING, SD_INVALID, why);
@@ -199,7 +202,10 @@ void sd_ecu_shed(sd_ecu_t *self, uint8_t level) {
     const uint8_t before = self->shed;
     self->shed = level;
     if ((before < (uint8_t)SD_SHED_MIXTURE) != (level < (uint8_t)SD_SHED_MIXTURE)) { sd_stage_mixture_restart(&self->mixture); }
-    if ((before < (uint8_t)SD_SHED_FIRINGS) != (level < (uint8_t)SD_SHED_FIRINGS)) { restart_firings(self); }
+    if ((before < (uint8_t)SD_SHED_FIRINGS) != (level < (uint8_t)SD_SHED_FIRINGS)) {
+        restart_firings(self);
+        rest_driveline(self, SD_WHY_OVERLOAD);
+    }
     if (level >= (uint8_t)SD_SHED_FIRINGS) {
         sd_publish_worst_of(&self->say, SD_OWNER_FIRING, SD_INVALID, SD_WHY_OVERLOAD);
         sd_publish_worst_of(&self->say, SD_OWNER_MISFIRE, SD_INVALID, SD_WHY_OVERLOAD);

@@ -67,12 +67,18 @@ static bool is_motored(sd_firings_t *self, const sd_kalman_tables_t *tables, con
     return self->motored > 4u * tables->positions;
 }
 
+/* What the filters run with besides the pattern. */
+static void take_learned(sd_firings_t *self, const sd_kalman_tables_t *tables) {
+    self->kalman.tuning = sd_twist_tuning(&self->pattern.sums.twist);
+    sd_motion_set_exponent(&self->kalman.charge, tables, self->pattern.exponent);
+}
+
 /* Returns whether the pattern changed. */
 static bool learn(sd_firings_t *self, const sd_kalman_tables_t *tables, const sd_firings_tooth_t *tooth, const sd_kalman_tooth_t *seen) {
     const bool known = (tooth->phase_known != 0u) && (tooth->intake_known != 0u);
     const bool motored = is_motored(self, tables, tooth) && known;
     const bool changed = motored ? sd_pattern_step(&self->pattern, tables, seen) : sd_pattern_rest(&self->pattern, tables);
-    if (changed) { self->kalman.tuning = sd_twist_tuning(&self->pattern.sums.twist); }
+    if (changed) { take_learned(self, tables); }
     return changed;
 }
 
@@ -174,6 +180,6 @@ void sd_firings_keep(const sd_firings_t *self, const sd_kalman_tables_t *tables,
 sd_result_t sd_firings_resume(sd_firings_t *self, const sd_kalman_tables_t *tables, const sd_pattern_sums_t *learned) {
     if ((self->enabled == 0u) || (sd_pattern_resume(&self->pattern, tables, learned) != SD_OK)) { return SD_ERR_CONFIG; }
     take_zeros(self, tables);
-    self->kalman.tuning = sd_twist_tuning(&self->pattern.sums.twist);
+    take_learned(self, tables);
     return SD_OK;
 }

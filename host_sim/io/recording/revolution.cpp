@@ -21,6 +21,8 @@ constexpr std::size_t kLeastIntervals = 6;
 constexpr int kPasses = 3, kSteps = 12, kPoints = 8;
 constexpr double kSlowest = 0.15; // Of the mean speed; a series that goes below is none of a turning crank.
 constexpr double kFloor = 0.01;   // Relative: teeth are not cut better, and no model is.
+// Where edges scatter so much (deviation of the medians), an interval so far from a spacing is a mark unseen or a tooth too many.
+constexpr double kScatter = 0.015, kOdd = 0.4;
 constexpr double kFirstSpread = 0.02, kLeastSpread = 1e-9, kAnyMean = 100, kFirstNoise = 1e-3; // Variances to begin with.
 // With fewer teeth between marks, those beside a mark count too; otherwise they are left out, because a mark distorts them.
 constexpr int kManyTeeth = 16;
@@ -138,6 +140,16 @@ bool fit_course(const std::vector<Piece> &pieces, Course &course) {
     return true;
 }
 
+/// Whether an interval that should be one spacing is none, by more than noise.
+bool has_odd_interval(const std::vector<Piece> &pieces, const Course &course) {
+    double scatter = 0, oddest = 0;
+    for (const Piece &piece : pieces) {
+        scatter += piece.sd / double(pieces.size());
+        if (piece.fitted) oddest = std::max(oddest, std::abs(Stretch(piece.from, piece.to).harmonic_mean(course.series) / piece.speed - 1));
+    }
+    return scatter > kScatter && oddest > kOdd;
+}
+
 } // namespace
 
 Revolution revolution_of(const std::vector<double> &interval_s, const std::vector<std::size_t> &before,
@@ -170,6 +182,7 @@ std::vector<MeasuredWidth> widths_of(const Revolution &revolution, const std::ve
     const std::vector<Piece> pieces = pieces_of(revolution, missing);
     Course course;
     if (!fit_course(pieces, course)) return widths;
+    if (has_odd_interval(pieces, course)) return {revolution.mark.size(), MeasuredWidth{std::nan(""), 0}};
     for (std::size_t j = 0; j < revolution.mark.size(); ++j) {
         const Piece &mark = pieces[revolution.mark[j]];
         const Stretch stretch(mark.from, mark.to);

@@ -24,7 +24,7 @@ struct MeasuredWidth {
 
 /// The widths of all marks if so many teeth are missing at each. The speed is taken to be a Fourier series of the revolution with a trend,
 /// fitted to the intervals that are no marks; how strong each order may be follows from the intervals themselves (D. MacKay, Bayesian
-/// interpolation, Neural Computation 4, 1992), so that one strong order is not mistaken for a wide mark. Empty where they are too few.
+/// interpolation, Neural Computation 4, 1992), so that one strong order is no wide mark. Empty: too few; NaN: others are no teeth.
 std::vector<MeasuredWidth> widths_of(const Revolution &revolution, const std::vector<int> &missing);
 
 } // namespace sixdeg

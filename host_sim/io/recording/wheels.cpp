@@ -57,7 +57,7 @@ std::vector<MeasuredWidth> widths_if(const Fit &fit, const std::vector<int> &run
     std::vector<MeasuredWidth> widths = widths_of(fit.usual, runs);
     widths.resize(fit.turn.size(), {0, std::numeric_limits<double>::infinity()});
     for (std::size_t j = 0; j < widths.size(); ++j)
-        if (!(widths[j].sd < kPoorlyKnown)) widths[j] = {fit.turn[j].width, fit.turn[j].sd};
+        if (!std::isnan(widths[j].spacings) && !(widths[j].sd < kPoorlyKnown)) widths[j] = {fit.turn[j].width, fit.turn[j].sd};
     return widths;
 }
 
@@ -75,10 +75,10 @@ std::vector<WheelName> wheels_of(const Fit &fit) {
         for (std::size_t j = 0; j < turn.size(); ++j) {
             const double off = std::abs(widths[j].spacings - 1 - runs[j]);
             doubt += off + (runs[j] == kRunMax && !(runs.size() == 1 && is_made(runs, wheel.positions)) ? kThreeMissing : 0);
-            worst = std::max(worst, off);
+            worst = std::isnan(off) ? off : std::max(worst, off);
             sd = std::max(sd, widths[j].sd);
         }
-        const bool far = worst > kWidthTolerance && turn.size() > 1;
+        const bool far = std::isnan(worst) || (worst > kWidthTolerance && turn.size() > 1);
         if (!far && wheel.positions >= kPositionsMin && wheel.positions <= kPositionsMax)
             names.push_back({wheel, doubt, sd, widths.back().spacings});
         more = false; // the next combination of 1, 2, 3

@@ -30,7 +30,7 @@ PAGE_AT, EVENTS_AT = 0x00200000, 0x20200000  # target/board.h
 MORE, LESS = 1.02, 0.98  # of the kept figure
 ALONE = {"blocks": ("budget_blocks", "block_classes"), "peers": ("budget_peers", "peer_classes")}  # no run of the ecu: image, classes
 
-Counts = collections.namedtuple("Counts", "events calls total most cycles most_cycles")
+Counts = collections.namedtuple("Counts", "events calls total most slow most_slow quick most_quick")
 
 
 def images_of(core):
@@ -74,11 +74,16 @@ class Run:
     def file(self, end):
         return self.folder / f"{self.name}.{end}"
 
+    @staticmethod
+    def file_of_run(name):
+        here = HERE / f"{name}.run"
+        return here if here.exists() else ROOT / f"tests/golden/{name}.run"
+
     def inputs(self):
         """Makes page and events; returns what the emulator loads, and what the host says of them."""
         twice = PLAN["twice"].get(self.name)
         made = subprocess.run([ROOT / "build/host/tests/budget/budget_input", *(["--twice"] if twice else []),
-                               ROOT / f"tests/golden/{twice or self.name}.run", self.file("page"), self.file("events")],
+                               self.file_of_run(twice or self.name), self.file("page"), self.file("events")],
                               capture_output=True, text=True)
         if made.returncode != 0:
             raise SystemExit(made.stderr)
@@ -91,11 +96,11 @@ class Run:
 
     def emulate(self, loaded):
         """Runs the image; returns what it prints. The plugin writes the counts."""
-        plugin = ROOT / "build/host/tests/budget/libbudget_plugin.so"
+        files = ",".join(f"{key}={self.file(key)}" for key in ("symbols", "groups", "cycles")) + f",out={self.file('csv')}"
         done = subprocess.run(
             ["qemu-system-arm", "-M", BOARD[self.core], "-display", "none", "-monitor", "none", "-serial", "none",
              "-semihosting-config", "enable=on,target=native", "-kernel", self.image,
-             "-plugin", f"{plugin},symbols={self.file('symbols')},groups={self.file('groups')},cycles={self.file('cycles')},out={self.file('csv')}"]
+             "-plugin", f"{ROOT}/build/host/tests/budget/libbudget_plugin.so,{files}"]
             + [word for device in loaded for word in ("-device", device)], capture_output=True, text=True, timeout=600)
         if done.returncode != 0:
             raise SystemExit(f"{self.name}: the target ended with {done.returncode}: {done.stdout}{done.stderr}")

@@ -3,10 +3,11 @@
  *
  *   -plugin libbudget_plugin.so,symbols=NM.txt,groups=GROUPS.txt,cycles=CYCLES.txt,out=FILE.csv
  *
- * NM.txt is what `nm -S` says of the image, GROUPS.txt has lines "group function". A group counts while any of its functions
- * is under way, so a function that calls another one of its group counts once. An event ends with a call of budget_class_N,
- * which says what class it was. CYCLES.txt has lines "address cycles more-when-it-branches" of a model (cycles.py), of all that is
- * executed; without it all are 0. Written for the plugin interface 1 of QEMU 7.2, whose header Debian does not package. */
+ * NM.txt is what `nm -S` says of the image, GROUPS.txt has lines "group function". A group counts while any of its functions is
+ * under way, so a function that calls another one of its group counts once. An event ends with a call of budget_class_N, which
+ * says what class it was. CYCLES.txt has lines "address slow more-when-it-branches quick more" in cycles of a model (cycles.py)
+ * for all that is executed; without it all are 0. Written for the plugin interface 1 of QEMU 7.2, whose header Debian does not
+ * package. */
 #include <stdbool.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -32,10 +33,10 @@ enum { CLASSES = 24, ITEMS_MAX = 4096, DEPTH_MAX = 256, CODE_BYTES = 4 << 20, NA
 /* A function or a group of them. */
 typedef struct item {
     char name[NAME_MAX_BYTES];
-    uint64_t started, started_cycle; /* Counts when the outermost call began. */
-    int open;                        /* Calls under way. */
-    uint64_t event_calls, event_count, event_cycles; /* In the event under way. */
-    struct { uint64_t events, calls, total, most, cycles, most_cycles; } of[CLASSES];
+    uint64_t started, started_slow, started_quick; /* Counts when the outermost call began. */
+    int open;         /* Calls under way. */
+    uint64_t event_calls, event_count, event_slow, event_quick; /* In the event under way. */
+    struct { uint64_t events, calls, total, most, slow, most_slow, quick, most_quick; } of[CLASSES];
 } item_t;
 
 typedef struct function {
@@ -48,7 +49,7 @@ typedef struct instruction {
     uint32_t pc, after;
     bool is_call;
     int entry, within; /* Function that begins here, function it is of; NONE. */
-    uint8_t cycles, branched; /* Of the model: of the instruction, and more when the next one is not the one behind it. */
+    struct costs { uint8_t slow, slow_branch, quick, quick_branch; } costs; /* Of the model; branch: when the next one is elsewhere. */
 } instruction_t;
 
 static item_t items[ITEMS_MAX];
@@ -57,9 +58,9 @@ static int item_count, group_count, function_count;
 static instruction_t *code[CODE_BYTES / 2];
 static struct { int function; uint32_t back; } stack[DEPTH_MAX];
 static int depth;
-static uint64_t executed, cycles;
+static uint64_t executed, slow, quick;
 static bool has_cycles;
-static struct { uint8_t cycles, branched; } costs[CODE_BYTES / 2];
+static struct costs costs[CODE_BYTES / 2];
 static const instruction_t *before;
 static char out_name[512];
 
@@ -68,7 +69,7 @@ static char out_name[512];
 static void open_item(int index) {
     if (index == NONE) { return; }
     item_t *item = &items[index];
-    if (item->open++ == 0) { item->started = executed, item->started_cycle = cycles; }
+    if (item->open++ == 0) { item->started = executed, item->started_slow = slow, item->started_quick = quick; }
     item->event_calls++;
 }
 
@@ -77,7 +78,8 @@ static void close_item(int index) {
     item_t *item = &items[index];
     if (--item->open > 0) { return; }
     item->event_count += executed - item->started;
-    item->event_cycles += cycles - item->started_cycle;
+    item->event_slow += slow - item->started_slow;
+    item->event_quick += quick - item->started_quick;
 }
 
 static void enter(int function, uint32_t back) {
@@ -105,6 +107,10 @@ static void return_to(uint32_t pc) {
     }
 }
 
+static void raise_to(uint64_t *most, uint64_t count) {
+    if (count > *most) { *most = count; }
+}
+
 static void end_event(int event_class) {
     for (int i = 0; i < item_count; i++) {
         item_t *item = &items[i];
@@ -112,10 +118,12 @@ static void end_event(int event_class) {
         item->of[event_class].events++;
         item->of[event_class].calls += item->event_calls;
         item->of[event_class].total += item->event_count;
-        item->of[event_class].cycles += item->event_cycles;
-        if (item->event_count > item->of[event_class].most) { item->of[event_class].most = item->event_count; }
-        if (item->event_cycles > item->of[event_class].most_cycles) { item->of[event_class].most_cycles = item->event_cycles; }
-        item->event_calls = item->event_count = item->event_cycles = 0;
+        item->of[event_class].slow += item->event_slow;
+        item->of[event_class].quick += item->event_quick;
+        raise_to(&item->of[event_class].most, item->event_count);
+        raise_to(&item->of[event_class].most_slow, item->event_slow);
+        raise_to(&item->of[event_class].most_quick, item->event_quick);
+        item->event_calls = item->event_count = item->event_slow = item->event_quick = 0;
     }
 }
 
@@ -125,7 +133,8 @@ static void on_instruction(unsigned cpu, void *user) {
     (void)cpu;
     const instruction_t *now = user;
     if (before != NULL && now->pc != before->after) {
-        cycles += before->branched;
+        slow += before->costs.slow_branch;
+        quick += before->costs.quick_branch;
         return_to(now->pc);
         const bool begins = now->entry != NONE;
         if (before->is_call) { enter(now->entry, before->after); }
@@ -133,7 +142,8 @@ static void on_instruction(unsigned cpu, void *user) {
         if (begins && functions[now->entry].event_class != NONE) { end_event(functions[now->entry].event_class); }
     }
     executed++;
-    cycles += now->cycles;
+    slow += now->costs.slow;
+    quick += now->costs.quick;
     before = now;
 }
 
@@ -160,10 +170,10 @@ static instruction_t *instruction_of(const struct qemu_plugin_insn *insn) {
     if (code[pc / 2] == NULL) {
         const size_t size = qemu_plugin_insn_size(insn);
         const int within = function_at(pc);
-        if (has_cycles && costs[pc / 2].cycles == 0) { fprintf(stderr, "budget plugin: no cycles for what stands at %x\n", pc); exit(1); }
+        if (has_cycles && costs[pc / 2].slow == 0) { fprintf(stderr, "budget plugin: no cycles for what stands at %x\n", pc); exit(1); }
         instruction_t *made = calloc(1, sizeof *made);
         *made = (instruction_t){ .pc = pc, .after = pc + (uint32_t)size, .is_call = calls(qemu_plugin_insn_data(insn), size),
-                                 .cycles = costs[pc / 2].cycles, .branched = costs[pc / 2].branched,
+                                 .costs = costs[pc / 2],
                                  .within = within, .entry = (within != NONE && functions[within].first == pc) ? within : NONE };
         code[pc / 2] = made;
     }
@@ -213,10 +223,13 @@ static void read_groups(const char *name) {
 static void read_cycles(const char *name) {
     if (name == NULL) { return; }
     FILE *file = open_file(name, "r");
-    unsigned address, of, branched;
-    while (fscanf(file, "%x %u %u", &address, &of, &branched) == 3) {
-        if (address >= CODE_BYTES || of > UINT8_MAX || branched > UINT8_MAX) { fprintf(stderr, "budget plugin: cycles of %x\n", address); exit(1); }
-        costs[address / 2].cycles = (uint8_t)of, costs[address / 2].branched = (uint8_t)branched;
+    unsigned address, of[4];
+    while (fscanf(file, "%x %u %u %u %u", &address, &of[0], &of[1], &of[2], &of[3]) == 5) {
+        if (address >= CODE_BYTES || (of[0] | of[1] | of[2] | of[3]) > UINT8_MAX) {
+            fprintf(stderr, "budget plugin: cycles of %x\n", address);
+            exit(1);
+        }
+        costs[address / 2] = (struct costs){ (uint8_t)of[0], (uint8_t)of[1], (uint8_t)of[2], (uint8_t)of[3] };
     }
     fclose(file);
     has_cycles = true;
@@ -249,14 +262,15 @@ static void read_symbols(const char *name) {
 static void write_counts(plugin_id_t id, void *user) {
     (void)id, (void)user;
     FILE *file = open_file(out_name, "w");
-    fprintf(file, "kind,name,class,events,calls,total,most,cycles,most_cycles\n");
+    fprintf(file, "kind,name,class,events,calls,total,most,slow,most_slow,quick,most_quick\n");
     for (int i = 0; i < item_count; i++) {
         for (int c = 0; c < CLASSES; c++) {
             if (items[i].of[c].events == 0) { continue; }
-            fprintf(file, "%s,%s,%d,%llu,%llu,%llu,%llu,%llu,%llu\n", (i < group_count) ? "group" : "function", items[i].name, c,
+            fprintf(file, "%s,%s,%d,%llu,%llu,%llu,%llu,%llu,%llu,%llu,%llu\n", (i < group_count) ? "group" : "function", items[i].name, c,
                     (unsigned long long)items[i].of[c].events, (unsigned long long)items[i].of[c].calls,
                     (unsigned long long)items[i].of[c].total, (unsigned long long)items[i].of[c].most,
-                    (unsigned long long)items[i].of[c].cycles, (unsigned long long)items[i].of[c].most_cycles);
+                    (unsigned long long)items[i].of[c].slow, (unsigned long long)items[i].of[c].most_slow,
+                    (unsigned long long)items[i].of[c].quick, (unsigned long long)items[i].of[c].most_quick);
         }
     }
     fclose(file);

@@ -76,7 +76,8 @@ static inline void product_by_columns(const float *restrict a, const float *rest
     uint32_t j = 0;
     for (uint32_t i = 0; i < n; i++) { to[i] = 0.0f; }
     for (; j + 4u <= n; j += 4u, a += 4u * n) {
-        for (uint32_t i = 0; i < n; i++) { to[i] += (a[i] * x[j] + a[n + i] * x[j + 1u]) + (a[2u * n + i] * x[j + 2u] + a[3u * n + i] * x[j + 3u]); }
+        const float *a1 = a + n, *a2 = a1 + n, *a3 = a2 + n;
+        for (uint32_t i = 0; i < n; i++) { to[i] += (a[i] * x[j] + a1[i] * x[j + 1u]) + (a2[i] * x[j + 2u] + a3[i] * x[j + 3u]); }
     }
     for (; j < n; j++, a += n) {
         for (uint32_t i = 0; i < n; i++) { to[i] += a[i] * x[j]; }

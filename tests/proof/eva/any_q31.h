@@ -8,6 +8,8 @@
 
 /// Any gain that sd_gain_of_q31 or sd_gain_scaled_q31 can make.
 static inline sd_gain_q31_t any_gain(void) { return (sd_gain_q31_t){ any_q31(), any_of(-20, 20) }; }
+/// The same of no sign.
+static inline sd_gain_q31_t any_size_gain(void) { return (sd_gain_q31_t){ any_of(0, INT32_MAX), any_of(-20, 20) }; }
 /// A row whose sizes add up to no more than sd_row_fits_q31 allows: an analysis by intervals needs a share for each.
 static inline sd_row_q31_t any_row(void) {
     sd_row_q31_t row;

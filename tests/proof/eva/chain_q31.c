@@ -1,16 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* Document 004's chain in q31, sensor inversion and observer of cylinders: any state, any gas at the sensor, any sample. */
+/* kernel: firmware/afr/sd_uego_q31.c firmware/afr/sd_afr_observer_q31.c firmware/afr/sd_afr_chain_q31.c */
 #include "any_q31.h"
-#include "../../../firmware/afr/sd_uego_q31.c"
-#undef N
-#undef T
-#undef SELF
-#include "../../../firmware/afr/sd_afr_observer_q31.c"
-#undef N
-#undef T
-#undef SELF
-#undef NOW
-#include "../../../firmware/afr/sd_afr_chain_q31.c"
+#include "sd_afr_chain.h"
 
 static sd_afr_chain_q31_t self;
 static int32_t sine[SD_UEGO_POSITIONS_MAX];

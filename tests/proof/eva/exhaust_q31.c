@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* Manifold and delay in q31: any state in range, any operating point, position and pressure. */
+/* kernel: firmware/afr/sd_exhaust_q31.c */
 #include "any_q31.h"
-#include "../../../firmware/afr/sd_exhaust_q31.c"
+#include "sd_exhaust.h"
 
 static sd_exhaust_q31_t self;
 static sd_q31_t psi[SD_EXHAUST_PSI + 1], share[SD_EXHAUST_OPEN];

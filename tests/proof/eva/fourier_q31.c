@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* The torque observer in q31: any state, tables and gains in range, any tooth. */
+/* kernel: firmware/torque/sd_fourier_q31.c */
 #include "any_q31.h"
-#include "../../../firmware/torque/sd_fourier_q31.c"
+#include "sd_fourier.h"
 
 static volatile float kept;
 static sd_fourier_q31_t self;

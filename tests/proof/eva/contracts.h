@@ -5,10 +5,10 @@
 #define SD_PROOF_CONTRACTS_H
 #include "sd_scaled.h"
 
-/*@ requires place: -32768 <= exponent <= 32768;
+/*@ requires place: -1000000 <= exponent <= 1000000;
     assigns \result \from m, exponent;
     ensures size: \result.mantissa == 0 || 1073741824 <= \result.mantissa <= 2147483647 || -2147483647 <= \result.mantissa <= -1073741824;
-    ensures place: -32768 <= \result.exponent <= 32832; */
+    ensures place: \result.exponent == 0 || exponent <= \result.exponent <= exponent + 64; */
 static inline sd_scaled_t sd_scaled_make(int64_t m, int32_t exponent);
 
 #endif

@@ -31,13 +31,17 @@ static sd_exhaust_point_t any_point(void) {
 int main(void) {
     for (uint32_t k = 0; k <= SD_EXHAUST_PSI; k++) { psi[k] = any_of(0, INT32_MAX); }
     for (uint32_t k = 0; k < SD_EXHAUST_OPEN; k++) { share[k] = any_q31(); }
-    for (uint32_t cycle = 24; cycle <= SD_AFR_POSITIONS_MAX; cycle += 24u) {
+    for (uint32_t cycle = 24; cycle <= SD_AFR_POSITIONS_MAX; cycle += 108u) { /* 24, 132, 240 */
         sd_exhaust_now_q31_t now;
         fill_state(cycle);
         sd_exhaust_step_q31(&self, psi, any_u32(), &now);
         sd_exhaust_measured_q31(&self, any_q31());
+        for (uint32_t first = 0; first <= SD_EXHAUST_OPEN; first++) {
+            fill_state(cycle);
+            (void)sd_exhaust_shares_q31(&self, first, any_upto(SD_EXHAUST_OPEN - first), share);
+        }
+        (void)sd_exhaust_shares_q31(&self, SD_EXHAUST_OPEN + 1u + any_upto(UINT32_MAX - SD_EXHAUST_OPEN - 1u), any_u32(), share);
         fill_state(cycle);
-        (void)sd_exhaust_shares_q31(&self, any_u32(), any_upto(SD_EXHAUST_OPEN), share);
         const sd_exhaust_point_t point = any_point();
         (void)sd_exhaust_set_q31(&self, &point, any_float(-1.0f, 1.0f));
     }

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Document 000's observers on the toothed wheel in q31: any state, tables in range, any tooth and firing. */
+/* options: -eva-ilevel 256 */
 /* kernel: firmware/misfire/sd_switched_q31.c firmware/misfire/sd_switched_wheel_q31.c */
 #include "any_q31.h"
 #include "sd_switched_wheel.h"
@@ -74,7 +75,7 @@ static void call_switched(void) {
 
 int main(void) {
     call_switched();
-    for (uint32_t positions = 12; positions <= SD_WHEEL_POSITIONS_MAX; positions += 36u) {
+    for (uint32_t positions = 12; positions <= SD_WHEEL_POSITIONS_MAX; positions += 108u) { /* 12, 120 */
         fill_tables(positions);
         for (uint32_t kind = 0; kind < SD_WHEEL_KINDS; kind++) {
             fill_state(kind);

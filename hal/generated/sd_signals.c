@@ -113,6 +113,13 @@ const sd_input_info_t sd_input_infos[SD_INPUT_COUNT] = {
     { "exhaust.vanes", "", 0.05f, 10.0f, 1.0f, 2.0f },
     { "exhaust.turbine_speed", "rpm", 0.0f, 400000.0f, 0.0f, 2.0f },
     { "balance.enable", "", 0.0f, 1.0f, 0.0f, 1.0f },
+    { "air.flow", "g/s", 0.0f, 2000.0f, 0.0f, 0.5f },
+    { "air.charge_temperature", "K", 200.0f, 500.0f, 310.0f, 2.0f },
+    { "egr.temperature", "K", 200.0f, 1000.0f, 370.0f, 2.0f },
+    { "egr.command", "", 0.0f, 1.0f, 0.0f, 0.5f },
+    { "egr.position", "", -0.1f, 1.1f, 0.0f, 0.5f },
+    { "vgt.command", "", 0.0f, 1.0f, 0.5f, 0.5f },
+    { "vgt.position", "", -0.1f, 1.1f, 0.5f, 0.5f },
 };
 
 const sd_owner_info_t sd_owner_infos[SD_OWNER_COUNT] = {

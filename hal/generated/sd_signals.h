@@ -11,7 +11,7 @@ extern "C" {
 #endif
 
 /// Changes whenever the table does; calibration pages and logs carry it.
-#define SD_SIGNALS_SIGNATURE 0xe0a956a0u
+#define SD_SIGNALS_SIGNATURE 0x7a53d2b6u
 
 /// Channel of an SD_EVENT_SAMPLE.
 typedef enum sd_input {
@@ -25,8 +25,15 @@ typedef enum sd_input {
     SD_INPUT_EXHAUST_VANES = 7, ///< Area between the vanes of a variable turbine (VGT), over the calibration's. [-]
     SD_INPUT_EXHAUST_TURBINE_SPEED = 8, ///< Of the turbocharger. Not known: as calibrated; see afr.turbine_drop. [rpm]
     SD_INPUT_BALANCE_ENABLE = 9, ///< Above 0.5 the trims learn; otherwise, and while nothing is said, they are 0. [-]
+    SD_INPUT_AIR_FLOW = 10, ///< Fresh air into the intake, as the hot-film meter before the compressor reads it. [g/s]
+    SD_INPUT_AIR_CHARGE_TEMPERATURE = 11, ///< Of the air behind the charge-air cooler. [K]
+    SD_INPUT_EGR_TEMPERATURE = 12, ///< Of the recirculated exhaust gas behind its cooler. [K]
+    SD_INPUT_EGR_COMMAND = 13, ///< Commanded opening of the exhaust gas recirculation valve (EGR): 0 closed, 1 open. [-]
+    SD_INPUT_EGR_POSITION = 14, ///< The same as its position sensor reads it. [-]
+    SD_INPUT_VGT_COMMAND = 15, ///< Commanded position of the turbine's vanes (VGT): 0 closed, 1 open. [-]
+    SD_INPUT_VGT_POSITION = 16, ///< The same as its position sensor reads it. [-]
 } sd_input_t;
-#define SD_INPUT_COUNT 10u
+#define SD_INPUT_COUNT 17u
 
 /// Channel of an SD_EVENT_SIGNAL.
 typedef enum sd_signal {

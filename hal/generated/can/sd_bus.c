@@ -7233,6 +7233,713 @@ bool sd_bus_input_balance_enable_value_is_in_phys_range(double value)
     return ((value >= 0.0) && (value <= 1.0));
 }
 
+int sd_bus_input_air_flow_pack(
+    uint8_t *dst_p,
+    const struct sd_bus_input_air_flow_t *src_p,
+    size_t size)
+{
+    uint32_t value;
+
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    memset(&dst_p[0], 0, 8);
+
+    dst_p[0] |= pack_left_shift_u32(src_p->tick, 0u, 0xffu);
+    dst_p[1] |= pack_right_shift_u32(src_p->tick, 8u, 0xffu);
+    dst_p[2] |= pack_right_shift_u32(src_p->tick, 16u, 0xffu);
+    dst_p[3] |= pack_right_shift_u32(src_p->tick, 24u, 0xffu);
+    memcpy(&value, &src_p->value, sizeof(value));
+    dst_p[4] |= pack_left_shift_u32(value, 0u, 0xffu);
+    dst_p[5] |= pack_right_shift_u32(value, 8u, 0xffu);
+    dst_p[6] |= pack_right_shift_u32(value, 16u, 0xffu);
+    dst_p[7] |= pack_right_shift_u32(value, 24u, 0xffu);
+
+    return (8);
+}
+
+int sd_bus_input_air_flow_unpack(
+    struct sd_bus_input_air_flow_t *dst_p,
+    const uint8_t *src_p,
+    size_t size)
+{
+    uint32_t value;
+
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    dst_p->tick = unpack_right_shift_u32(src_p[0], 0u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[1], 8u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[2], 16u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[3], 24u, 0xffu);
+    value = unpack_right_shift_u32(src_p[4], 0u, 0xffu);
+    value |= unpack_left_shift_u32(src_p[5], 8u, 0xffu);
+    value |= unpack_left_shift_u32(src_p[6], 16u, 0xffu);
+    value |= unpack_left_shift_u32(src_p[7], 24u, 0xffu);
+    memcpy(&dst_p->value, &value, sizeof(dst_p->value));
+
+    return (0);
+}
+
+int sd_bus_input_air_flow_init(struct sd_bus_input_air_flow_t *msg_p)
+{
+    if (msg_p == NULL) return -1;
+
+    memset(msg_p, 0, sizeof(struct sd_bus_input_air_flow_t));
+
+    return 0;
+}
+
+uint32_t sd_bus_input_air_flow_tick_encode(double value)
+{
+    return (uint32_t)(cantools_unsigned_from_double(round(value)));
+}
+
+double sd_bus_input_air_flow_tick_decode(uint32_t value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_input_air_flow_tick_is_in_range(uint32_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool sd_bus_input_air_flow_tick_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 4294967295.0));
+}
+
+float sd_bus_input_air_flow_value_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_input_air_flow_value_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_input_air_flow_value_is_in_range(float value)
+{
+    return ((value >= 0.0f) && (value <= 2000.0f));
+}
+
+bool sd_bus_input_air_flow_value_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 2000.0));
+}
+
+int sd_bus_input_air_charge_temperature_pack(
+    uint8_t *dst_p,
+    const struct sd_bus_input_air_charge_temperature_t *src_p,
+    size_t size)
+{
+    uint32_t value;
+
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    memset(&dst_p[0], 0, 8);
+
+    dst_p[0] |= pack_left_shift_u32(src_p->tick, 0u, 0xffu);
+    dst_p[1] |= pack_right_shift_u32(src_p->tick, 8u, 0xffu);
+    dst_p[2] |= pack_right_shift_u32(src_p->tick, 16u, 0xffu);
+    dst_p[3] |= pack_right_shift_u32(src_p->tick, 24u, 0xffu);
+    memcpy(&value, &src_p->value, sizeof(value));
+    dst_p[4] |= pack_left_shift_u32(value, 0u, 0xffu);
+    dst_p[5] |= pack_right_shift_u32(value, 8u, 0xffu);
+    dst_p[6] |= pack_right_shift_u32(value, 16u, 0xffu);
+    dst_p[7] |= pack_right_shift_u32(value, 24u, 0xffu);
+
+    return (8);
+}
+
+int sd_bus_input_air_charge_temperature_unpack(
+    struct sd_bus_input_air_charge_temperature_t *dst_p,
+    const uint8_t *src_p,
+    size_t size)
+{
+    uint32_t value;
+
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    dst_p->tick = unpack_right_shift_u32(src_p[0], 0u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[1], 8u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[2], 16u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[3], 24u, 0xffu);
+    value = unpack_right_shift_u32(src_p[4], 0u, 0xffu);
+    value |= unpack_left_shift_u32(src_p[5], 8u, 0xffu);
+    value |= unpack_left_shift_u32(src_p[6], 16u, 0xffu);
+    value |= unpack_left_shift_u32(src_p[7], 24u, 0xffu);
+    memcpy(&dst_p->value, &value, sizeof(dst_p->value));
+
+    return (0);
+}
+
+int sd_bus_input_air_charge_temperature_init(struct sd_bus_input_air_charge_temperature_t *msg_p)
+{
+    if (msg_p == NULL) return -1;
+
+    memset(msg_p, 0, sizeof(struct sd_bus_input_air_charge_temperature_t));
+
+    return 0;
+}
+
+uint32_t sd_bus_input_air_charge_temperature_tick_encode(double value)
+{
+    return (uint32_t)(cantools_unsigned_from_double(round(value)));
+}
+
+double sd_bus_input_air_charge_temperature_tick_decode(uint32_t value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_input_air_charge_temperature_tick_is_in_range(uint32_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool sd_bus_input_air_charge_temperature_tick_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 4294967295.0));
+}
+
+float sd_bus_input_air_charge_temperature_value_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_input_air_charge_temperature_value_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_input_air_charge_temperature_value_is_in_range(float value)
+{
+    return ((value >= 200.0f) && (value <= 500.0f));
+}
+
+bool sd_bus_input_air_charge_temperature_value_is_in_phys_range(double value)
+{
+    return ((value >= 200.0) && (value <= 500.0));
+}
+
+int sd_bus_input_egr_temperature_pack(
+    uint8_t *dst_p,
+    const struct sd_bus_input_egr_temperature_t *src_p,
+    size_t size)
+{
+    uint32_t value;
+
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    memset(&dst_p[0], 0, 8);
+
+    dst_p[0] |= pack_left_shift_u32(src_p->tick, 0u, 0xffu);
+    dst_p[1] |= pack_right_shift_u32(src_p->tick, 8u, 0xffu);
+    dst_p[2] |= pack_right_shift_u32(src_p->tick, 16u, 0xffu);
+    dst_p[3] |= pack_right_shift_u32(src_p->tick, 24u, 0xffu);
+    memcpy(&value, &src_p->value, sizeof(value));
+    dst_p[4] |= pack_left_shift_u32(value, 0u, 0xffu);
+    dst_p[5] |= pack_right_shift_u32(value, 8u, 0xffu);
+    dst_p[6] |= pack_right_shift_u32(value, 16u, 0xffu);
+    dst_p[7] |= pack_right_shift_u32(value, 24u, 0xffu);
+
+    return (8);
+}
+
+int sd_bus_input_egr_temperature_unpack(
+    struct sd_bus_input_egr_temperature_t *dst_p,
+    const uint8_t *src_p,
+    size_t size)
+{
+    uint32_t value;
+
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    dst_p->tick = unpack_right_shift_u32(src_p[0], 0u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[1], 8u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[2], 16u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[3], 24u, 0xffu);
+    value = unpack_right_shift_u32(src_p[4], 0u, 0xffu);
+    value |= unpack_left_shift_u32(src_p[5], 8u, 0xffu);
+    value |= unpack_left_shift_u32(src_p[6], 16u, 0xffu);
+    value |= unpack_left_shift_u32(src_p[7], 24u, 0xffu);
+    memcpy(&dst_p->value, &value, sizeof(dst_p->value));
+
+    return (0);
+}
+
+int sd_bus_input_egr_temperature_init(struct sd_bus_input_egr_temperature_t *msg_p)
+{
+    if (msg_p == NULL) return -1;
+
+    memset(msg_p, 0, sizeof(struct sd_bus_input_egr_temperature_t));
+
+    return 0;
+}
+
+uint32_t sd_bus_input_egr_temperature_tick_encode(double value)
+{
+    return (uint32_t)(cantools_unsigned_from_double(round(value)));
+}
+
+double sd_bus_input_egr_temperature_tick_decode(uint32_t value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_input_egr_temperature_tick_is_in_range(uint32_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool sd_bus_input_egr_temperature_tick_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 4294967295.0));
+}
+
+float sd_bus_input_egr_temperature_value_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_input_egr_temperature_value_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_input_egr_temperature_value_is_in_range(float value)
+{
+    return ((value >= 200.0f) && (value <= 1000.0f));
+}
+
+bool sd_bus_input_egr_temperature_value_is_in_phys_range(double value)
+{
+    return ((value >= 200.0) && (value <= 1000.0));
+}
+
+int sd_bus_input_egr_command_pack(
+    uint8_t *dst_p,
+    const struct sd_bus_input_egr_command_t *src_p,
+    size_t size)
+{
+    uint32_t value;
+
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    memset(&dst_p[0], 0, 8);
+
+    dst_p[0] |= pack_left_shift_u32(src_p->tick, 0u, 0xffu);
+    dst_p[1] |= pack_right_shift_u32(src_p->tick, 8u, 0xffu);
+    dst_p[2] |= pack_right_shift_u32(src_p->tick, 16u, 0xffu);
+    dst_p[3] |= pack_right_shift_u32(src_p->tick, 24u, 0xffu);
+    memcpy(&value, &src_p->value, sizeof(value));
+    dst_p[4] |= pack_left_shift_u32(value, 0u, 0xffu);
+    dst_p[5] |= pack_right_shift_u32(value, 8u, 0xffu);
+    dst_p[6] |= pack_right_shift_u32(value, 16u, 0xffu);
+    dst_p[7] |= pack_right_shift_u32(value, 24u, 0xffu);
+
+    return (8);
+}
+
+int sd_bus_input_egr_command_unpack(
+    struct sd_bus_input_egr_command_t *dst_p,
+    const uint8_t *src_p,
+    size_t size)
+{
+    uint32_t value;
+
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    dst_p->tick = unpack_right_shift_u32(src_p[0], 0u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[1], 8u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[2], 16u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[3], 24u, 0xffu);
+    value = unpack_right_shift_u32(src_p[4], 0u, 0xffu);
+    value |= unpack_left_shift_u32(src_p[5], 8u, 0xffu);
+    value |= unpack_left_shift_u32(src_p[6], 16u, 0xffu);
+    value |= unpack_left_shift_u32(src_p[7], 24u, 0xffu);
+    memcpy(&dst_p->value, &value, sizeof(dst_p->value));
+
+    return (0);
+}
+
+int sd_bus_input_egr_command_init(struct sd_bus_input_egr_command_t *msg_p)
+{
+    if (msg_p == NULL) return -1;
+
+    memset(msg_p, 0, sizeof(struct sd_bus_input_egr_command_t));
+
+    return 0;
+}
+
+uint32_t sd_bus_input_egr_command_tick_encode(double value)
+{
+    return (uint32_t)(cantools_unsigned_from_double(round(value)));
+}
+
+double sd_bus_input_egr_command_tick_decode(uint32_t value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_input_egr_command_tick_is_in_range(uint32_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool sd_bus_input_egr_command_tick_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 4294967295.0));
+}
+
+float sd_bus_input_egr_command_value_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_input_egr_command_value_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_input_egr_command_value_is_in_range(float value)
+{
+    return ((value >= 0.0f) && (value <= 1.0f));
+}
+
+bool sd_bus_input_egr_command_value_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 1.0));
+}
+
+int sd_bus_input_egr_position_pack(
+    uint8_t *dst_p,
+    const struct sd_bus_input_egr_position_t *src_p,
+    size_t size)
+{
+    uint32_t value;
+
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    memset(&dst_p[0], 0, 8);
+
+    dst_p[0] |= pack_left_shift_u32(src_p->tick, 0u, 0xffu);
+    dst_p[1] |= pack_right_shift_u32(src_p->tick, 8u, 0xffu);
+    dst_p[2] |= pack_right_shift_u32(src_p->tick, 16u, 0xffu);
+    dst_p[3] |= pack_right_shift_u32(src_p->tick, 24u, 0xffu);
+    memcpy(&value, &src_p->value, sizeof(value));
+    dst_p[4] |= pack_left_shift_u32(value, 0u, 0xffu);
+    dst_p[5] |= pack_right_shift_u32(value, 8u, 0xffu);
+    dst_p[6] |= pack_right_shift_u32(value, 16u, 0xffu);
+    dst_p[7] |= pack_right_shift_u32(value, 24u, 0xffu);
+
+    return (8);
+}
+
+int sd_bus_input_egr_position_unpack(
+    struct sd_bus_input_egr_position_t *dst_p,
+    const uint8_t *src_p,
+    size_t size)
+{
+    uint32_t value;
+
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    dst_p->tick = unpack_right_shift_u32(src_p[0], 0u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[1], 8u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[2], 16u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[3], 24u, 0xffu);
+    value = unpack_right_shift_u32(src_p[4], 0u, 0xffu);
+    value |= unpack_left_shift_u32(src_p[5], 8u, 0xffu);
+    value |= unpack_left_shift_u32(src_p[6], 16u, 0xffu);
+    value |= unpack_left_shift_u32(src_p[7], 24u, 0xffu);
+    memcpy(&dst_p->value, &value, sizeof(dst_p->value));
+
+    return (0);
+}
+
+int sd_bus_input_egr_position_init(struct sd_bus_input_egr_position_t *msg_p)
+{
+    if (msg_p == NULL) return -1;
+
+    memset(msg_p, 0, sizeof(struct sd_bus_input_egr_position_t));
+
+    return 0;
+}
+
+uint32_t sd_bus_input_egr_position_tick_encode(double value)
+{
+    return (uint32_t)(cantools_unsigned_from_double(round(value)));
+}
+
+double sd_bus_input_egr_position_tick_decode(uint32_t value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_input_egr_position_tick_is_in_range(uint32_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool sd_bus_input_egr_position_tick_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 4294967295.0));
+}
+
+float sd_bus_input_egr_position_value_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_input_egr_position_value_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_input_egr_position_value_is_in_range(float value)
+{
+    return ((value >= -0.1f) && (value <= 1.1f));
+}
+
+bool sd_bus_input_egr_position_value_is_in_phys_range(double value)
+{
+    return ((value >= -0.1) && (value <= 1.1));
+}
+
+int sd_bus_input_vgt_command_pack(
+    uint8_t *dst_p,
+    const struct sd_bus_input_vgt_command_t *src_p,
+    size_t size)
+{
+    uint32_t value;
+
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    memset(&dst_p[0], 0, 8);
+
+    dst_p[0] |= pack_left_shift_u32(src_p->tick, 0u, 0xffu);
+    dst_p[1] |= pack_right_shift_u32(src_p->tick, 8u, 0xffu);
+    dst_p[2] |= pack_right_shift_u32(src_p->tick, 16u, 0xffu);
+    dst_p[3] |= pack_right_shift_u32(src_p->tick, 24u, 0xffu);
+    memcpy(&value, &src_p->value, sizeof(value));
+    dst_p[4] |= pack_left_shift_u32(value, 0u, 0xffu);
+    dst_p[5] |= pack_right_shift_u32(value, 8u, 0xffu);
+    dst_p[6] |= pack_right_shift_u32(value, 16u, 0xffu);
+    dst_p[7] |= pack_right_shift_u32(value, 24u, 0xffu);
+
+    return (8);
+}
+
+int sd_bus_input_vgt_command_unpack(
+    struct sd_bus_input_vgt_command_t *dst_p,
+    const uint8_t *src_p,
+    size_t size)
+{
+    uint32_t value;
+
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    dst_p->tick = unpack_right_shift_u32(src_p[0], 0u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[1], 8u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[2], 16u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[3], 24u, 0xffu);
+    value = unpack_right_shift_u32(src_p[4], 0u, 0xffu);
+    value |= unpack_left_shift_u32(src_p[5], 8u, 0xffu);
+    value |= unpack_left_shift_u32(src_p[6], 16u, 0xffu);
+    value |= unpack_left_shift_u32(src_p[7], 24u, 0xffu);
+    memcpy(&dst_p->value, &value, sizeof(dst_p->value));
+
+    return (0);
+}
+
+int sd_bus_input_vgt_command_init(struct sd_bus_input_vgt_command_t *msg_p)
+{
+    if (msg_p == NULL) return -1;
+
+    memset(msg_p, 0, sizeof(struct sd_bus_input_vgt_command_t));
+
+    return 0;
+}
+
+uint32_t sd_bus_input_vgt_command_tick_encode(double value)
+{
+    return (uint32_t)(cantools_unsigned_from_double(round(value)));
+}
+
+double sd_bus_input_vgt_command_tick_decode(uint32_t value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_input_vgt_command_tick_is_in_range(uint32_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool sd_bus_input_vgt_command_tick_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 4294967295.0));
+}
+
+float sd_bus_input_vgt_command_value_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_input_vgt_command_value_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_input_vgt_command_value_is_in_range(float value)
+{
+    return ((value >= 0.0f) && (value <= 1.0f));
+}
+
+bool sd_bus_input_vgt_command_value_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 1.0));
+}
+
+int sd_bus_input_vgt_position_pack(
+    uint8_t *dst_p,
+    const struct sd_bus_input_vgt_position_t *src_p,
+    size_t size)
+{
+    uint32_t value;
+
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    memset(&dst_p[0], 0, 8);
+
+    dst_p[0] |= pack_left_shift_u32(src_p->tick, 0u, 0xffu);
+    dst_p[1] |= pack_right_shift_u32(src_p->tick, 8u, 0xffu);
+    dst_p[2] |= pack_right_shift_u32(src_p->tick, 16u, 0xffu);
+    dst_p[3] |= pack_right_shift_u32(src_p->tick, 24u, 0xffu);
+    memcpy(&value, &src_p->value, sizeof(value));
+    dst_p[4] |= pack_left_shift_u32(value, 0u, 0xffu);
+    dst_p[5] |= pack_right_shift_u32(value, 8u, 0xffu);
+    dst_p[6] |= pack_right_shift_u32(value, 16u, 0xffu);
+    dst_p[7] |= pack_right_shift_u32(value, 24u, 0xffu);
+
+    return (8);
+}
+
+int sd_bus_input_vgt_position_unpack(
+    struct sd_bus_input_vgt_position_t *dst_p,
+    const uint8_t *src_p,
+    size_t size)
+{
+    uint32_t value;
+
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    dst_p->tick = unpack_right_shift_u32(src_p[0], 0u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[1], 8u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[2], 16u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[3], 24u, 0xffu);
+    value = unpack_right_shift_u32(src_p[4], 0u, 0xffu);
+    value |= unpack_left_shift_u32(src_p[5], 8u, 0xffu);
+    value |= unpack_left_shift_u32(src_p[6], 16u, 0xffu);
+    value |= unpack_left_shift_u32(src_p[7], 24u, 0xffu);
+    memcpy(&dst_p->value, &value, sizeof(dst_p->value));
+
+    return (0);
+}
+
+int sd_bus_input_vgt_position_init(struct sd_bus_input_vgt_position_t *msg_p)
+{
+    if (msg_p == NULL) return -1;
+
+    memset(msg_p, 0, sizeof(struct sd_bus_input_vgt_position_t));
+
+    return 0;
+}
+
+uint32_t sd_bus_input_vgt_position_tick_encode(double value)
+{
+    return (uint32_t)(cantools_unsigned_from_double(round(value)));
+}
+
+double sd_bus_input_vgt_position_tick_decode(uint32_t value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_input_vgt_position_tick_is_in_range(uint32_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool sd_bus_input_vgt_position_tick_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 4294967295.0));
+}
+
+float sd_bus_input_vgt_position_value_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_input_vgt_position_value_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_input_vgt_position_value_is_in_range(float value)
+{
+    return ((value >= -0.1f) && (value <= 1.1f));
+}
+
+bool sd_bus_input_vgt_position_value_is_in_phys_range(double value)
+{
+    return ((value >= -0.1) && (value <= 1.1));
+}
+
 int sd_bus_truth_edge_pack(
     uint8_t *dst_p,
     const struct sd_bus_truth_edge_t *src_p,

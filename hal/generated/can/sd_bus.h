@@ -73,6 +73,13 @@ extern "C" {
 #define SD_BUS_INPUT_EXHAUST_VANES_FRAME_ID (0xd7u)
 #define SD_BUS_INPUT_EXHAUST_TURBINE_SPEED_FRAME_ID (0xd8u)
 #define SD_BUS_INPUT_BALANCE_ENABLE_FRAME_ID (0xd9u)
+#define SD_BUS_INPUT_AIR_FLOW_FRAME_ID (0xdau)
+#define SD_BUS_INPUT_AIR_CHARGE_TEMPERATURE_FRAME_ID (0xdbu)
+#define SD_BUS_INPUT_EGR_TEMPERATURE_FRAME_ID (0xdcu)
+#define SD_BUS_INPUT_EGR_COMMAND_FRAME_ID (0xddu)
+#define SD_BUS_INPUT_EGR_POSITION_FRAME_ID (0xdeu)
+#define SD_BUS_INPUT_VGT_COMMAND_FRAME_ID (0xdfu)
+#define SD_BUS_INPUT_VGT_POSITION_FRAME_ID (0xe0u)
 #define SD_BUS_TRUTH_EDGE_FRAME_ID (0xf0u)
 #define SD_BUS_TRUTH_CYCLE_FRAME_ID (0xf1u)
 #define SD_BUS_TRUTH_END_FRAME_ID (0xf2u)
@@ -104,6 +111,13 @@ extern "C" {
 #define SD_BUS_INPUT_EXHAUST_VANES_LENGTH (8u)
 #define SD_BUS_INPUT_EXHAUST_TURBINE_SPEED_LENGTH (8u)
 #define SD_BUS_INPUT_BALANCE_ENABLE_LENGTH (8u)
+#define SD_BUS_INPUT_AIR_FLOW_LENGTH (8u)
+#define SD_BUS_INPUT_AIR_CHARGE_TEMPERATURE_LENGTH (8u)
+#define SD_BUS_INPUT_EGR_TEMPERATURE_LENGTH (8u)
+#define SD_BUS_INPUT_EGR_COMMAND_LENGTH (8u)
+#define SD_BUS_INPUT_EGR_POSITION_LENGTH (8u)
+#define SD_BUS_INPUT_VGT_COMMAND_LENGTH (8u)
+#define SD_BUS_INPUT_VGT_POSITION_LENGTH (8u)
 #define SD_BUS_TRUTH_EDGE_LENGTH (48u)
 #define SD_BUS_TRUTH_CYCLE_LENGTH (48u)
 #define SD_BUS_TRUTH_END_LENGTH (8u)
@@ -135,6 +149,13 @@ extern "C" {
 #define SD_BUS_INPUT_EXHAUST_VANES_IS_EXTENDED (0)
 #define SD_BUS_INPUT_EXHAUST_TURBINE_SPEED_IS_EXTENDED (0)
 #define SD_BUS_INPUT_BALANCE_ENABLE_IS_EXTENDED (0)
+#define SD_BUS_INPUT_AIR_FLOW_IS_EXTENDED (0)
+#define SD_BUS_INPUT_AIR_CHARGE_TEMPERATURE_IS_EXTENDED (0)
+#define SD_BUS_INPUT_EGR_TEMPERATURE_IS_EXTENDED (0)
+#define SD_BUS_INPUT_EGR_COMMAND_IS_EXTENDED (0)
+#define SD_BUS_INPUT_EGR_POSITION_IS_EXTENDED (0)
+#define SD_BUS_INPUT_VGT_COMMAND_IS_EXTENDED (0)
+#define SD_BUS_INPUT_VGT_POSITION_IS_EXTENDED (0)
 #define SD_BUS_TRUTH_EDGE_IS_EXTENDED (0)
 #define SD_BUS_TRUTH_CYCLE_IS_EXTENDED (0)
 #define SD_BUS_TRUTH_END_IS_EXTENDED (0)
@@ -152,6 +173,13 @@ extern "C" {
 #define SD_BUS_INPUT_EXHAUST_VANES_CYCLE_TIME_MS (10u)
 #define SD_BUS_INPUT_EXHAUST_TURBINE_SPEED_CYCLE_TIME_MS (10u)
 #define SD_BUS_INPUT_BALANCE_ENABLE_CYCLE_TIME_MS (10u)
+#define SD_BUS_INPUT_AIR_FLOW_CYCLE_TIME_MS (10u)
+#define SD_BUS_INPUT_AIR_CHARGE_TEMPERATURE_CYCLE_TIME_MS (10u)
+#define SD_BUS_INPUT_EGR_TEMPERATURE_CYCLE_TIME_MS (10u)
+#define SD_BUS_INPUT_EGR_COMMAND_CYCLE_TIME_MS (10u)
+#define SD_BUS_INPUT_EGR_POSITION_CYCLE_TIME_MS (10u)
+#define SD_BUS_INPUT_VGT_COMMAND_CYCLE_TIME_MS (10u)
+#define SD_BUS_INPUT_VGT_POSITION_CYCLE_TIME_MS (10u)
 
 /* Signal choices. */
 #define SD_BUS_TEETH_EDGE_0_CRANK_CHOICE (0u)
@@ -626,6 +654,13 @@ extern "C" {
 #define SD_BUS_INPUT_EXHAUST_VANES_NAME "input_exhaust_vanes"
 #define SD_BUS_INPUT_EXHAUST_TURBINE_SPEED_NAME "input_exhaust_turbine_speed"
 #define SD_BUS_INPUT_BALANCE_ENABLE_NAME "input_balance_enable"
+#define SD_BUS_INPUT_AIR_FLOW_NAME "input_air_flow"
+#define SD_BUS_INPUT_AIR_CHARGE_TEMPERATURE_NAME "input_air_charge_temperature"
+#define SD_BUS_INPUT_EGR_TEMPERATURE_NAME "input_egr_temperature"
+#define SD_BUS_INPUT_EGR_COMMAND_NAME "input_egr_command"
+#define SD_BUS_INPUT_EGR_POSITION_NAME "input_egr_position"
+#define SD_BUS_INPUT_VGT_COMMAND_NAME "input_vgt_command"
+#define SD_BUS_INPUT_VGT_POSITION_NAME "input_vgt_position"
 #define SD_BUS_TRUTH_EDGE_NAME "truth_edge"
 #define SD_BUS_TRUTH_CYCLE_NAME "truth_cycle"
 #define SD_BUS_TRUTH_END_NAME "truth_end"
@@ -839,6 +874,20 @@ extern "C" {
 #define SD_BUS_INPUT_EXHAUST_TURBINE_SPEED_VALUE_NAME "value"
 #define SD_BUS_INPUT_BALANCE_ENABLE_TICK_NAME "tick"
 #define SD_BUS_INPUT_BALANCE_ENABLE_VALUE_NAME "value"
+#define SD_BUS_INPUT_AIR_FLOW_TICK_NAME "tick"
+#define SD_BUS_INPUT_AIR_FLOW_VALUE_NAME "value"
+#define SD_BUS_INPUT_AIR_CHARGE_TEMPERATURE_TICK_NAME "tick"
+#define SD_BUS_INPUT_AIR_CHARGE_TEMPERATURE_VALUE_NAME "value"
+#define SD_BUS_INPUT_EGR_TEMPERATURE_TICK_NAME "tick"
+#define SD_BUS_INPUT_EGR_TEMPERATURE_VALUE_NAME "value"
+#define SD_BUS_INPUT_EGR_COMMAND_TICK_NAME "tick"
+#define SD_BUS_INPUT_EGR_COMMAND_VALUE_NAME "value"
+#define SD_BUS_INPUT_EGR_POSITION_TICK_NAME "tick"
+#define SD_BUS_INPUT_EGR_POSITION_VALUE_NAME "value"
+#define SD_BUS_INPUT_VGT_COMMAND_TICK_NAME "tick"
+#define SD_BUS_INPUT_VGT_COMMAND_VALUE_NAME "value"
+#define SD_BUS_INPUT_VGT_POSITION_TICK_NAME "tick"
+#define SD_BUS_INPUT_VGT_POSITION_VALUE_NAME "value"
 #define SD_BUS_TRUTH_EDGE_TIME_S_NAME "time_s"
 #define SD_BUS_TRUTH_EDGE_ANGLE_DEG_NAME "angle_deg"
 #define SD_BUS_TRUTH_EDGE_CRANK_DEG_NAME "crank_deg"
@@ -2905,6 +2954,181 @@ struct sd_bus_input_balance_enable_t {
      * Above 0.5 the trims learn; otherwise, and while nothing is said, they are 0.
      *
      * Range: 0.0..1.0 (0..1 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    float value;
+};
+
+/**
+ * Signals in message input_air_flow.
+ *
+ * Fresh air into the intake, as the hot-film meter before the compressor reads it.
+ *
+ * All signal values are as on the CAN bus.
+ */
+struct sd_bus_input_air_flow_t {
+    /**
+     * Range: 0..4294967295 (0..4294967295 tick)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint32_t tick;
+
+    /**
+     * Fresh air into the intake, as the hot-film meter before the compressor reads it.
+     *
+     * Range: 0.0..2000.0 (0..2000 g/s)
+     * Scale: 1
+     * Offset: 0
+     */
+    float value;
+};
+
+/**
+ * Signals in message input_air_charge_temperature.
+ *
+ * Of the air behind the charge-air cooler.
+ *
+ * All signal values are as on the CAN bus.
+ */
+struct sd_bus_input_air_charge_temperature_t {
+    /**
+     * Range: 0..4294967295 (0..4294967295 tick)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint32_t tick;
+
+    /**
+     * Of the air behind the charge-air cooler.
+     *
+     * Range: 200.0..500.0 (200..500 K)
+     * Scale: 1
+     * Offset: 0
+     */
+    float value;
+};
+
+/**
+ * Signals in message input_egr_temperature.
+ *
+ * Of the recirculated exhaust gas behind its cooler.
+ *
+ * All signal values are as on the CAN bus.
+ */
+struct sd_bus_input_egr_temperature_t {
+    /**
+     * Range: 0..4294967295 (0..4294967295 tick)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint32_t tick;
+
+    /**
+     * Of the recirculated exhaust gas behind its cooler.
+     *
+     * Range: 200.0..1000.0 (200..1000 K)
+     * Scale: 1
+     * Offset: 0
+     */
+    float value;
+};
+
+/**
+ * Signals in message input_egr_command.
+ *
+ * Commanded opening of the exhaust gas recirculation valve (EGR): 0 closed, 1 open.
+ *
+ * All signal values are as on the CAN bus.
+ */
+struct sd_bus_input_egr_command_t {
+    /**
+     * Range: 0..4294967295 (0..4294967295 tick)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint32_t tick;
+
+    /**
+     * Commanded opening of the exhaust gas recirculation valve (EGR): 0 closed, 1 open.
+     *
+     * Range: 0.0..1.0 (0..1 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    float value;
+};
+
+/**
+ * Signals in message input_egr_position.
+ *
+ * The same as its position sensor reads it.
+ *
+ * All signal values are as on the CAN bus.
+ */
+struct sd_bus_input_egr_position_t {
+    /**
+     * Range: 0..4294967295 (0..4294967295 tick)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint32_t tick;
+
+    /**
+     * The same as its position sensor reads it.
+     *
+     * Range: -0.1..1.1 (-0.1..1.1 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    float value;
+};
+
+/**
+ * Signals in message input_vgt_command.
+ *
+ * Commanded position of the turbine's vanes (VGT): 0 closed, 1 open.
+ *
+ * All signal values are as on the CAN bus.
+ */
+struct sd_bus_input_vgt_command_t {
+    /**
+     * Range: 0..4294967295 (0..4294967295 tick)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint32_t tick;
+
+    /**
+     * Commanded position of the turbine's vanes (VGT): 0 closed, 1 open.
+     *
+     * Range: 0.0..1.0 (0..1 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    float value;
+};
+
+/**
+ * Signals in message input_vgt_position.
+ *
+ * The same as its position sensor reads it.
+ *
+ * All signal values are as on the CAN bus.
+ */
+struct sd_bus_input_vgt_position_t {
+    /**
+     * Range: 0..4294967295 (0..4294967295 tick)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint32_t tick;
+
+    /**
+     * The same as its position sensor reads it.
+     *
+     * Range: -0.1..1.1 (-0.1..1.1 -)
      * Scale: 1
      * Offset: 0
      */
@@ -12352,6 +12576,825 @@ bool sd_bus_input_balance_enable_value_is_in_range(float value);
  * @return true if in range, false otherwise.
  */
 bool sd_bus_input_balance_enable_value_is_in_phys_range(double value);
+
+/**
+ * Pack message input_air_flow.
+ *
+ * @param[out] dst_p Buffer to pack the message into.
+ * @param[in] src_p Data to pack.
+ * @param[in] size Size of dst_p.
+ *
+ * @return Size of packed data, or negative error code.
+ */
+int sd_bus_input_air_flow_pack(
+    uint8_t *dst_p,
+    const struct sd_bus_input_air_flow_t *src_p,
+    size_t size);
+
+/**
+ * Unpack message input_air_flow.
+ *
+ * @param[out] dst_p Object to unpack the message into.
+ * @param[in] src_p Message to unpack.
+ * @param[in] size Size of src_p.
+ *
+ * @return zero(0) or negative error code.
+ */
+int sd_bus_input_air_flow_unpack(
+    struct sd_bus_input_air_flow_t *dst_p,
+    const uint8_t *src_p,
+    size_t size);
+
+/**
+ * Init message fields to default values from input_air_flow.
+ *
+ * @param[in] msg_p Message to init.
+ *
+ * @return zero(0) on success or (-1) in case of nullptr argument.
+ */
+int sd_bus_input_air_flow_init(struct sd_bus_input_air_flow_t *msg_p);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint32_t sd_bus_input_air_flow_tick_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_input_air_flow_tick_decode(uint32_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_air_flow_tick_is_in_range(uint32_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_air_flow_tick_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_input_air_flow_value_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_input_air_flow_value_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_air_flow_value_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_air_flow_value_is_in_phys_range(double value);
+
+/**
+ * Pack message input_air_charge_temperature.
+ *
+ * @param[out] dst_p Buffer to pack the message into.
+ * @param[in] src_p Data to pack.
+ * @param[in] size Size of dst_p.
+ *
+ * @return Size of packed data, or negative error code.
+ */
+int sd_bus_input_air_charge_temperature_pack(
+    uint8_t *dst_p,
+    const struct sd_bus_input_air_charge_temperature_t *src_p,
+    size_t size);
+
+/**
+ * Unpack message input_air_charge_temperature.
+ *
+ * @param[out] dst_p Object to unpack the message into.
+ * @param[in] src_p Message to unpack.
+ * @param[in] size Size of src_p.
+ *
+ * @return zero(0) or negative error code.
+ */
+int sd_bus_input_air_charge_temperature_unpack(
+    struct sd_bus_input_air_charge_temperature_t *dst_p,
+    const uint8_t *src_p,
+    size_t size);
+
+/**
+ * Init message fields to default values from input_air_charge_temperature.
+ *
+ * @param[in] msg_p Message to init.
+ *
+ * @return zero(0) on success or (-1) in case of nullptr argument.
+ */
+int sd_bus_input_air_charge_temperature_init(struct sd_bus_input_air_charge_temperature_t *msg_p);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint32_t sd_bus_input_air_charge_temperature_tick_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_input_air_charge_temperature_tick_decode(uint32_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_air_charge_temperature_tick_is_in_range(uint32_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_air_charge_temperature_tick_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_input_air_charge_temperature_value_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_input_air_charge_temperature_value_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_air_charge_temperature_value_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_air_charge_temperature_value_is_in_phys_range(double value);
+
+/**
+ * Pack message input_egr_temperature.
+ *
+ * @param[out] dst_p Buffer to pack the message into.
+ * @param[in] src_p Data to pack.
+ * @param[in] size Size of dst_p.
+ *
+ * @return Size of packed data, or negative error code.
+ */
+int sd_bus_input_egr_temperature_pack(
+    uint8_t *dst_p,
+    const struct sd_bus_input_egr_temperature_t *src_p,
+    size_t size);
+
+/**
+ * Unpack message input_egr_temperature.
+ *
+ * @param[out] dst_p Object to unpack the message into.
+ * @param[in] src_p Message to unpack.
+ * @param[in] size Size of src_p.
+ *
+ * @return zero(0) or negative error code.
+ */
+int sd_bus_input_egr_temperature_unpack(
+    struct sd_bus_input_egr_temperature_t *dst_p,
+    const uint8_t *src_p,
+    size_t size);
+
+/**
+ * Init message fields to default values from input_egr_temperature.
+ *
+ * @param[in] msg_p Message to init.
+ *
+ * @return zero(0) on success or (-1) in case of nullptr argument.
+ */
+int sd_bus_input_egr_temperature_init(struct sd_bus_input_egr_temperature_t *msg_p);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint32_t sd_bus_input_egr_temperature_tick_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_input_egr_temperature_tick_decode(uint32_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_egr_temperature_tick_is_in_range(uint32_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_egr_temperature_tick_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_input_egr_temperature_value_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_input_egr_temperature_value_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_egr_temperature_value_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_egr_temperature_value_is_in_phys_range(double value);
+
+/**
+ * Pack message input_egr_command.
+ *
+ * @param[out] dst_p Buffer to pack the message into.
+ * @param[in] src_p Data to pack.
+ * @param[in] size Size of dst_p.
+ *
+ * @return Size of packed data, or negative error code.
+ */
+int sd_bus_input_egr_command_pack(
+    uint8_t *dst_p,
+    const struct sd_bus_input_egr_command_t *src_p,
+    size_t size);
+
+/**
+ * Unpack message input_egr_command.
+ *
+ * @param[out] dst_p Object to unpack the message into.
+ * @param[in] src_p Message to unpack.
+ * @param[in] size Size of src_p.
+ *
+ * @return zero(0) or negative error code.
+ */
+int sd_bus_input_egr_command_unpack(
+    struct sd_bus_input_egr_command_t *dst_p,
+    const uint8_t *src_p,
+    size_t size);
+
+/**
+ * Init message fields to default values from input_egr_command.
+ *
+ * @param[in] msg_p Message to init.
+ *
+ * @return zero(0) on success or (-1) in case of nullptr argument.
+ */
+int sd_bus_input_egr_command_init(struct sd_bus_input_egr_command_t *msg_p);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint32_t sd_bus_input_egr_command_tick_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_input_egr_command_tick_decode(uint32_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_egr_command_tick_is_in_range(uint32_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_egr_command_tick_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_input_egr_command_value_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_input_egr_command_value_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_egr_command_value_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_egr_command_value_is_in_phys_range(double value);
+
+/**
+ * Pack message input_egr_position.
+ *
+ * @param[out] dst_p Buffer to pack the message into.
+ * @param[in] src_p Data to pack.
+ * @param[in] size Size of dst_p.
+ *
+ * @return Size of packed data, or negative error code.
+ */
+int sd_bus_input_egr_position_pack(
+    uint8_t *dst_p,
+    const struct sd_bus_input_egr_position_t *src_p,
+    size_t size);
+
+/**
+ * Unpack message input_egr_position.
+ *
+ * @param[out] dst_p Object to unpack the message into.
+ * @param[in] src_p Message to unpack.
+ * @param[in] size Size of src_p.
+ *
+ * @return zero(0) or negative error code.
+ */
+int sd_bus_input_egr_position_unpack(
+    struct sd_bus_input_egr_position_t *dst_p,
+    const uint8_t *src_p,
+    size_t size);
+
+/**
+ * Init message fields to default values from input_egr_position.
+ *
+ * @param[in] msg_p Message to init.
+ *
+ * @return zero(0) on success or (-1) in case of nullptr argument.
+ */
+int sd_bus_input_egr_position_init(struct sd_bus_input_egr_position_t *msg_p);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint32_t sd_bus_input_egr_position_tick_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_input_egr_position_tick_decode(uint32_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_egr_position_tick_is_in_range(uint32_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_egr_position_tick_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_input_egr_position_value_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_input_egr_position_value_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_egr_position_value_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_egr_position_value_is_in_phys_range(double value);
+
+/**
+ * Pack message input_vgt_command.
+ *
+ * @param[out] dst_p Buffer to pack the message into.
+ * @param[in] src_p Data to pack.
+ * @param[in] size Size of dst_p.
+ *
+ * @return Size of packed data, or negative error code.
+ */
+int sd_bus_input_vgt_command_pack(
+    uint8_t *dst_p,
+    const struct sd_bus_input_vgt_command_t *src_p,
+    size_t size);
+
+/**
+ * Unpack message input_vgt_command.
+ *
+ * @param[out] dst_p Object to unpack the message into.
+ * @param[in] src_p Message to unpack.
+ * @param[in] size Size of src_p.
+ *
+ * @return zero(0) or negative error code.
+ */
+int sd_bus_input_vgt_command_unpack(
+    struct sd_bus_input_vgt_command_t *dst_p,
+    const uint8_t *src_p,
+    size_t size);
+
+/**
+ * Init message fields to default values from input_vgt_command.
+ *
+ * @param[in] msg_p Message to init.
+ *
+ * @return zero(0) on success or (-1) in case of nullptr argument.
+ */
+int sd_bus_input_vgt_command_init(struct sd_bus_input_vgt_command_t *msg_p);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint32_t sd_bus_input_vgt_command_tick_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_input_vgt_command_tick_decode(uint32_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_vgt_command_tick_is_in_range(uint32_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_vgt_command_tick_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_input_vgt_command_value_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_input_vgt_command_value_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_vgt_command_value_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_vgt_command_value_is_in_phys_range(double value);
+
+/**
+ * Pack message input_vgt_position.
+ *
+ * @param[out] dst_p Buffer to pack the message into.
+ * @param[in] src_p Data to pack.
+ * @param[in] size Size of dst_p.
+ *
+ * @return Size of packed data, or negative error code.
+ */
+int sd_bus_input_vgt_position_pack(
+    uint8_t *dst_p,
+    const struct sd_bus_input_vgt_position_t *src_p,
+    size_t size);
+
+/**
+ * Unpack message input_vgt_position.
+ *
+ * @param[out] dst_p Object to unpack the message into.
+ * @param[in] src_p Message to unpack.
+ * @param[in] size Size of src_p.
+ *
+ * @return zero(0) or negative error code.
+ */
+int sd_bus_input_vgt_position_unpack(
+    struct sd_bus_input_vgt_position_t *dst_p,
+    const uint8_t *src_p,
+    size_t size);
+
+/**
+ * Init message fields to default values from input_vgt_position.
+ *
+ * @param[in] msg_p Message to init.
+ *
+ * @return zero(0) on success or (-1) in case of nullptr argument.
+ */
+int sd_bus_input_vgt_position_init(struct sd_bus_input_vgt_position_t *msg_p);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint32_t sd_bus_input_vgt_position_tick_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_input_vgt_position_tick_decode(uint32_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_vgt_position_tick_is_in_range(uint32_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_vgt_position_tick_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_input_vgt_position_value_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_input_vgt_position_value_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_vgt_position_value_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_vgt_position_value_is_in_phys_range(double value);
 
 /**
  * Pack message truth_edge.

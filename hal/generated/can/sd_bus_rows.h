@@ -338,7 +338,7 @@ static inline void sd_bus_task_to_row(sd_row_t *row, const struct sd_bus_task_t 
 }
 
 #define SD_BUS_INPUTS_FIRST 0xd0u
-#define SD_BUS_INPUTS_END   0xdau /* the identifier after the last input's */
+#define SD_BUS_INPUTS_END   0xe1u /* the identifier after the last input's */
 #define SD_BUS_ROW_FRAMES   6u /* of the longest row */
 #define SD_BUS_WHEELS       14u /* whose edges a teeth frame can carry */
 

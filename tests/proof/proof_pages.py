@@ -22,7 +22,7 @@ WHAT = {
     "scaled_make": "the contract of sd_scaled_make, which the others use in place of its body",
     "fourier_q31": "torque observer: step, reading, restart, revolution shifted; every even number of positions, 1 to 12 harmonics",
     "wheel_q31": "document 000's observers, alone and on the wheel: tooth, verdict, init; wheels of 12 and 120 positions",
-    "exhaust_q31": "manifold and delay: step, measured pressure, shares, operating point; cycles of 24, 132, 240 positions",
+    "exhaust_q31": "manifold and delay: step, measured pressure, shares from every eighth position on, operating point; cycles of 24, 132, 240 positions",
     "chain_q31": "sensor inverted, observer of cylinders, chain: step, set, reading; cycles of 24, 132, 240 positions",
     "broken": "the negative control: four faults of the kinds that matter",
 }

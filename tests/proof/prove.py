@@ -142,10 +142,11 @@ def main():
     kept, wrong = tomllib.loads(KEPT.read_text()) if KEPT.exists() else {}, []
     for part in parts:
         found, faults = eva([name for name in arguments.part if name not in parts]) if part == "eva" else {"misra": misra, "tidy": tidy}[part]()
-        kept[part] = kept.get(part, {}) | found if part == "eva" else found
         wrong += faults
-    if arguments.keep:
-        keep(kept)
+        if arguments.keep:  # what another one has kept meanwhile stays
+            kept = tomllib.loads(KEPT.read_text()) if KEPT.exists() else {}
+            kept[part] = dict(sorted((kept.get(part, {}) | found).items())) if part == "eva" else found
+            keep(kept)
     if arguments.keep or arguments.pages or arguments.check:
         for name, page in PAGES.items():
             text = page(kept, ROOT)

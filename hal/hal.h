@@ -27,6 +27,8 @@ typedef enum sd_event_kind {
     SD_EVENT_GAP        = 8,  ///< In. A port lost events before this one: the angle is sought afresh.
     SD_EVENT_PARAMETER  = 9,  ///< In. channel: index of the parameter; flags: sd_parameter_command_t; value: to set.
                               ///< Out, its answer. value: what holds now; flags: command | sd_parameter_result_t << 8.
+    SD_EVENT_LATE       = 10, ///< In. From here on the port lets the ecu leave out work, since teeth come faster than they are handled.
+                              ///< value: how much, sd_shed_t; flags: teeth that came too early so far, wraps.
     SD_EVENT_SIGNAL     = 16, ///< Out. channel: sd_signal_t; value: IEEE 754 bits; flags: health | why << 8 (16 bits).
     SD_EVENT_DONE       = 17, ///< Out. tick: of the SD_EVENT_TIME up to which all is handled and said; value: signals
                               ///< the port had no room for; flags: events ignored since the start.

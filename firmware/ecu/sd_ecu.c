@@ -21,7 +21,8 @@ sd_result_t sd_ecu_init(sd_ecu_t *self, const sd_calibration_t *page) {
     const bool ok = (sd_crank_init(&self->crank, &crank) == SD_OK) && (sd_stage_torque_init(&self->torque, page, p) == SD_OK) &&
                     (sd_firings_init(&self->firings, &firings, &page->kalman) == SD_OK) &&
                     (sd_stage_misfire_init(&self->misfire, page, p) == SD_OK) &&
-                    (sd_stage_mixture_init(&self->mixture, page, p) == SD_OK) && (sd_stage_trims_init(&self->trims, page, p) == SD_OK);
+                    (sd_stage_mixture_init(&self->mixture, page, p) == SD_OK) && (sd_stage_trims_init(&self->trims, page, p) == SD_OK) &&
+                    (sd_stage_airpath_init(&self->airpath, page, p) == SD_OK);
     if (!ok) { return SD_ERR_CONFIG; }
     self->working = *p;
     self->reference = *p;
@@ -137,16 +138,18 @@ void sd_ecu_tooth(sd_ecu_t *self, const sd_calibration_t *page, const sd_port_t 
     if (moved != SD_COURSE_NONE) { jump(self, moved); }
     if (sd_course_ended(&self->course, tooth, page->positions, page->tick_hz, &cycle)) { end_cycle(self, page, port, &cycle); }
     step_torque(self, page, tooth);
-    const bool firing_read = step_firings(self, page, port, tooth, speed_radps);
+    const bool firing_read = (self->shed < (uint8_t)SD_SHED_FIRINGS) && step_firings(self, page, port, tooth, speed_radps);
     /* A tooth has one burden beside its own position: positions passed without an edge, a firing, mixture that waits, or a piece. */
     const bool burdened = firing_read || (tooth->advance > 1u);
-    const bool catches_up = sd_stage_mixture_tooth(&self->mixture, page, tooth, burdened ? 0u : SD_MIXTURE_STEPS);
+    const bool catches_up = (self->shed < (uint8_t)SD_SHED_MIXTURE) &&
+                            sd_stage_mixture_tooth(&self->mixture, page, tooth, burdened ? 0u : SD_MIXTURE_STEPS);
     if (!burdened && !catches_up) { sd_ecu_do_piece(self, page, port); }
 }
 
 /* ---- beside teeth ---------------------------------------------------------------------------------------------- */
 
 void sd_ecu_spurious(sd_ecu_t *self, const sd_calibration_t *page) {
+    if (self->shed >= (uint8_t)SD_SHED_FIRINGS) { return; }
     sd_firings_spurious(&self->firings, &page->kalman);
     sd_stage_misfire_spurious(&self->misfire, page);
 }
@@ -165,10 +168,33 @@ float sd_ecu_say_edge(sd_ecu_t *self, const sd_calibration_t *page, const sd_too
     return motion.speed_radps;
 }
 
+/* A block that followed no teeth for a while starts afresh. */
+void sd_ecu_shed(sd_ecu_t *self, uint8_t level) {
+    const uint8_t before = self->shed;
+    self->shed = level;
+    if ((before < (uint8_t)SD_SHED_MIXTURE) != (level < (uint8_t)SD_SHED_MIXTURE)) { sd_stage_mixture_restart(&self->mixture); }
+    if ((before < (uint8_t)SD_SHED_FIRINGS) != (level < (uint8_t)SD_SHED_FIRINGS)) { restart_firings(self); }
+    if (level >= (uint8_t)SD_SHED_FIRINGS) {
+        sd_publish_worst_of(&self->say, SD_OWNER_FIRING, SD_INVALID, SD_WHY_OVERLOAD);
+        sd_publish_worst_of(&self->say, SD_OWNER_MISFIRE, SD_INVALID, SD_WHY_OVERLOAD);
+    }
+}
+
 void sd_ecu_sample(sd_ecu_t *self, sd_input_t input, float value) {
     if (input == SD_INPUT_EXHAUST_LAMBDA) {
         sd_stage_mixture_sample(&self->mixture, value, self->working.afr_stoichiometric);
     } else if (input == SD_INPUT_EXHAUST_PRESSURE) {
         sd_stage_mixture_pressure(&self->mixture, value);
     }
+}
+
+void sd_ecu_task(sd_ecu_t *self, const sd_calibration_t *page, const sd_port_t *port, uint32_t tick) {
+    if (page->airpath.present == 0u) { return; }
+    const sd_stage_airpath_crank_t crank = { .speed_rpm = self->say.signals.crank_speed_rpm,
+                                             .health = sd_publish_judged(&self->say, SD_OWNER_CRANK).health,
+                                             .cylinders = page->cylinders };
+    sd_stage_airpath_out_t out;
+    sd_stage_airpath_step(&self->airpath, page, &self->inputs, &crank, tick, &out);
+    sd_say_airpath(&self->say, &out);
+    sd_publish_row(&self->say, port, tick, SD_RATE_AIRPATH);
 }

@@ -4,7 +4,8 @@
 ///   crank edge -> decoder -> course of the cycle -> torque, firings (-> misfire, at each firing read), mixture
 ///                 and one piece of the work that the end of a cycle left: cylinders, delay, mixture, trims, the cycle's signals
 ///   cam edge   -> phase
-///   time       -> every 10 ms: age of inputs, stall, signals of that rate, and the answer that all up to now is done
+///   time       -> every 10 ms: age of inputs, stall, diagnosis of the air path, signals of that rate, and the answer that all up to now
+///                 is done
 ///   sample     -> inputs; those of the lambda sensor and of the exhaust pressure are averaged between teeth
 ///   gap        -> events were lost: angle and phase are unknown until they are found again
 ///   parameter  -> the working parameters; since events are handled one by one, a change falls between two teeth
@@ -27,6 +28,7 @@
 #include "sd_firings.h"
 #include "sd_inputs.h"
 #include "sd_publish.h"
+#include "sd_stage_airpath.h"
 #include "sd_stage_misfire.h"
 #include "sd_stage_mixture.h"
 #include "sd_stage_torque.h"
@@ -57,11 +59,13 @@ typedef struct sd_ecu {
     sd_stage_misfire_t misfire;
     sd_stage_mixture_t mixture;
     sd_stage_trims_t   trims;
+    sd_stage_airpath_t airpath;
     sd_work_t          work;
     sd_publish_t       say;
     float    last_speed_radps, last_fuel_mg; ///< Of the last cycle, to see whether the engine is steady.
     uint32_t unknown_events; ///< Ignored, wraps.
     uint8_t  ready;          ///< 1: initialised.
+    uint8_t  shed;           ///< sd_shed_t: what the port lets it leave out.
     uint8_t  edge_seen;      ///< 1: a crank edge came since the last time event.
     uint8_t  trims_wanted;   ///< 1: when balance.enable was last fresh, it allowed trims.
 } sd_ecu_t;

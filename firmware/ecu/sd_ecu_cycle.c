@@ -133,10 +133,13 @@ void sd_ecu_do_piece(sd_ecu_t *self, const sd_calibration_t *page, const sd_port
 }
 
 void sd_ecu_begin_work(sd_ecu_t *self, const sd_calibration_t *page, const sd_port_t *port, const sd_cycle_t *cycle) {
-    while (self->work.piece < (uint8_t)SD_PIECE_NONE) { sd_ecu_do_piece(self, page, port); }
+    const bool all = self->shed == (uint8_t)SD_SHED_NONE;
+    while (all && (self->work.piece < (uint8_t)SD_PIECE_NONE)) { sd_ecu_do_piece(self, page, port); }
+    if (self->work.piece < (uint8_t)SD_PIECE_NONE) { return; } /* what is under way goes on, one piece a tooth */
     self->work.cycle = *cycle;
     self->work.torque = sd_publish_judged(&self->say, SD_OWNER_TORQUE);
     self->work.said = 0;
-    self->work.piece = SD_PIECE_CYLINDERS;
+    self->work.piece = all ? SD_PIECE_CYLINDERS : SD_PIECE_SAY;
+    if (!all) { sd_ecu_say_cycle_shed(&self->say); }
     self->say.signals.cycle_speed_rpm = cycle->speed_radps * SD_RPM_PER_RADPS;
 }

@@ -5,17 +5,20 @@
 #include <stddef.h>
 
 #include "sd_ecu.h"
+#include "sd_shed.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
 
 /* What an ecu makes of events. An edge is said, speed in rad/s returned; a placed tooth with that speed; an edge that is none; the
- * angle is lost; a sample was taken. */
+ * angle is lost; work is left out from here on, or no longer; 10 ms have gone by; a sample was taken. */
 float sd_ecu_say_edge(sd_ecu_t *self, const sd_calibration_t *page, const sd_tooth_t *tooth);
 void sd_ecu_tooth(sd_ecu_t *self, const sd_calibration_t *page, const sd_port_t *port, const sd_tooth_t *tooth, float speed_radps);
 void sd_ecu_spurious(sd_ecu_t *self, const sd_calibration_t *page);
 void sd_ecu_lose_angle(sd_ecu_t *self, uint16_t why);
+void sd_ecu_shed(sd_ecu_t *self, uint8_t level);
+void sd_ecu_task(sd_ecu_t *self, const sd_calibration_t *page, const sd_port_t *port, uint32_t tick);
 void sd_ecu_sample(sd_ecu_t *self, sd_input_t input, float value);
 
 /* sd_ecu_cycle.c: pieces of work, in their order. */
@@ -34,6 +37,12 @@ typedef enum sd_piece {
 
 /* Begins the work of a cycle that ended; what the last one left is done at once. */
 void sd_ecu_begin_work(sd_ecu_t *self, const sd_calibration_t *page, const sd_port_t *port, const sd_cycle_t *cycle);
+/* What the owners of a cycle's work are worth while none is begun. */
+static inline void sd_ecu_say_cycle_shed(sd_publish_t *say) {
+    sd_publish_worst_of(say, SD_OWNER_CYLINDER, SD_INVALID, SD_WHY_OVERLOAD);
+    sd_publish_worst_of(say, SD_OWNER_AFR, SD_INVALID, SD_WHY_OVERLOAD);
+    sd_publish_worst_of(say, SD_OWNER_BALANCE, SD_DEGRADED, SD_WHY_OVERLOAD);
+}
 /* Does one piece, if any is due. */
 void sd_ecu_do_piece(sd_ecu_t *self, const sd_calibration_t *page, const sd_port_t *port);
 

@@ -116,3 +116,18 @@ void sd_say_mixture(sd_publish_t *say, const sd_calibration_t *page, const sd_mi
 void sd_say_trims(sd_publish_t *say, const sd_calibration_t *page, const sd_stage_trims_t *trims) {
     for (uint32_t i = 0; i < trims->balance.config.cylinders; ++i) { say->signals.balance_trim[physical(page, i)] = trims->trim[i]; }
 }
+
+void sd_say_airpath(sd_publish_t *say, const sd_stage_airpath_out_t *out) {
+    const sd_airpath_out_t *bank = &out->bank;
+    sd_signals_t *s = &say->signals;
+    for (uint32_t i = 0; i < (uint32_t)SD_AIRPATH_RESIDUALS; ++i) {
+        s->airpath_residual_kpa[i] = bank->residual_kpa[i];
+        s->airpath_offset[i] = bank->offset_faults[i];
+    }
+    for (uint32_t i = 0; i < sizeof s->airpath_decision / sizeof s->airpath_decision[0]; ++i) { s->airpath_decision[i] = bank->decision.decision[i]; }
+    s->airpath_fault = (float)bank->fault;
+    s->airpath_since_s = bank->since_s;
+    s->airpath_phase = (float)bank->phase;
+    s->airpath_tracking = (float)out->tracking;
+    sd_publish_judge(say, SD_OWNER_AIRPATH, &bank->status);
+}

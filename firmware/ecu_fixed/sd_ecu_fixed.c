@@ -27,6 +27,7 @@ sd_result_t sd_ecu_init(sd_ecu_t *self, const sd_calibration_t *page) {
     if (!ok) { return SD_ERR_CONFIG; }
     const sd_status_t not_built = { .health = SD_INVALID, .why = SD_WHY_NOT_BUILT };
     sd_publish_judge(&self->say, SD_OWNER_FIRING, &not_built);
+    sd_publish_judge(&self->say, SD_OWNER_AIRPATH, &not_built);
     sd_publish_judge(&self->say, SD_OWNER_MISFIRE, &self->misfire.status);
     self->ready = 1;
     return SD_OK;
@@ -92,21 +93,36 @@ void sd_ecu_tooth(sd_ecu_t *self, const sd_calibration_t *page, const sd_port_t 
         sd_fixed_begin_work(self, page, port, &cycle);
     }
     step_torque(self, page, tooth);
-    const bool firing_read = step_misfire(self, page, port, tooth);
+    const bool firing_read = (self->shed < (uint8_t)SD_SHED_FIRINGS) && step_misfire(self, page, port, tooth);
     const bool burdened = firing_read || (tooth->advance > 1u); /* a tooth has one burden beside its own position */
-    const bool catches_up = sd_fixed_mixture_tooth(&self->mixture, page, tooth, burdened ? 0u : SD_MIXTURE_STEPS);
+    const bool catches_up = (self->shed < (uint8_t)SD_SHED_MIXTURE) &&
+                            sd_fixed_mixture_tooth(&self->mixture, page, tooth, burdened ? 0u : SD_MIXTURE_STEPS);
     if (!burdened && !catches_up) { sd_ecu_do_piece(self, page, port); }
 }
 
 /* ---- beside teeth ---------------------------------------------------------------------------------------------- */
 
-void sd_ecu_spurious(sd_ecu_t *self, const sd_calibration_t *page) { sd_fixed_misfire_spurious(&self->misfire, page); }
+void sd_ecu_spurious(sd_ecu_t *self, const sd_calibration_t *page) {
+    if (self->shed < (uint8_t)SD_SHED_FIRINGS) { sd_fixed_misfire_spurious(&self->misfire, page); }
+}
 
 void sd_ecu_lose_angle(sd_ecu_t *self, uint16_t why) {
     sd_course_lose(&self->course);
     sd_fixed_mixture_restart(&self->mixture);
     self->say.signals.torque_mass_nm = 0.0f;
     sd_publish_worst_of(&self->say, SD_OWNER_TORQUE, SD_INVALID, why);
+}
+
+/* A block that followed no teeth for a while starts afresh. */
+void sd_ecu_shed(sd_ecu_t *self, uint8_t level) {
+    const uint8_t before = self->shed;
+    self->shed = level;
+    if ((before < (uint8_t)SD_SHED_MIXTURE) != (level < (uint8_t)SD_SHED_MIXTURE)) { sd_fixed_mixture_restart(&self->mixture); }
+    if ((before < (uint8_t)SD_SHED_FIRINGS) != (level < (uint8_t)SD_SHED_FIRINGS)) {
+        sd_fixed_misfire_restart(&self->misfire);
+        sd_publish_judge(&self->say, SD_OWNER_MISFIRE, &self->misfire.status);
+    }
+    if (level >= (uint8_t)SD_SHED_FIRINGS) { sd_publish_worst_of(&self->say, SD_OWNER_MISFIRE, SD_INVALID, SD_WHY_OVERLOAD); }
 }
 
 void sd_ecu_sample(sd_ecu_t *self, sd_input_t input, float value) {
@@ -129,4 +145,12 @@ sd_result_t sd_ecu_apply(sd_ecu_t *self, const sd_calibration_t *page, uint32_t 
     case SD_OWNER_BALANCE: return SD_OK;
     default:               return SD_ERR_CONFIG;
     }
+}
+
+/* The air path's diagnosis is in single precision, and not in this ecu (docs/airpath.md). */
+void sd_ecu_task(sd_ecu_t *self, const sd_calibration_t *page, const sd_port_t *port, uint32_t tick) {
+    (void)self;
+    (void)page;
+    (void)port;
+    (void)tick;
 }

@@ -57,6 +57,7 @@ typedef struct sd_ecu {
     float    last_speed_radps, last_fuel_mg; ///< Of the last cycle, to see whether the engine is steady.
     uint32_t unknown_events; ///< Ignored, wraps.
     uint8_t  ready;          ///< 1: initialised.
+    uint8_t  shed;           ///< sd_shed_t: what the port lets it leave out.
     uint8_t  edge_seen;      ///< 1: a crank edge came since the last time event.
     uint8_t  misfired;       ///< 1: a firing of this cycle was judged a misfire.
     uint8_t  trims_wanted;   ///< 1: when balance.enable was last fresh, it allowed trims.

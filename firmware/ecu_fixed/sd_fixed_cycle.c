@@ -138,11 +138,14 @@ void sd_ecu_do_piece(sd_ecu_t *self, const sd_calibration_t *page, const sd_port
 }
 
 void sd_fixed_begin_work(sd_ecu_t *self, const sd_calibration_t *page, const sd_port_t *port, const sd_cycle_t *cycle) {
-    while (self->work.piece < (uint8_t)SD_FIXED_NONE) { sd_ecu_do_piece(self, page, port); }
+    const bool all = self->shed == (uint8_t)SD_SHED_NONE;
+    while (all && (self->work.piece < (uint8_t)SD_FIXED_NONE)) { sd_ecu_do_piece(self, page, port); }
+    if (self->work.piece < (uint8_t)SD_FIXED_NONE) { return; } /* what is under way goes on, one piece a tooth */
     self->work.cycle = *cycle;
     self->work.torque = sd_publish_judged(&self->say, SD_OWNER_TORQUE);
     self->work.said = 0;
     self->work.part = 0;
-    self->work.piece = SD_FIXED_CYLINDERS;
+    self->work.piece = all ? SD_FIXED_CYLINDERS : SD_FIXED_SAY;
+    if (!all) { sd_ecu_say_cycle_shed(&self->say); }
     self->say.signals.cycle_speed_rpm = sd_scaled_to_float(sd_scaled_mul(sd_scaled_of(cycle->speed_radps), sd_scaled_of(SD_RPM_PER_RADPS)));
 }

@@ -27,6 +27,8 @@ typedef enum sd_why {
     SD_WHY_NO_INPUT     = 1 << 7, ///< A sensor that this value takes has not been read; a usual value stands for it.
     SD_WHY_STALE_INPUT  = 1 << 8, ///< A sensor that this value takes was last read longer ago than its reading counts.
     SD_WHY_NOT_BUILT    = 1 << 9, ///< This build of the firmware does not hold the block.
+    SD_WHY_OVERLOAD     = 1 << 10, ///< Left out, since teeth came faster than the controller handles them; see hal/sd_shed.h.
+    SD_WHY_LEARNED      = 1 << 11, ///< It rests on something learned since the start that is too large to be trusted.
 } sd_why_t;
 
 /// Outcome of an init or a command. 0 is success; a negative value leaves the state as it was.

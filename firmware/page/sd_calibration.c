@@ -58,10 +58,16 @@ static bool wheel_ok(const sd_calibration_t *page) {
     return bases && ((w->positions == 0u) || ((w->positions == page->positions) && (w->cylinders == page->cylinders)));
 }
 
+#ifdef SD_ECU_FIXED
+static bool airpath_ok(const sd_calibration_t *page) { return page->airpath.present <= 1u; } /* it is not in that ecu */
+#else
+static bool airpath_ok(const sd_calibration_t *page) { return sd_airpath_tables_ok(&page->airpath); }
+#endif
+
 bool sd_calibration_in_range(const sd_calibration_t *page) {
     const float *parameter = (const float *)&page->parameters;
     bool ok = within(page->position_0_deg, 0.0f, 360.0f) && within(page->tick_hz, 1e5f, 2e8f) && cylinders_ok(page) &&
-              ((page->kalman.positions == 0u) || (page->kalman.positions == page->positions)) && wheel_ok(page);
+              ((page->kalman.positions == 0u) || (page->kalman.positions == page->positions)) && wheel_ok(page) && airpath_ok(page);
     for (uint32_t i = 0; ok && (i < SD_PARAMETER_COUNT); ++i) {
         ok = within(parameter[i], sd_parameter_infos[i].low, sd_parameter_infos[i].high);
     }

@@ -96,6 +96,18 @@ const sd_signal_info_t sd_signal_infos[SD_SIGNAL_COUNT] = {
     { "misfire.lamp", "", 0.0f, 3.0f, 0.0f, SD_RATE_CYCLE, SD_OWNER_MISFIRE, 0 },
     { "misfire.count", "", 0.0f, 4e+09f, 0.0f, SD_RATE_CYCLE, SD_OWNER_MISFIRE, 0 },
     { "misfire.partial_burns", "", 0.0f, 4e+09f, 0.0f, SD_RATE_CYCLE, SD_OWNER_MISFIRE, 0 },
+    { "airpath.residual[1]", "kPa", -1000000.0f, 1000000.0f, 0.0f, SD_RATE_AIRPATH, SD_OWNER_AIRPATH, 0 },
+    { "airpath.residual[2]", "kPa", -1000000.0f, 1000000.0f, 0.0f, SD_RATE_AIRPATH, SD_OWNER_AIRPATH, 0 },
+    { "airpath.decision[1]", "", -100000.0f, 100000.0f, 0.0f, SD_RATE_AIRPATH, SD_OWNER_AIRPATH, 0 },
+    { "airpath.decision[2]", "", -100000.0f, 100000.0f, 0.0f, SD_RATE_AIRPATH, SD_OWNER_AIRPATH, 0 },
+    { "airpath.decision[3]", "", -100000.0f, 100000.0f, 0.0f, SD_RATE_AIRPATH, SD_OWNER_AIRPATH, 0 },
+    { "airpath.decision[4]", "", -100000.0f, 100000.0f, 0.0f, SD_RATE_AIRPATH, SD_OWNER_AIRPATH, 0 },
+    { "airpath.fault", "", 0.0f, 3.0f, 0.0f, SD_RATE_AIRPATH, SD_OWNER_AIRPATH, 0 },
+    { "airpath.since", "s", 0.0f, 100000000.0f, 0.0f, SD_RATE_AIRPATH, SD_OWNER_AIRPATH, 0 },
+    { "airpath.phase", "", 0.0f, 3.0f, 0.0f, SD_RATE_AIRPATH, SD_OWNER_AIRPATH, 0 },
+    { "airpath.offset[1]", "", -1000000.0f, 1000000.0f, 0.0f, SD_RATE_AIRPATH, SD_OWNER_AIRPATH, 0 },
+    { "airpath.offset[2]", "", -1000000.0f, 1000000.0f, 0.0f, SD_RATE_AIRPATH, SD_OWNER_AIRPATH, 0 },
+    { "airpath.tracking", "", 0.0f, 3.0f, 0.0f, SD_RATE_AIRPATH, SD_OWNER_AIRPATH, 0 },
     { "inputs.stale[1]", "", 0.0f, 65535.0f, 0.0f, SD_RATE_TASK, SD_OWNER_INPUTS, 0 },
     { "inputs.stale[2]", "", 0.0f, 65535.0f, 0.0f, SD_RATE_TASK, SD_OWNER_INPUTS, 0 },
     { "inputs.missing[1]", "", 0.0f, 65535.0f, 0.0f, SD_RATE_TASK, SD_OWNER_INPUTS, 0 },
@@ -130,6 +142,7 @@ const sd_owner_info_t sd_owner_infos[SD_OWNER_COUNT] = {
     { "misfire", 0x1u, 0x2u },
     { "afr", 0x0u, 0x13u },
     { "balance", 0x202u, 0x0u },
+    { "airpath", 0x1840u, 0x14423u },
     { "inputs", 0x0u, 0x0u },
 };
 
@@ -172,16 +185,25 @@ static const uint8_t owners_firing[] = {
     SD_OWNER_MISFIRE, SD_OWNER_MISFIRE, SD_OWNER_MISFIRE, SD_OWNER_MISFIRE, SD_OWNER_MISFIRE, SD_OWNER_MISFIRE, SD_OWNER_MISFIRE,
 };
 static const uint16_t channels_task[] = {
-    93, 94, 95, 96,
+    105, 106, 107, 108,
 };
 static const uint8_t owners_task[] = {
     SD_OWNER_INPUTS, SD_OWNER_INPUTS, SD_OWNER_INPUTS, SD_OWNER_INPUTS,
+};
+static const uint16_t channels_airpath[] = {
+    93, 94, 95, 96, 97, 98, 99, 100,
+    101, 102, 103, 104,
+};
+static const uint8_t owners_airpath[] = {
+    SD_OWNER_AIRPATH, SD_OWNER_AIRPATH, SD_OWNER_AIRPATH, SD_OWNER_AIRPATH, SD_OWNER_AIRPATH, SD_OWNER_AIRPATH, SD_OWNER_AIRPATH, SD_OWNER_AIRPATH,
+    SD_OWNER_AIRPATH, SD_OWNER_AIRPATH, SD_OWNER_AIRPATH, SD_OWNER_AIRPATH,
 };
 const sd_rate_info_t sd_rate_infos[SD_RATE_COUNT] = {
     { "edge", 0.0f, channels_edge, owners_edge, 9u },
     { "cycle", 0.0f, channels_cycle, owners_cycle, 69u },
     { "firing", 0.0f, channels_firing, owners_firing, 15u },
     { "task", 0.01f, channels_task, owners_task, 4u },
+    { "airpath", 0.01f, channels_airpath, owners_airpath, 12u },
 };
 
 const sd_signal_info_t sd_parameter_infos[SD_PARAMETER_COUNT] = {
@@ -251,4 +273,11 @@ const sd_signal_info_t sd_parameter_infos[SD_PARAMETER_COUNT] = {
     { "balance.limit", "", 0.01f, 0.5f, 0.25f, SD_RATE_EDGE, SD_OWNER_BALANCE, 0 },
     { "balance.sd_max", "", 0.001f, 1.0f, 0.1f, SD_RATE_EDGE, SD_OWNER_BALANCE, 0 },
     { "balance.hold", "cycles", 0.0f, 1000.0f, 8.0f, SD_RATE_EDGE, SD_OWNER_BALANCE, 0 },
+    { "airpath.detect", "", 0.1f, 10000.0f, 20.0f, SD_RATE_EDGE, SD_OWNER_AIRPATH, 0 },
+    { "airpath.isolate", "", 0.1f, 10000.0f, 20.0f, SD_RATE_EDGE, SD_OWNER_AIRPATH, 0 },
+    { "airpath.settle", "s", 0.0f, 100.0f, 2.0f, SD_RATE_EDGE, SD_OWNER_AIRPATH, 0 },
+    { "airpath.window", "s", 0.0f, 1000.0f, 4.0f, SD_RATE_EDGE, SD_OWNER_AIRPATH, 0 },
+    { "airpath.late", "s", 0.01f, 0.5f, 0.03f, SD_RATE_EDGE, SD_OWNER_AIRPATH, 0 },
+    { "airpath.stuck", "s", 0.01f, 10.0f, 0.1f, SD_RATE_EDGE, SD_OWNER_AIRPATH, 0 },
+    { "airpath.tracking", "", 0.001f, 1.0f, 0.05f, SD_RATE_EDGE, SD_OWNER_AIRPATH, 0 },
 };

@@ -11,7 +11,7 @@ extern "C" {
 #endif
 
 /// Changes whenever the table does; calibration pages and logs carry it.
-#define SD_SIGNALS_SIGNATURE 0x7a53d2b6u
+#define SD_SIGNALS_SIGNATURE 0x5ce92a4au
 
 /// Channel of an SD_EVENT_SAMPLE.
 typedef enum sd_input {
@@ -81,10 +81,17 @@ typedef enum sd_signal {
     SD_SIGNAL_MISFIRE_LAMP = 90, ///< Decision in the shape of OBD II, not verified against it: 0 off, 1 pending, 2 on, 3 blinking. [-]
     SD_SIGNAL_MISFIRE_COUNT = 91, ///< Misfires since init. [-]
     SD_SIGNAL_MISFIRE_PARTIAL_BURNS = 92, ///< Partial burns since init. [-]
-    SD_SIGNAL_INPUTS_STALE = 93, ///< Inputs read once whose last reading is older than it counts: bit i of element n is input 16 (n - 1) + i. [-, 2 channels]
-    SD_SIGNAL_INPUTS_MISSING = 95, ///< The same of inputs never read. [-, 2 channels]
+    SD_SIGNAL_AIRPATH_RESIDUAL = 93, ///< Residuals without the learned offset: 1 sees the turbine's vanes and not the EGR valve, 2 the valve and not the vanes. [kPa, 2 channels]
+    SD_SIGNAL_AIRPATH_DECISION = 95, ///< Decision functions of an EGR valve that is further open than it says and further closed, of vanes further closed and further open; above 0 it is named. [-, 4 channels]
+    SD_SIGNAL_AIRPATH_FAULT = 99, ///< 0 none, 1 the EGR valve, 2 the turbine's vanes, 3 both residuals at once: both actuators, or something else. [-]
+    SD_SIGNAL_AIRPATH_SINCE = 100, ///< Time since the most likely beginning of the fault that is named. [s]
+    SD_SIGNAL_AIRPATH_PHASE = 101, ///< 0 waits for its inputs, 1 settles, 2 learns the residuals' offsets, 3 decides. [-]
+    SD_SIGNAL_AIRPATH_OFFSET = 102, ///< Learned offset of each residual, over what a fault of 0.05 leaves in it. From 0.5 on, a fault that was there at the start may have been learned. [-, 2 channels]
+    SD_SIGNAL_AIRPATH_TRACKING = 104, ///< Actuators whose position does not follow its command, bits: 1 the EGR valve, 2 the turbine's vanes. [-]
+    SD_SIGNAL_INPUTS_STALE = 105, ///< Inputs read once whose last reading is older than it counts: bit i of element n is input 16 (n - 1) + i. [-, 2 channels]
+    SD_SIGNAL_INPUTS_MISSING = 107, ///< The same of inputs never read. [-, 2 channels]
 } sd_signal_t;
-#define SD_SIGNAL_COUNT 97u
+#define SD_SIGNAL_COUNT 109u
 
 /// Present values, in channel order.
 typedef struct sd_signals {
@@ -132,6 +139,13 @@ typedef struct sd_signals {
     float misfire_lamp;
     float misfire_count;
     float misfire_partial_burns;
+    float airpath_residual_kpa[2];
+    float airpath_decision[4];
+    float airpath_fault;
+    float airpath_since_s;
+    float airpath_phase;
+    float airpath_offset[2];
+    float airpath_tracking;
     float inputs_stale[2];
     float inputs_missing[2];
 } sd_signals_t;
@@ -204,8 +218,15 @@ typedef struct sd_parameters {
     float balance_limit; ///< Largest trim.
     float balance_sd_max; ///< Stated standard deviation of a deviation above which nothing is learned.
     float balance_hold_cycles; ///< How long trims hold after a transient or an estimate that is not valid.
+    float airpath_detect; ///< Threshold of detection; what it means in false alarms: docs/airpath.md.
+    float airpath_isolate; ///< Threshold by which the named fault must be ahead of any other.
+    float airpath_settle_s; ///< Time for which the observers settle after a start, or after an input was missing.
+    float airpath_window_s; ///< Time in which the residuals' offsets are learned after a start; 0: they are taken to be 0.
+    float airpath_late_s; ///< Age of a reading from which on decisions rest until the next one comes.
+    float airpath_stuck_s; ///< Time for which a pressure or the air flow may read the same to the last bit before its sensor counts as stuck; decisions rest meanwhile.
+    float airpath_tracking; ///< Distance of a position from its command, for half a second on average, that is said as not tracking.
 } sd_parameters_t;
-#define SD_PARAMETER_COUNT 66u
+#define SD_PARAMETER_COUNT 73u
 
 /// What is said together, and when.
 typedef enum sd_rate {
@@ -213,8 +234,9 @@ typedef enum sd_rate {
     SD_RATE_CYCLE = 1, ///< Every 720 deg. The tick is that of the tooth that ended the cycle; a row may be said over some of the teeth that follow.
     SD_RATE_FIRING = 2, ///< Each firing, 300 deg after its TDC.
     SD_RATE_TASK = 3, ///< Every 10 ms, with the clock event, whether the engine turns or not.
+    SD_RATE_AIRPATH = 4, ///< Every 10 ms, with the clock event, of a page with an air path.
 } sd_rate_t;
-#define SD_RATE_COUNT 4u
+#define SD_RATE_COUNT 5u
 
 /// Whose health comes with a value.
 typedef enum sd_owner {
@@ -225,9 +247,10 @@ typedef enum sd_owner {
     SD_OWNER_MISFIRE = 4, ///< The misfire monitor. A firing whose fuel is unknown is not judged; a tank or a gearbox that says nothing forbids nothing.
     SD_OWNER_AFR = 5, ///< Mixture of each cylinder, from the lambda sensor.
     SD_OWNER_BALANCE = 6, ///< Trims of the fuel. They hold while the estimate that they follow is not valid, whatever it lacks.
-    SD_OWNER_INPUTS = 7, ///< What the ecu knows of its inputs; always valid.
+    SD_OWNER_AIRPATH = 7, ///< Diagnosis of the EGR valve and of the turbine's vanes, of a page with an air path.
+    SD_OWNER_INPUTS = 8, ///< What the ecu knows of its inputs; always valid.
 } sd_owner_t;
-#define SD_OWNER_COUNT 8u
+#define SD_OWNER_COUNT 9u
 
 /// One row of the table. `value` is the default of a parameter.
 typedef struct sd_signal_info {

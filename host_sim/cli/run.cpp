@@ -2,6 +2,7 @@
 // sixdeg run, sixdeg plant: a scenario's engine and the firmware, in one process or over a bus; summary.json, teeth.csv,
 // cycles.csv.
 #include "loop/bus_run.hpp"
+#include "loop/emulator_feed.hpp"
 #include "cli/firing_report.hpp"
 #include "cli/misfire_report.hpp"
 
@@ -30,6 +31,8 @@ struct Options {
     std::string scenario, tune, number, out, json, record, learned, learn;
     std::vector<std::string> set;
     std::optional<std::uint64_t> seed;
+    double restart_s = -1; ///< Below 0: it does not.
+    std::optional<double> restart() const { return restart_s < 0 ? std::nullopt : std::optional(restart_s); }
     std::string transport = "inproc";
     bool start_ecu = true;
     Pace pace;
@@ -184,6 +187,45 @@ PerturbedRun run_perturbed(const Inputs &inputs) {
     return {drawn, run_on_bench(inputs.scenario, page, nullptr, learned ? &*learned : nullptr)};
 }
 
+using Clock = std::chrono::steady_clock;
+
+bool on_emulator(const Options &options) { return options.transport.rfind("qemu:", 0) == 0; }
+
+void check_transport(const Options &options) {
+    const bool in_process = options.transport == "inproc", emulated = on_emulator(options);
+    if ((in_process || emulated) && (options.pace.real_time || options.pace.at_most > 0))
+        throw InputError("--real-time, --pace", "", "are for a bus; give --transport");
+    if (!in_process && !(options.learn + options.learned).empty())
+        throw InputError("--learn, --learned", "", "the tooth pattern stays in the ecu over a bus; leave them out");
+    if (options.restart() && !in_process && !emulated)
+        throw InputError("--restart", "", "the ecu at the other end of a bus is not in this program's hands; kill it");
+    if (options.restart() && !options.record.empty())
+        throw InputError("--restart, --record", "", "an event log holds one life of an ecu; leave one of them out");
+}
+
+/// What there is to say of an ecu that is not in this process: one of the two.
+struct Elsewhere {
+    BusFigures bus;
+    EmulatorFigures controller;
+};
+
+BusChoice bus_of(const Options &options) { return {options.transport, options.pace, options.start_ecu}; }
+
+RunResult run_elsewhere(const Options &options, const Inputs &inputs, RunTables *rows, const EventListener &listener, Elsewhere &figures) {
+    if (on_emulator(options))
+        return run_on_emulator(options.transport, inputs.scenario, inputs.calibration, rows, listener, options.restart(), figures.controller);
+    return run_on_bus(bus_of(options), inputs.scenario, inputs.calibration, rows, listener, figures.bus);
+}
+
+void add_elsewhere(Json &summary, const Options &options, const Elsewhere &figures, std::size_t unanswered) {
+    if (on_emulator(options)) {
+        summary["controller"] = emulator_json(figures.controller, unanswered);
+        return;
+    }
+    summary["bus"] = bus_json(bus_of(options), figures.bus);
+    summary["bus"]["edges_unanswered"] = unanswered;
+}
+
 void run(const Options &options) {
     const Inputs inputs = read_inputs(options);
     std::optional<RunTables> tables;
@@ -193,26 +235,21 @@ void run(const Options &options) {
     EventListener listener;
     if (log) listener = [&](bool out, const sd_event_t &event) { log->add(out, event); };
     stop_on_signals();
+    check_transport(options);
     const bool in_process = options.transport == "inproc";
-    if (in_process && (options.pace.real_time || options.pace.at_most > 0))
-        throw InputError("--real-time, --pace", "", "are for a bus; give --transport");
-    if (!in_process && !(options.learn + options.learned).empty())
-        throw InputError("--learn, --learned", "", "the tooth pattern stays in the ecu over a bus; leave them out");
-    const BusChoice bus{options.transport, options.pace, options.start_ecu};
-    BusFigures figures;
     RunTables *const rows = tables ? &*tables : nullptr;
     const auto learned = inputs.learned_with(inputs.calibration);
-    const auto start = std::chrono::steady_clock::now();
-    const RunResult result = in_process
-                                 ? run_on_bench(inputs.scenario, inputs.calibration, rows, learned ? &*learned : nullptr, listener)
-                                 : run_on_bus(bus, inputs.scenario, inputs.calibration, rows, listener, figures);
-    const std::chrono::duration<double> since_start = std::chrono::steady_clock::now() - start;
-    const double realtime_factor = result.simulated_s / (in_process ? since_start.count() : figures.took_s);
+    const Clock::time_point start = Clock::now();
+    Elsewhere elsewhere;
+    const RunResult result = in_process ? run_on_bench(inputs.scenario, inputs.calibration, rows, learned ? &*learned : nullptr, listener,
+                                                       options.restart())
+                                        : run_elsewhere(options, inputs, rows, listener, elsewhere);
+    const std::chrono::duration<double> since_start = Clock::now() - start;
+    const double realtime_factor = result.simulated_s / (elsewhere.bus.took_s > 0 ? elsewhere.bus.took_s : since_start.count());
     std::optional<PerturbedRun> perturbed;
     if (in_process && !options.nominal) perturbed = run_perturbed(inputs);
     Json about_run = summarise(options, inputs, result, perturbed, realtime_factor);
-    if (!in_process) about_run["bus"] = bus_json(bus, figures);
-    if (!in_process) about_run["bus"]["edges_unanswered"] = result.unanswered;
+    if (!in_process) add_elsewhere(about_run, options, elsewhere, result.unanswered);
     const std::string summary = about_run.dump(2) + "\n";
     if (log) log->finish();
     if (tables) {
@@ -220,12 +257,14 @@ void run(const Options &options) {
         out.add("summary.json", summary);
         out.add("teeth.csv", tables->teeth_csv());
         out.add("cycles.csv", tables->cycles_csv());
+        if (!tables->air_path().empty()) out.add("airpath.csv", tables->air_path().csv());
         out.commit();
     }
     if (!options.json.empty()) write_file(options.json, summary);
     if (!options.learn.empty()) write_file(options.learn, learned_page(result.learned));
     print_figures(inputs, result, perturbed, realtime_factor);
-    if (!in_process) print_bus(figures, result.unanswered);
+    if (on_emulator(options)) print_emulator(elsewhere.controller, result.unanswered);
+    else if (!in_process) print_bus(elsewhere.bus, result.unanswered);
     end_by_signal();
 }
 
@@ -257,7 +296,8 @@ void add_run(Command &app) {
     auto options = std::make_shared<Options>();
     Command command = app.add("run", "a scenario's engine and the firmware, in one process or as two over a bus");
     add_options(command, options);
-    command.option("--transport", options->transport, "inproc, can:IFACE, lcm or lcm:URL (docs/bus.md)");
+    command.option("--transport", options->transport, "inproc, can:IFACE, lcm or lcm:URL (docs/bus.md); qemu:CORE, an emulated controller (docs/porting.md)");
+    command.option("--restart", options->restart_s, "the ecu begins anew at this second; not over a bus").within(0.0, 1e6);
 }
 
 void add_plant(Command &app) {

@@ -6,6 +6,7 @@
 
 #include "cli/commands.hpp"
 #include "studies/afr/afr_study.hpp"
+#include "studies/airpath/airpath_study.hpp"
 #include "studies/driveline/driveline_study.hpp"
 #include "studies/loop/loop_study.hpp"
 
@@ -56,6 +57,19 @@ void add_driveline(Command &study) {
     command.runs([options] { print_driveline_study(options->part, options->seconds, options->seed, options->folder); });
 }
 
+void add_air_path(Command &study) {
+    auto options = std::make_shared<AirPathStudy>();
+    Command command = study.add("airpath", "diagnosis of EGR valve and turbine vanes on a plant that obeys its model (docs/airpath.md)");
+    command.option("PART", options->part, "one table alone").one_of(air_path_study_parts());
+    command.option("--runs", options->runs, "for each fault, default 2000").within(10, 1000000);
+    command.option("--hours", options->hours, "of healthy running, default 20").within(0.1, 1e5);
+    command.option("--air-path", options->air_path, "file with [cylinders] and [airpath], in place of the matched plant's own");
+    command.option("--design", options->design, "DESIGN.toml of tools/airpath/design.py, in place of the matched plant's own");
+    command.option("--seed", options->seed, "of noise and inputs");
+    command.output_folder(options->folder, "of residuals: an hour of healthy ones as CSV");
+    command.runs([options] { print_air_path_study(*options); });
+}
+
 } // namespace
 
 void add_study(Command &app) {
@@ -64,6 +78,7 @@ void add_study(Command &app) {
     add_afr(study);
     add_loop(study);
     add_driveline(study);
+    add_air_path(study);
     add_study_observers(study);
     add_study_trips(study);
 }

@@ -143,6 +143,7 @@ EngineFile read_engine(TomlFile &file) {
     engine.tick_hz = file.number_or("timer.tick_hz", {1e5, 2e8, "Hz"}, 1e6);
     engine.tolerance = read_tolerance(file);
     engine.exhaust = read_exhaust_system(file);
+    engine.air_path = read_air_path(file);
     file.ignore("plant");
     return engine;
 }

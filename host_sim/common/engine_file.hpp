@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "common/air_path.hpp"
 #include "common/crank_elasticity.hpp"
 #include "common/exhaust_system.hpp"
 #include "common/toml_file.hpp"
@@ -72,6 +73,7 @@ struct EngineFile {
     Tolerance tolerance;
 
     std::optional<ExhaustSystem> exhaust; ///< From the exhaust valves to the wideband sensor.
+    std::optional<AirPathSystem> air_path; ///< Of a diesel with exhaust gas recirculation and a variable turbine.
 
     /// How single cylinders are believed to differ, by entry of firing_order; empty: not at all. No field of the file:
     /// perturbed calibrations set them.

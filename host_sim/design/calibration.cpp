@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "design/afr/chain_map.hpp"
+#include "design/airpath/airpath_tables.hpp"
 #include "design/misfire/wheel_design.hpp"
 #include "design/torque/cylinder_map.hpp"
 #include "design/torque/known_torque.hpp"
@@ -109,6 +110,16 @@ void check_chain(const sd_calibration_t &c, const std::string &tune_name) {
                      fmt::format("the chain does not converge: its error changes by {:.4g} a cycle, allowed below 1", radius));
 }
 
+/// The air path's diagnosis, where the engine file names a design.
+sd_airpath_tables_t air_path_tables(const EngineFile &engine) {
+    if (!engine.air_path || engine.air_path->design_name.empty()) return {};
+    if (engine.air_path->design_text.empty()) throw InputError(engine.name, "airpath.design", "names no file: " + engine.air_path->design_name);
+    TomlFile file(engine.air_path->design_name, engine.air_path->design_text);
+    const AirPathDesign design = read_air_path_design(file, *engine.air_path, engine.displaced_m3() * engine.cylinders());
+    file.finish();
+    return design.tables;
+}
+
 } // namespace
 
 sd_parameters_t read_tune(TomlFile &tune, const sd_parameters_t *otherwise) {
@@ -166,6 +177,7 @@ sd_calibration_t calibrate(const EngineFile &engine, const sd_parameters_t &tune
     }
     c.fourier = fourier_tables(engine);
     c.parameters = resolve(engine, tune);
+    c.airpath = air_path_tables(engine);
     c.wheel = wheel_tables(engine, c);
     if (c.wheel.positions == 0 && c.parameters.misfire_method > 0.5f)
         throw InputError(tune_name, "misfire.method", "the observers of document 000 need the engine file's combustion.pulse");

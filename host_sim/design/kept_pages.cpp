@@ -87,7 +87,8 @@ fs::path KeptPages::usual_folder() {
 
 sd_calibration_t KeptPages::calibrate(const EngineFile &engine, const std::string &engine_text, const sd_parameters_t &tune,
                                       const std::string &tune_name) const {
-    const std::string key = folder_.empty() ? "" : key_of(engine_text, tune);
+    const std::string text = engine_text + (engine.air_path ? engine.air_path->design_text : "");
+    const std::string key = folder_.empty() ? "" : key_of(text, tune);
     if (key.empty()) return sixdeg::calibrate(engine, tune, tune_name);
     const fs::path path = folder_ / (key + kEnding);
     if (const auto kept = read_kept(path, key)) {

@@ -7,6 +7,7 @@
 
 #include "common/error.hpp"
 #include "common/stop.hpp"
+#include "loop/air_path_feed.hpp"
 #include "plant/engine/units.hpp"
 #include "plant/scenario/plant.hpp"
 
@@ -64,11 +65,12 @@ class Run {
     }
 
     void take(const EncoderEdge &edge) {
-        ecu_.show(SD_INPUT_AIR_INTAKE_PRESSURE, plant_.intake_pressure_pa() / kPaPerBar);
+        if (!scenario_.air_path) ecu_.show(SD_INPUT_AIR_INTAKE_PRESSURE, plant_.intake_pressure_pa() / kPaPerBar);
         show_exhaust();
         ecu_.show(SD_INPUT_FUEL_INJECTED, plant_.commanded_fuel_kg() * 1e6);
         if (!scenario_.balance_on_s.empty()) ecu_.show(SD_INPUT_BALANCE_ENABLE, balancing(edge.time_s));
         take_samples(edge.time_s);
+        take_air_path(edge.time_s);
         ecu_.tell_time_until(edge.time_s);
         if (ecu_.clock_events() != judged_) judge_answered();
         judged_ = ecu_.clock_events();
@@ -113,6 +115,16 @@ class Run {
         }
     }
 
+    void take_air_path(double until_s) {
+        airpath::Readings readings;
+        airpath::Truth truth;
+        while (plant_.next_air_path(until_s, readings, truth)) {
+            ecu_.tell_time_until(readings.time_s);
+            send_readings(ecu_, readings);
+            if (tables_) tables_->air_path().row(readings, truth);
+        }
+    }
+
     /// The wideband reading is air to fuel over stoichiometric.
     void take_uego(const UegoSample &sample) {
         const double s = scenario_.engine.stoichiometric_ratio;
@@ -148,6 +160,8 @@ class Run {
     /// Whatever has no answer by now will get none.
     void judge_answered() {
         answers_.add(heard_);
+        if (tables_ && scenario_.air_path)
+            for (const sd_event_t &event : heard_) tables_->air_path().said(event);
         heard_.clear();
         for (const Sent &sent : sent_) judge(sent);
         sent_.clear();
@@ -234,8 +248,9 @@ RunResult run_scenario(const Scenario &scenario, const sd_calibration_t &calibra
 }
 
 RunResult run_on_bench(const Scenario &scenario, const sd_calibration_t &calibration, RunTables *tables,
-                       const sd_pattern_sums_t *learned, const EventListener &listener) {
+                       const sd_pattern_sums_t *learned, const EventListener &listener, std::optional<double> restart_s) {
     const auto bench = std::make_unique<EcuBench>(calibration);
+    if (restart_s) bench->restart_at(*restart_s);
     if (listener) bench->listen(listener);
     if (learned && !bench->resume(*learned))
         throw InputError("learned page", "pattern", "it is of another wheel, or the engine file has no heat release");

@@ -61,8 +61,8 @@ RunResult run_scenario(const Scenario &scenario, const sd_calibration_t &calibra
 /// Runs the scenario to its end. `calibration` comes from calibrate() and need not be of the scenario's
 /// engine. `tables` (nullptr: nothing is kept per tooth) takes the rows, `listener` (may be empty) every event in and
 /// out. `learned` (nullptr: none) is a tooth pattern from before. A signal that wants the program to stop ends the run
-/// early. Throws InputError.
+/// early. `restart_s`: when the ecu begins anew. Throws InputError.
 RunResult run_on_bench(const Scenario &scenario, const sd_calibration_t &calibration, RunTables *tables,
-                       const sd_pattern_sums_t *learned = nullptr, const EventListener &listener = {});
+                       const sd_pattern_sums_t *learned = nullptr, const EventListener &listener = {}, std::optional<double> restart_s = std::nullopt);
 
 } // namespace sixdeg

@@ -8,6 +8,10 @@ namespace sixdeg {
 EcuBench::EcuBench(const sd_calibration_t &calibration)
     : EcuFeed(double(calibration.tick_hz)), page_(calibration), ecu_side_(sd_inproc_ecu_side(&port_)),
       host_side_(sd_inproc_host_side(&port_)) {
+    restart();
+}
+
+void EcuBench::restart() {
     if (sd_ecu_init(&ecu_, page_.view()) != SD_OK)
         throw std::logic_error("a checked calibration was refused");
 }

@@ -26,6 +26,7 @@ class EcuBench : public EcuFeed {
     /// Tells `listener` of every event in and out from now on. Call it once.
     void listen(EventListener listener);
     void send(const sd_event_t &event) override { exchange(event); }
+    void restart() override;
     /// Sends one event and takes in the answer. Returns true when it ended a cycle.
     bool exchange(const sd_event_t &event);
     bool exchange(std::uint16_t kind, std::uint32_t tick) { return exchange({tick, kind, 0, 0, 0}); }

@@ -28,8 +28,8 @@ INDIRECT = {"sd_ecu_run": "port->receive", "sd_ecu_parameter": "port->send", "sd
 LOOPS = {
     "firmware/afr/sd_exhaust.inc: while (then < whole)": "a delay is at most 62 positions and a cycle has 24 or more: 3 times",
     "firmware/afr/sd_afr_point.inc: while ((at + 2u < count)": "count: 4 at most",
-    "firmware/ecu_fixed/sd_fixed_cycle.c: while (self->work.piece": "each time a piece less: as many as the list has",
-    "firmware/ecu/sd_ecu_cycle.c: while (self->work.piece": "each time a piece less: as many as the list has",
+    "firmware/ecu_fixed/sd_fixed_cycle.c: while (all && (self->work.piece": "each time a piece less: as many as the list has",
+    "firmware/ecu/sd_ecu_cycle.c: while (all && (self->work.piece": "each time a piece less: as many as the list has",
     "firmware/ecu/sd_publish.c: do": "as many as a row has signals, and as many as it has parts",
     "firmware/ecu/sd_publish.c: while (--left > 0u)": "the same loop's end",
     "firmware/ecu/sd_ecu_events.c: while ((self->ready != 0u)": "as many events as the port hands over: the port bounds it",

@@ -38,6 +38,10 @@ CALIBRATION = {"inertia_percent": 1.5, "reciprocating_percent": -4.0, "wheel_off
                "ranges": {"inertia_percent": 3, "reciprocating_percent": 5, "compression_percent": 2,
                           "trapped_mass_percent": 3, "wheel_offset_deg": 0.3}}
 
+CONTROLLER = {"core": "cortex-m7", "name": "Cortex-M7", "restarts": 0, "died": 0, "edges_unanswered": 0, "ecu_bytes": 11312, "stack_bytes": 1088,
+              "tooth_instructions": {"count": 900, "average": 3600, "worst": 6000},
+              "clock_instructions": {"count": 90, "average": 1200, "worst": 1500}, "overruns": 0, "lost_edges": 0}
+
 
 def torque_nm(angle_deg, second_nm=SECOND_NM):
     angle = np.radians(angle_deg)
@@ -135,6 +139,14 @@ class RunReport(ReportFolder):
         page = self.drawn("--figure-6", self.run_folder, "--figure-5", self.run_folder, self.run_folder)
         self.assertNotIn("<img", page)
         self.assertIn("<td>imbalance, worst cylinder</td><td>-</td><td>-</td>", page)
+
+    def test_the_controller_that_the_firmware_ran_on_has_a_section(self):
+        write_run(self.run_folder, controller=CONTROLLER)
+        page = self.drawn(self.run_folder)
+        self.assertIn("Your engine, on this controller", page)
+        # 216 MHz, 60 positions: 6000 instructions last as long as a tooth at 60 * 216e6 / (60 * 6000) rpm, and a sixth of one at 6000.
+        self.assertIn("<td>36,000 rpm</td>", page)
+        self.assertIn("<td>share of a tooth at 6000 rpm</td><td>10.0 %</td><td>16.7 %</td>", page)
 
     def test_figures_are_those_of_sixdeg(self):
         scenario = self.folder / "scenario.toml"

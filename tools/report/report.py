@@ -3,7 +3,8 @@
 """Draws what `sixdeg run` and `sixdeg replay` wrote into one self-contained page and prints its short tables.
 
 usage: report.py --out REPORT.html [--figure-16 RUN RUN] [--figure-14 RUN] [--figure-15 RUN] [--figure-12 RUN]
-                 [--figure-6 RUN] [--figure-5 RUN] [--driveline FOLDER] [FOLDER...]
+                 [--figure-6 RUN] [--figure-5 RUN] [--driveline FOLDER]
+                 [--air-path MODEL RUN] [FOLDER...]
        exit status 2 and one line for a folder that cannot be drawn
 """
 import argparse
@@ -12,6 +13,7 @@ import os
 import sys
 
 import sections
+from airpath_folder import AirPathModel, AirPathRun
 from driveline_folder import Driveline
 from folder import BadFolder, read_summary
 from mixture_folder import MixtureRun
@@ -61,6 +63,8 @@ def main():
     parser.add_argument("--figure-6", metavar="RUN", help="document 004, section 3.3.3: 1000 rpm, 5 bar")
     parser.add_argument("--figure-5", metavar="RUN", help="document 004, section 3.3.1: 1500 rpm, 2 bar")
     parser.add_argument("--driveline", metavar="FOLDER", help="document 003, figure 6: of sixdeg study driveline figure-6")
+    parser.add_argument("--air-path", nargs=2, metavar=("MODEL", "RUN"),
+                        help="document 001, figures 4 to 9: of sixdeg study airpath model, and of sixdeg run airpath_section7.toml")
     parser.add_argument("--out", required=True, metavar="REPORT.html")
     options = parser.parse_args()
     trajectories = {figure: getattr(options, f"figure_{figure}") for figure in ("14", "15", "12")}
@@ -75,6 +79,9 @@ def main():
         parts += [(Run(path), build) for path, build in documented if path]
         if options.driveline:
             parts.append((Driveline(options.driveline), sections.driveline_section))
+        if options.air_path:
+            parts += [(AirPathModel(options.air_path[0]), sections.airpath_model_section), (AirPathRun(options.air_path[1]),
+                    sections.airpath_run_section)]
         parts += [(open_folder(path), None) for path in options.folders]
         if not parts:
             raise BadFolder("no folder given")

@@ -3,6 +3,7 @@
 import base64
 import html
 
+import controller
 from run_folder import Run
 
 MISSING_WAVES = "No torque to compare: no whole cycle with a valid estimate, or the speed is prescribed."
@@ -208,7 +209,34 @@ def driveline_section(driveline):
             table(driveline.figures(), driveline.HEADER)]
 
 
+def _controller(folder):
+    about = folder.summary.get("controller") if isinstance(folder, Run) else None
+    if not about:
+        return []
+    return ["<h3>Your engine, on this controller</h3>", text(controller.words(about)),
+            table(controller.rows(about, folder.engine), ("", "average tooth", "worst tooth"))]
+
+
+def airpath_model_section(model):
+    import airpath_pictures as pictures
+
+    return [text("What goes into the engine (Figure 4), both manifolds' pressures measured, true and of the four-state model with its error "
+                 "(Figures 5 and 6), and the cylinders' gas (Figure 7). The true ones are of the full air path; nothing was fitted to this drive.", "lead"),
+            picture(pictures.figure_4(model), "speed, fuel and air, valve and vanes"),
+            picture(pictures.figure_5_and_6(model), "pressures and the model's error"), picture(pictures.figure_7(model), "gas into and out of the cylinders"),
+            table(model.figures(), model.HEADER)]
+
+
+def airpath_run_section(run):
+    import airpath_pictures as pictures
+
+    return [text("Two observers, each blind to one actuator (Figure 8, Table 2: each residual in each fault, in standard deviations of a healthy one), "
+                 "and what the firmware says of a step of the EGR valve and one of the vanes (Figure 9).", "lead"),
+            table(run.incidence(), ("fault", "residual 1", "residual 2")),
+            picture(pictures.figure_9(run), "actuators, normalised residuals, decision functions"), table(run.figures(), run.HEADER)]
+
+
 def section(folder, build=None):
     """One folder's part of the page."""
     build = build or (run_section if isinstance(folder, Run) else replay_section)
-    return "\n".join([f"<h2>{html.escape(folder.title())}</h2>", *build(folder)])
+    return "\n".join([f"<h2>{html.escape(folder.title())}</h2>", *build(folder), *_controller(folder)])

@@ -5476,6 +5476,507 @@ bool sd_bus_firing_2_misfire_residual_is_in_phys_range(double value)
     return ((value >= -1000000.0) && (value <= 1000000.0));
 }
 
+int sd_bus_airpath_pack(
+    uint8_t *dst_p,
+    const struct sd_bus_airpath_t *src_p,
+    size_t size)
+{
+    uint32_t airpath_decision_1;
+    uint32_t airpath_decision_2;
+    uint32_t airpath_decision_3;
+    uint32_t airpath_decision_4;
+    uint32_t airpath_fault;
+    uint32_t airpath_offset_1;
+    uint32_t airpath_offset_2;
+    uint32_t airpath_phase;
+    uint32_t airpath_residual_1;
+    uint32_t airpath_residual_2;
+    uint32_t airpath_since;
+    uint32_t airpath_tracking;
+
+    if (size < 64u) {
+        return (-EINVAL);
+    }
+
+    memset(&dst_p[0], 0, 64);
+
+    dst_p[0] |= pack_left_shift_u32(src_p->tick, 0u, 0xffu);
+    dst_p[1] |= pack_right_shift_u32(src_p->tick, 8u, 0xffu);
+    dst_p[2] |= pack_right_shift_u32(src_p->tick, 16u, 0xffu);
+    dst_p[3] |= pack_right_shift_u32(src_p->tick, 24u, 0xffu);
+    dst_p[4] |= pack_left_shift_u8(src_p->airpath_health, 0u, 0xffu);
+    dst_p[5] |= pack_left_shift_u16(src_p->airpath_why, 0u, 0xffu);
+    dst_p[6] |= pack_right_shift_u16(src_p->airpath_why, 8u, 0xffu);
+    memcpy(&airpath_residual_1, &src_p->airpath_residual_1, sizeof(airpath_residual_1));
+    dst_p[7] |= pack_left_shift_u32(airpath_residual_1, 0u, 0xffu);
+    dst_p[8] |= pack_right_shift_u32(airpath_residual_1, 8u, 0xffu);
+    dst_p[9] |= pack_right_shift_u32(airpath_residual_1, 16u, 0xffu);
+    dst_p[10] |= pack_right_shift_u32(airpath_residual_1, 24u, 0xffu);
+    memcpy(&airpath_residual_2, &src_p->airpath_residual_2, sizeof(airpath_residual_2));
+    dst_p[11] |= pack_left_shift_u32(airpath_residual_2, 0u, 0xffu);
+    dst_p[12] |= pack_right_shift_u32(airpath_residual_2, 8u, 0xffu);
+    dst_p[13] |= pack_right_shift_u32(airpath_residual_2, 16u, 0xffu);
+    dst_p[14] |= pack_right_shift_u32(airpath_residual_2, 24u, 0xffu);
+    memcpy(&airpath_decision_1, &src_p->airpath_decision_1, sizeof(airpath_decision_1));
+    dst_p[15] |= pack_left_shift_u32(airpath_decision_1, 0u, 0xffu);
+    dst_p[16] |= pack_right_shift_u32(airpath_decision_1, 8u, 0xffu);
+    dst_p[17] |= pack_right_shift_u32(airpath_decision_1, 16u, 0xffu);
+    dst_p[18] |= pack_right_shift_u32(airpath_decision_1, 24u, 0xffu);
+    memcpy(&airpath_decision_2, &src_p->airpath_decision_2, sizeof(airpath_decision_2));
+    dst_p[19] |= pack_left_shift_u32(airpath_decision_2, 0u, 0xffu);
+    dst_p[20] |= pack_right_shift_u32(airpath_decision_2, 8u, 0xffu);
+    dst_p[21] |= pack_right_shift_u32(airpath_decision_2, 16u, 0xffu);
+    dst_p[22] |= pack_right_shift_u32(airpath_decision_2, 24u, 0xffu);
+    memcpy(&airpath_decision_3, &src_p->airpath_decision_3, sizeof(airpath_decision_3));
+    dst_p[23] |= pack_left_shift_u32(airpath_decision_3, 0u, 0xffu);
+    dst_p[24] |= pack_right_shift_u32(airpath_decision_3, 8u, 0xffu);
+    dst_p[25] |= pack_right_shift_u32(airpath_decision_3, 16u, 0xffu);
+    dst_p[26] |= pack_right_shift_u32(airpath_decision_3, 24u, 0xffu);
+    memcpy(&airpath_decision_4, &src_p->airpath_decision_4, sizeof(airpath_decision_4));
+    dst_p[27] |= pack_left_shift_u32(airpath_decision_4, 0u, 0xffu);
+    dst_p[28] |= pack_right_shift_u32(airpath_decision_4, 8u, 0xffu);
+    dst_p[29] |= pack_right_shift_u32(airpath_decision_4, 16u, 0xffu);
+    dst_p[30] |= pack_right_shift_u32(airpath_decision_4, 24u, 0xffu);
+    memcpy(&airpath_fault, &src_p->airpath_fault, sizeof(airpath_fault));
+    dst_p[31] |= pack_left_shift_u32(airpath_fault, 0u, 0xffu);
+    dst_p[32] |= pack_right_shift_u32(airpath_fault, 8u, 0xffu);
+    dst_p[33] |= pack_right_shift_u32(airpath_fault, 16u, 0xffu);
+    dst_p[34] |= pack_right_shift_u32(airpath_fault, 24u, 0xffu);
+    memcpy(&airpath_since, &src_p->airpath_since, sizeof(airpath_since));
+    dst_p[35] |= pack_left_shift_u32(airpath_since, 0u, 0xffu);
+    dst_p[36] |= pack_right_shift_u32(airpath_since, 8u, 0xffu);
+    dst_p[37] |= pack_right_shift_u32(airpath_since, 16u, 0xffu);
+    dst_p[38] |= pack_right_shift_u32(airpath_since, 24u, 0xffu);
+    memcpy(&airpath_phase, &src_p->airpath_phase, sizeof(airpath_phase));
+    dst_p[39] |= pack_left_shift_u32(airpath_phase, 0u, 0xffu);
+    dst_p[40] |= pack_right_shift_u32(airpath_phase, 8u, 0xffu);
+    dst_p[41] |= pack_right_shift_u32(airpath_phase, 16u, 0xffu);
+    dst_p[42] |= pack_right_shift_u32(airpath_phase, 24u, 0xffu);
+    memcpy(&airpath_offset_1, &src_p->airpath_offset_1, sizeof(airpath_offset_1));
+    dst_p[43] |= pack_left_shift_u32(airpath_offset_1, 0u, 0xffu);
+    dst_p[44] |= pack_right_shift_u32(airpath_offset_1, 8u, 0xffu);
+    dst_p[45] |= pack_right_shift_u32(airpath_offset_1, 16u, 0xffu);
+    dst_p[46] |= pack_right_shift_u32(airpath_offset_1, 24u, 0xffu);
+    memcpy(&airpath_offset_2, &src_p->airpath_offset_2, sizeof(airpath_offset_2));
+    dst_p[47] |= pack_left_shift_u32(airpath_offset_2, 0u, 0xffu);
+    dst_p[48] |= pack_right_shift_u32(airpath_offset_2, 8u, 0xffu);
+    dst_p[49] |= pack_right_shift_u32(airpath_offset_2, 16u, 0xffu);
+    dst_p[50] |= pack_right_shift_u32(airpath_offset_2, 24u, 0xffu);
+    memcpy(&airpath_tracking, &src_p->airpath_tracking, sizeof(airpath_tracking));
+    dst_p[51] |= pack_left_shift_u32(airpath_tracking, 0u, 0xffu);
+    dst_p[52] |= pack_right_shift_u32(airpath_tracking, 8u, 0xffu);
+    dst_p[53] |= pack_right_shift_u32(airpath_tracking, 16u, 0xffu);
+    dst_p[54] |= pack_right_shift_u32(airpath_tracking, 24u, 0xffu);
+
+    return (64);
+}
+
+int sd_bus_airpath_unpack(
+    struct sd_bus_airpath_t *dst_p,
+    const uint8_t *src_p,
+    size_t size)
+{
+    uint32_t airpath_decision_1;
+    uint32_t airpath_decision_2;
+    uint32_t airpath_decision_3;
+    uint32_t airpath_decision_4;
+    uint32_t airpath_fault;
+    uint32_t airpath_offset_1;
+    uint32_t airpath_offset_2;
+    uint32_t airpath_phase;
+    uint32_t airpath_residual_1;
+    uint32_t airpath_residual_2;
+    uint32_t airpath_since;
+    uint32_t airpath_tracking;
+
+    if (size < 64u) {
+        return (-EINVAL);
+    }
+
+    dst_p->tick = unpack_right_shift_u32(src_p[0], 0u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[1], 8u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[2], 16u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[3], 24u, 0xffu);
+    dst_p->airpath_health = unpack_right_shift_u8(src_p[4], 0u, 0xffu);
+    dst_p->airpath_why = unpack_right_shift_u16(src_p[5], 0u, 0xffu);
+    dst_p->airpath_why |= unpack_left_shift_u16(src_p[6], 8u, 0xffu);
+    airpath_residual_1 = unpack_right_shift_u32(src_p[7], 0u, 0xffu);
+    airpath_residual_1 |= unpack_left_shift_u32(src_p[8], 8u, 0xffu);
+    airpath_residual_1 |= unpack_left_shift_u32(src_p[9], 16u, 0xffu);
+    airpath_residual_1 |= unpack_left_shift_u32(src_p[10], 24u, 0xffu);
+    memcpy(&dst_p->airpath_residual_1, &airpath_residual_1, sizeof(dst_p->airpath_residual_1));
+    airpath_residual_2 = unpack_right_shift_u32(src_p[11], 0u, 0xffu);
+    airpath_residual_2 |= unpack_left_shift_u32(src_p[12], 8u, 0xffu);
+    airpath_residual_2 |= unpack_left_shift_u32(src_p[13], 16u, 0xffu);
+    airpath_residual_2 |= unpack_left_shift_u32(src_p[14], 24u, 0xffu);
+    memcpy(&dst_p->airpath_residual_2, &airpath_residual_2, sizeof(dst_p->airpath_residual_2));
+    airpath_decision_1 = unpack_right_shift_u32(src_p[15], 0u, 0xffu);
+    airpath_decision_1 |= unpack_left_shift_u32(src_p[16], 8u, 0xffu);
+    airpath_decision_1 |= unpack_left_shift_u32(src_p[17], 16u, 0xffu);
+    airpath_decision_1 |= unpack_left_shift_u32(src_p[18], 24u, 0xffu);
+    memcpy(&dst_p->airpath_decision_1, &airpath_decision_1, sizeof(dst_p->airpath_decision_1));
+    airpath_decision_2 = unpack_right_shift_u32(src_p[19], 0u, 0xffu);
+    airpath_decision_2 |= unpack_left_shift_u32(src_p[20], 8u, 0xffu);
+    airpath_decision_2 |= unpack_left_shift_u32(src_p[21], 16u, 0xffu);
+    airpath_decision_2 |= unpack_left_shift_u32(src_p[22], 24u, 0xffu);
+    memcpy(&dst_p->airpath_decision_2, &airpath_decision_2, sizeof(dst_p->airpath_decision_2));
+    airpath_decision_3 = unpack_right_shift_u32(src_p[23], 0u, 0xffu);
+    airpath_decision_3 |= unpack_left_shift_u32(src_p[24], 8u, 0xffu);
+    airpath_decision_3 |= unpack_left_shift_u32(src_p[25], 16u, 0xffu);
+    airpath_decision_3 |= unpack_left_shift_u32(src_p[26], 24u, 0xffu);
+    memcpy(&dst_p->airpath_decision_3, &airpath_decision_3, sizeof(dst_p->airpath_decision_3));
+    airpath_decision_4 = unpack_right_shift_u32(src_p[27], 0u, 0xffu);
+    airpath_decision_4 |= unpack_left_shift_u32(src_p[28], 8u, 0xffu);
+    airpath_decision_4 |= unpack_left_shift_u32(src_p[29], 16u, 0xffu);
+    airpath_decision_4 |= unpack_left_shift_u32(src_p[30], 24u, 0xffu);
+    memcpy(&dst_p->airpath_decision_4, &airpath_decision_4, sizeof(dst_p->airpath_decision_4));
+    airpath_fault = unpack_right_shift_u32(src_p[31], 0u, 0xffu);
+    airpath_fault |= unpack_left_shift_u32(src_p[32], 8u, 0xffu);
+    airpath_fault |= unpack_left_shift_u32(src_p[33], 16u, 0xffu);
+    airpath_fault |= unpack_left_shift_u32(src_p[34], 24u, 0xffu);
+    memcpy(&dst_p->airpath_fault, &airpath_fault, sizeof(dst_p->airpath_fault));
+    airpath_since = unpack_right_shift_u32(src_p[35], 0u, 0xffu);
+    airpath_since |= unpack_left_shift_u32(src_p[36], 8u, 0xffu);
+    airpath_since |= unpack_left_shift_u32(src_p[37], 16u, 0xffu);
+    airpath_since |= unpack_left_shift_u32(src_p[38], 24u, 0xffu);
+    memcpy(&dst_p->airpath_since, &airpath_since, sizeof(dst_p->airpath_since));
+    airpath_phase = unpack_right_shift_u32(src_p[39], 0u, 0xffu);
+    airpath_phase |= unpack_left_shift_u32(src_p[40], 8u, 0xffu);
+    airpath_phase |= unpack_left_shift_u32(src_p[41], 16u, 0xffu);
+    airpath_phase |= unpack_left_shift_u32(src_p[42], 24u, 0xffu);
+    memcpy(&dst_p->airpath_phase, &airpath_phase, sizeof(dst_p->airpath_phase));
+    airpath_offset_1 = unpack_right_shift_u32(src_p[43], 0u, 0xffu);
+    airpath_offset_1 |= unpack_left_shift_u32(src_p[44], 8u, 0xffu);
+    airpath_offset_1 |= unpack_left_shift_u32(src_p[45], 16u, 0xffu);
+    airpath_offset_1 |= unpack_left_shift_u32(src_p[46], 24u, 0xffu);
+    memcpy(&dst_p->airpath_offset_1, &airpath_offset_1, sizeof(dst_p->airpath_offset_1));
+    airpath_offset_2 = unpack_right_shift_u32(src_p[47], 0u, 0xffu);
+    airpath_offset_2 |= unpack_left_shift_u32(src_p[48], 8u, 0xffu);
+    airpath_offset_2 |= unpack_left_shift_u32(src_p[49], 16u, 0xffu);
+    airpath_offset_2 |= unpack_left_shift_u32(src_p[50], 24u, 0xffu);
+    memcpy(&dst_p->airpath_offset_2, &airpath_offset_2, sizeof(dst_p->airpath_offset_2));
+    airpath_tracking = unpack_right_shift_u32(src_p[51], 0u, 0xffu);
+    airpath_tracking |= unpack_left_shift_u32(src_p[52], 8u, 0xffu);
+    airpath_tracking |= unpack_left_shift_u32(src_p[53], 16u, 0xffu);
+    airpath_tracking |= unpack_left_shift_u32(src_p[54], 24u, 0xffu);
+    memcpy(&dst_p->airpath_tracking, &airpath_tracking, sizeof(dst_p->airpath_tracking));
+
+    return (0);
+}
+
+int sd_bus_airpath_init(struct sd_bus_airpath_t *msg_p)
+{
+    if (msg_p == NULL) return -1;
+
+    memset(msg_p, 0, sizeof(struct sd_bus_airpath_t));
+
+    return 0;
+}
+
+uint32_t sd_bus_airpath_tick_encode(double value)
+{
+    return (uint32_t)(cantools_unsigned_from_double(round(value)));
+}
+
+double sd_bus_airpath_tick_decode(uint32_t value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_airpath_tick_is_in_range(uint32_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool sd_bus_airpath_tick_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 4294967295.0));
+}
+
+uint8_t sd_bus_airpath_airpath_health_encode(double value)
+{
+    return (uint8_t)(cantools_unsigned_from_double(round(value)));
+}
+
+double sd_bus_airpath_airpath_health_decode(uint8_t value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_airpath_airpath_health_is_in_range(uint8_t value)
+{
+    return (value <= 2u);
+}
+
+bool sd_bus_airpath_airpath_health_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 2.0));
+}
+
+uint16_t sd_bus_airpath_airpath_why_encode(double value)
+{
+    return (uint16_t)(cantools_unsigned_from_double(round(value)));
+}
+
+double sd_bus_airpath_airpath_why_decode(uint16_t value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_airpath_airpath_why_is_in_range(uint16_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool sd_bus_airpath_airpath_why_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 65535.0));
+}
+
+float sd_bus_airpath_airpath_residual_1_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_airpath_airpath_residual_1_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_airpath_airpath_residual_1_is_in_range(float value)
+{
+    return ((value >= -1000000.0f) && (value <= 1000000.0f));
+}
+
+bool sd_bus_airpath_airpath_residual_1_is_in_phys_range(double value)
+{
+    return ((value >= -1000000.0) && (value <= 1000000.0));
+}
+
+float sd_bus_airpath_airpath_residual_2_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_airpath_airpath_residual_2_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_airpath_airpath_residual_2_is_in_range(float value)
+{
+    return ((value >= -1000000.0f) && (value <= 1000000.0f));
+}
+
+bool sd_bus_airpath_airpath_residual_2_is_in_phys_range(double value)
+{
+    return ((value >= -1000000.0) && (value <= 1000000.0));
+}
+
+float sd_bus_airpath_airpath_decision_1_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_airpath_airpath_decision_1_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_airpath_airpath_decision_1_is_in_range(float value)
+{
+    return ((value >= -100000.0f) && (value <= 100000.0f));
+}
+
+bool sd_bus_airpath_airpath_decision_1_is_in_phys_range(double value)
+{
+    return ((value >= -100000.0) && (value <= 100000.0));
+}
+
+float sd_bus_airpath_airpath_decision_2_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_airpath_airpath_decision_2_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_airpath_airpath_decision_2_is_in_range(float value)
+{
+    return ((value >= -100000.0f) && (value <= 100000.0f));
+}
+
+bool sd_bus_airpath_airpath_decision_2_is_in_phys_range(double value)
+{
+    return ((value >= -100000.0) && (value <= 100000.0));
+}
+
+float sd_bus_airpath_airpath_decision_3_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_airpath_airpath_decision_3_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_airpath_airpath_decision_3_is_in_range(float value)
+{
+    return ((value >= -100000.0f) && (value <= 100000.0f));
+}
+
+bool sd_bus_airpath_airpath_decision_3_is_in_phys_range(double value)
+{
+    return ((value >= -100000.0) && (value <= 100000.0));
+}
+
+float sd_bus_airpath_airpath_decision_4_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_airpath_airpath_decision_4_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_airpath_airpath_decision_4_is_in_range(float value)
+{
+    return ((value >= -100000.0f) && (value <= 100000.0f));
+}
+
+bool sd_bus_airpath_airpath_decision_4_is_in_phys_range(double value)
+{
+    return ((value >= -100000.0) && (value <= 100000.0));
+}
+
+float sd_bus_airpath_airpath_fault_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_airpath_airpath_fault_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_airpath_airpath_fault_is_in_range(float value)
+{
+    return ((value >= 0.0f) && (value <= 3.0f));
+}
+
+bool sd_bus_airpath_airpath_fault_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 3.0));
+}
+
+float sd_bus_airpath_airpath_since_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_airpath_airpath_since_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_airpath_airpath_since_is_in_range(float value)
+{
+    return ((value >= 0.0f) && (value <= 100000000.0f));
+}
+
+bool sd_bus_airpath_airpath_since_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 100000000.0));
+}
+
+float sd_bus_airpath_airpath_phase_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_airpath_airpath_phase_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_airpath_airpath_phase_is_in_range(float value)
+{
+    return ((value >= 0.0f) && (value <= 3.0f));
+}
+
+bool sd_bus_airpath_airpath_phase_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 3.0));
+}
+
+float sd_bus_airpath_airpath_offset_1_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_airpath_airpath_offset_1_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_airpath_airpath_offset_1_is_in_range(float value)
+{
+    return ((value >= -1000000.0f) && (value <= 1000000.0f));
+}
+
+bool sd_bus_airpath_airpath_offset_1_is_in_phys_range(double value)
+{
+    return ((value >= -1000000.0) && (value <= 1000000.0));
+}
+
+float sd_bus_airpath_airpath_offset_2_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_airpath_airpath_offset_2_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_airpath_airpath_offset_2_is_in_range(float value)
+{
+    return ((value >= -1000000.0f) && (value <= 1000000.0f));
+}
+
+bool sd_bus_airpath_airpath_offset_2_is_in_phys_range(double value)
+{
+    return ((value >= -1000000.0) && (value <= 1000000.0));
+}
+
+float sd_bus_airpath_airpath_tracking_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_airpath_airpath_tracking_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_airpath_airpath_tracking_is_in_range(float value)
+{
+    return ((value >= 0.0f) && (value <= 3.0f));
+}
+
+bool sd_bus_airpath_airpath_tracking_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 3.0));
+}
+
 int sd_bus_task_pack(
     uint8_t *dst_p,
     const struct sd_bus_task_t *src_p,

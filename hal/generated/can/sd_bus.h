@@ -58,7 +58,8 @@ extern "C" {
 #define SD_BUS_CYCLE_6_FRAME_ID (0xb6u)
 #define SD_BUS_FIRING_1_FRAME_ID (0xb7u)
 #define SD_BUS_FIRING_2_FRAME_ID (0xb8u)
-#define SD_BUS_TASK_FRAME_ID (0xb9u)
+#define SD_BUS_AIRPATH_FRAME_ID (0xb9u)
+#define SD_BUS_TASK_FRAME_ID (0xbau)
 #define SD_BUS_PARAMETER_REQUEST_FRAME_ID (0xc0u)
 #define SD_BUS_PARAMETER_FRAME_ID (0xc1u)
 #define SD_BUS_CLAIM_FRAME_ID (0xc2u)
@@ -96,6 +97,7 @@ extern "C" {
 #define SD_BUS_CYCLE_6_LENGTH (24u)
 #define SD_BUS_FIRING_1_LENGTH (64u)
 #define SD_BUS_FIRING_2_LENGTH (16u)
+#define SD_BUS_AIRPATH_LENGTH (64u)
 #define SD_BUS_TASK_LENGTH (24u)
 #define SD_BUS_PARAMETER_REQUEST_LENGTH (8u)
 #define SD_BUS_PARAMETER_LENGTH (8u)
@@ -134,6 +136,7 @@ extern "C" {
 #define SD_BUS_CYCLE_6_IS_EXTENDED (0)
 #define SD_BUS_FIRING_1_IS_EXTENDED (0)
 #define SD_BUS_FIRING_2_IS_EXTENDED (0)
+#define SD_BUS_AIRPATH_IS_EXTENDED (0)
 #define SD_BUS_TASK_IS_EXTENDED (0)
 #define SD_BUS_PARAMETER_REQUEST_IS_EXTENDED (0)
 #define SD_BUS_PARAMETER_IS_EXTENDED (0)
@@ -471,6 +474,10 @@ extern "C" {
 #define SD_BUS_FIRING_2_MISFIRE_HEALTH_DEGRADED_CHOICE (1u)
 #define SD_BUS_FIRING_2_MISFIRE_HEALTH_INVALID_CHOICE (2u)
 
+#define SD_BUS_AIRPATH_AIRPATH_HEALTH_VALID_CHOICE (0u)
+#define SD_BUS_AIRPATH_AIRPATH_HEALTH_DEGRADED_CHOICE (1u)
+#define SD_BUS_AIRPATH_AIRPATH_HEALTH_INVALID_CHOICE (2u)
+
 #define SD_BUS_TASK_INPUTS_HEALTH_VALID_CHOICE (0u)
 #define SD_BUS_TASK_INPUTS_HEALTH_DEGRADED_CHOICE (1u)
 #define SD_BUS_TASK_INPUTS_HEALTH_INVALID_CHOICE (2u)
@@ -546,6 +553,13 @@ extern "C" {
 #define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_LIMIT_CHOICE (63u)
 #define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_SD_MAX_CHOICE (64u)
 #define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_HOLD_CHOICE (65u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AIRPATH_DETECT_CHOICE (66u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AIRPATH_ISOLATE_CHOICE (67u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AIRPATH_SETTLE_CHOICE (68u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AIRPATH_WINDOW_CHOICE (69u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AIRPATH_LATE_CHOICE (70u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AIRPATH_STUCK_CHOICE (71u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AIRPATH_TRACKING_CHOICE (72u)
 #define SD_BUS_PARAMETER_REQUEST_INDEX_ALL_CHOICE (255u)
 
 #define SD_BUS_PARAMETER_COMMAND_READ_CHOICE (0u)
@@ -619,6 +633,13 @@ extern "C" {
 #define SD_BUS_PARAMETER_INDEX_BALANCE_LIMIT_CHOICE (63u)
 #define SD_BUS_PARAMETER_INDEX_BALANCE_SD_MAX_CHOICE (64u)
 #define SD_BUS_PARAMETER_INDEX_BALANCE_HOLD_CHOICE (65u)
+#define SD_BUS_PARAMETER_INDEX_AIRPATH_DETECT_CHOICE (66u)
+#define SD_BUS_PARAMETER_INDEX_AIRPATH_ISOLATE_CHOICE (67u)
+#define SD_BUS_PARAMETER_INDEX_AIRPATH_SETTLE_CHOICE (68u)
+#define SD_BUS_PARAMETER_INDEX_AIRPATH_WINDOW_CHOICE (69u)
+#define SD_BUS_PARAMETER_INDEX_AIRPATH_LATE_CHOICE (70u)
+#define SD_BUS_PARAMETER_INDEX_AIRPATH_STUCK_CHOICE (71u)
+#define SD_BUS_PARAMETER_INDEX_AIRPATH_TRACKING_CHOICE (72u)
 #define SD_BUS_PARAMETER_INDEX_ALL_CHOICE (255u)
 
 #define SD_BUS_PARAMETER_RESULT_OK_CHOICE (0u)
@@ -639,6 +660,7 @@ extern "C" {
 #define SD_BUS_CYCLE_6_NAME "cycle_6"
 #define SD_BUS_FIRING_1_NAME "firing_1"
 #define SD_BUS_FIRING_2_NAME "firing_2"
+#define SD_BUS_AIRPATH_NAME "airpath"
 #define SD_BUS_TASK_NAME "task"
 #define SD_BUS_PARAMETER_REQUEST_NAME "parameter_request"
 #define SD_BUS_PARAMETER_NAME "parameter"
@@ -834,6 +856,21 @@ extern "C" {
 #define SD_BUS_FIRING_2_MISFIRE_WHY_NAME "misfire_why"
 #define SD_BUS_FIRING_2_MISFIRE_ACCELERATION_NAME "misfire_acceleration"
 #define SD_BUS_FIRING_2_MISFIRE_RESIDUAL_NAME "misfire_residual"
+#define SD_BUS_AIRPATH_TICK_NAME "tick"
+#define SD_BUS_AIRPATH_AIRPATH_HEALTH_NAME "airpath_health"
+#define SD_BUS_AIRPATH_AIRPATH_WHY_NAME "airpath_why"
+#define SD_BUS_AIRPATH_AIRPATH_RESIDUAL_1_NAME "airpath_residual_1"
+#define SD_BUS_AIRPATH_AIRPATH_RESIDUAL_2_NAME "airpath_residual_2"
+#define SD_BUS_AIRPATH_AIRPATH_DECISION_1_NAME "airpath_decision_1"
+#define SD_BUS_AIRPATH_AIRPATH_DECISION_2_NAME "airpath_decision_2"
+#define SD_BUS_AIRPATH_AIRPATH_DECISION_3_NAME "airpath_decision_3"
+#define SD_BUS_AIRPATH_AIRPATH_DECISION_4_NAME "airpath_decision_4"
+#define SD_BUS_AIRPATH_AIRPATH_FAULT_NAME "airpath_fault"
+#define SD_BUS_AIRPATH_AIRPATH_SINCE_NAME "airpath_since"
+#define SD_BUS_AIRPATH_AIRPATH_PHASE_NAME "airpath_phase"
+#define SD_BUS_AIRPATH_AIRPATH_OFFSET_1_NAME "airpath_offset_1"
+#define SD_BUS_AIRPATH_AIRPATH_OFFSET_2_NAME "airpath_offset_2"
+#define SD_BUS_AIRPATH_AIRPATH_TRACKING_NAME "airpath_tracking"
 #define SD_BUS_TASK_TICK_NAME "tick"
 #define SD_BUS_TASK_INPUTS_HEALTH_NAME "inputs_health"
 #define SD_BUS_TASK_INPUTS_WHY_NAME "inputs_why"
@@ -2487,6 +2524,150 @@ struct sd_bus_firing_2_t {
      * Offset: 0
      */
     float misfire_residual;
+};
+
+/**
+ * Signals in message airpath.
+ *
+ * Signals of rate airpath, one row a tick.
+ *
+ * All signal values are as on the CAN bus.
+ */
+struct sd_bus_airpath_t {
+    /**
+     * Capture tick of the event that caused it.
+     *
+     * Range: 0..4294967295 (0..4294967295 tick)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint32_t tick;
+
+    /**
+     * How far the values of airpath may be trusted.
+     *
+     * Range: 0..2 (0..2 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t airpath_health;
+
+    /**
+     * Why not, bits: sd_why_t.
+     *
+     * Range: 0..65535 (0..65535 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint16_t airpath_why;
+
+    /**
+     * Residuals without the learned offset: 1 sees the turbine's vanes and not the EGR valve, 2 the valve and not the vanes.
+     *
+     * Range: -1000000.0..1000000.0 (-1000000..1000000 kPa)
+     * Scale: 1
+     * Offset: 0
+     */
+    float airpath_residual_1;
+
+    /**
+     * Residuals without the learned offset: 1 sees the turbine's vanes and not the EGR valve, 2 the valve and not the vanes.
+     *
+     * Range: -1000000.0..1000000.0 (-1000000..1000000 kPa)
+     * Scale: 1
+     * Offset: 0
+     */
+    float airpath_residual_2;
+
+    /**
+     * Decision functions of an EGR valve that is further open than it says and further closed, of vanes further closed and further open; above 0 it is named.
+     *
+     * Range: -100000.0..100000.0 (-100000..100000 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    float airpath_decision_1;
+
+    /**
+     * Decision functions of an EGR valve that is further open than it says and further closed, of vanes further closed and further open; above 0 it is named.
+     *
+     * Range: -100000.0..100000.0 (-100000..100000 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    float airpath_decision_2;
+
+    /**
+     * Decision functions of an EGR valve that is further open than it says and further closed, of vanes further closed and further open; above 0 it is named.
+     *
+     * Range: -100000.0..100000.0 (-100000..100000 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    float airpath_decision_3;
+
+    /**
+     * Decision functions of an EGR valve that is further open than it says and further closed, of vanes further closed and further open; above 0 it is named.
+     *
+     * Range: -100000.0..100000.0 (-100000..100000 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    float airpath_decision_4;
+
+    /**
+     * 0 none, 1 the EGR valve, 2 the turbine's vanes, 3 both residuals at once: both actuators, or something else.
+     *
+     * Range: 0.0..3.0 (0..3 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    float airpath_fault;
+
+    /**
+     * Time since the most likely beginning of the fault that is named.
+     *
+     * Range: 0.0..100000000.0 (0..100000000 s)
+     * Scale: 1
+     * Offset: 0
+     */
+    float airpath_since;
+
+    /**
+     * 0 waits for its inputs, 1 settles, 2 learns the residuals' offsets, 3 decides.
+     *
+     * Range: 0.0..3.0 (0..3 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    float airpath_phase;
+
+    /**
+     * Learned offset of each residual, over what a fault of 0.05 leaves in it. From 0.5 on, a fault that was there at the start may have been learned.
+     *
+     * Range: -1000000.0..1000000.0 (-1000000..1000000 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    float airpath_offset_1;
+
+    /**
+     * Learned offset of each residual, over what a fault of 0.05 leaves in it. From 0.5 on, a fault that was there at the start may have been learned.
+     *
+     * Range: -1000000.0..1000000.0 (-1000000..1000000 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    float airpath_offset_2;
+
+    /**
+     * Actuators whose position does not follow its command, bits: 1 the EGR valve, 2 the turbine's vanes.
+     *
+     * Range: 0.0..3.0 (0..3 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    float airpath_tracking;
 };
 
 /**
@@ -10421,6 +10602,643 @@ bool sd_bus_firing_2_misfire_residual_is_in_range(float value);
  * @return true if in range, false otherwise.
  */
 bool sd_bus_firing_2_misfire_residual_is_in_phys_range(double value);
+
+/**
+ * Pack message airpath.
+ *
+ * @param[out] dst_p Buffer to pack the message into.
+ * @param[in] src_p Data to pack.
+ * @param[in] size Size of dst_p.
+ *
+ * @return Size of packed data, or negative error code.
+ */
+int sd_bus_airpath_pack(
+    uint8_t *dst_p,
+    const struct sd_bus_airpath_t *src_p,
+    size_t size);
+
+/**
+ * Unpack message airpath.
+ *
+ * @param[out] dst_p Object to unpack the message into.
+ * @param[in] src_p Message to unpack.
+ * @param[in] size Size of src_p.
+ *
+ * @return zero(0) or negative error code.
+ */
+int sd_bus_airpath_unpack(
+    struct sd_bus_airpath_t *dst_p,
+    const uint8_t *src_p,
+    size_t size);
+
+/**
+ * Init message fields to default values from airpath.
+ *
+ * @param[in] msg_p Message to init.
+ *
+ * @return zero(0) on success or (-1) in case of nullptr argument.
+ */
+int sd_bus_airpath_init(struct sd_bus_airpath_t *msg_p);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint32_t sd_bus_airpath_tick_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_airpath_tick_decode(uint32_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_airpath_tick_is_in_range(uint32_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_airpath_tick_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint8_t sd_bus_airpath_airpath_health_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_airpath_airpath_health_decode(uint8_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_airpath_airpath_health_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_airpath_airpath_health_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint16_t sd_bus_airpath_airpath_why_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_airpath_airpath_why_decode(uint16_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_airpath_airpath_why_is_in_range(uint16_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_airpath_airpath_why_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_airpath_airpath_residual_1_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_airpath_airpath_residual_1_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_airpath_airpath_residual_1_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_airpath_airpath_residual_1_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_airpath_airpath_residual_2_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_airpath_airpath_residual_2_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_airpath_airpath_residual_2_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_airpath_airpath_residual_2_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_airpath_airpath_decision_1_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_airpath_airpath_decision_1_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_airpath_airpath_decision_1_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_airpath_airpath_decision_1_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_airpath_airpath_decision_2_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_airpath_airpath_decision_2_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_airpath_airpath_decision_2_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_airpath_airpath_decision_2_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_airpath_airpath_decision_3_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_airpath_airpath_decision_3_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_airpath_airpath_decision_3_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_airpath_airpath_decision_3_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_airpath_airpath_decision_4_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_airpath_airpath_decision_4_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_airpath_airpath_decision_4_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_airpath_airpath_decision_4_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_airpath_airpath_fault_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_airpath_airpath_fault_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_airpath_airpath_fault_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_airpath_airpath_fault_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_airpath_airpath_since_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_airpath_airpath_since_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_airpath_airpath_since_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_airpath_airpath_since_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_airpath_airpath_phase_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_airpath_airpath_phase_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_airpath_airpath_phase_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_airpath_airpath_phase_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_airpath_airpath_offset_1_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_airpath_airpath_offset_1_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_airpath_airpath_offset_1_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_airpath_airpath_offset_1_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_airpath_airpath_offset_2_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_airpath_airpath_offset_2_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_airpath_airpath_offset_2_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_airpath_airpath_offset_2_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_airpath_airpath_tracking_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_airpath_airpath_tracking_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_airpath_airpath_tracking_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_airpath_airpath_tracking_is_in_phys_range(double value);
 
 /**
  * Pack message task.

@@ -318,23 +318,58 @@ static inline void sd_bus_firing_2_to_row(sd_row_t *row, const struct sd_bus_fir
     sd_row_put(row, 71, m->misfire_residual);
 }
 
+static inline void sd_bus_airpath_from_row(struct sd_bus_airpath_t *m, const sd_row_t *row) {
+    m->tick = (uint32_t)row->tick;
+    m->airpath_health = (uint8_t)row->health[SD_OWNER_AIRPATH];
+    m->airpath_why = (uint16_t)row->why[SD_OWNER_AIRPATH];
+    m->airpath_residual_1 = row->value[93];
+    m->airpath_residual_2 = row->value[94];
+    m->airpath_decision_1 = row->value[95];
+    m->airpath_decision_2 = row->value[96];
+    m->airpath_decision_3 = row->value[97];
+    m->airpath_decision_4 = row->value[98];
+    m->airpath_fault = row->value[99];
+    m->airpath_since = row->value[100];
+    m->airpath_phase = row->value[101];
+    m->airpath_offset_1 = row->value[102];
+    m->airpath_offset_2 = row->value[103];
+    m->airpath_tracking = row->value[104];
+}
+
+static inline void sd_bus_airpath_to_row(sd_row_t *row, const struct sd_bus_airpath_t *m) {
+    sd_row_begin(row, (uint32_t)m->tick, SD_RATE_AIRPATH);
+    sd_row_status(row, SD_OWNER_AIRPATH, (uint8_t)m->airpath_health, (uint16_t)m->airpath_why);
+    sd_row_put(row, 93, m->airpath_residual_1);
+    sd_row_put(row, 94, m->airpath_residual_2);
+    sd_row_put(row, 95, m->airpath_decision_1);
+    sd_row_put(row, 96, m->airpath_decision_2);
+    sd_row_put(row, 97, m->airpath_decision_3);
+    sd_row_put(row, 98, m->airpath_decision_4);
+    sd_row_put(row, 99, m->airpath_fault);
+    sd_row_put(row, 100, m->airpath_since);
+    sd_row_put(row, 101, m->airpath_phase);
+    sd_row_put(row, 102, m->airpath_offset_1);
+    sd_row_put(row, 103, m->airpath_offset_2);
+    sd_row_put(row, 104, m->airpath_tracking);
+}
+
 static inline void sd_bus_task_from_row(struct sd_bus_task_t *m, const sd_row_t *row) {
     m->tick = (uint32_t)row->tick;
     m->inputs_health = (uint8_t)row->health[SD_OWNER_INPUTS];
     m->inputs_why = (uint16_t)row->why[SD_OWNER_INPUTS];
-    m->inputs_stale_1 = row->value[93];
-    m->inputs_stale_2 = row->value[94];
-    m->inputs_missing_1 = row->value[95];
-    m->inputs_missing_2 = row->value[96];
+    m->inputs_stale_1 = row->value[105];
+    m->inputs_stale_2 = row->value[106];
+    m->inputs_missing_1 = row->value[107];
+    m->inputs_missing_2 = row->value[108];
 }
 
 static inline void sd_bus_task_to_row(sd_row_t *row, const struct sd_bus_task_t *m) {
     sd_row_begin(row, (uint32_t)m->tick, SD_RATE_TASK);
     sd_row_status(row, SD_OWNER_INPUTS, (uint8_t)m->inputs_health, (uint16_t)m->inputs_why);
-    sd_row_put(row, 93, m->inputs_stale_1);
-    sd_row_put(row, 94, m->inputs_stale_2);
-    sd_row_put(row, 95, m->inputs_missing_1);
-    sd_row_put(row, 96, m->inputs_missing_2);
+    sd_row_put(row, 105, m->inputs_stale_1);
+    sd_row_put(row, 106, m->inputs_stale_2);
+    sd_row_put(row, 107, m->inputs_missing_1);
+    sd_row_put(row, 108, m->inputs_missing_2);
 }
 
 #define SD_BUS_INPUTS_FIRST 0xd0u
@@ -399,6 +434,12 @@ static inline uint32_t sd_bus_row_pack(const sd_row_t *row, uint32_t part, uint3
         *id = SD_BUS_FIRING_2_FRAME_ID;
         return (uint32_t)sd_bus_firing_2_pack(bytes, &m, 64);
     }
+    if ((row->rate == SD_RATE_AIRPATH) && (at++ == part)) {
+        struct sd_bus_airpath_t m;
+        sd_bus_airpath_from_row(&m, row);
+        *id = SD_BUS_AIRPATH_FRAME_ID;
+        return (uint32_t)sd_bus_airpath_pack(bytes, &m, 64);
+    }
     if ((row->rate == SD_RATE_TASK) && (at++ == part)) {
         struct sd_bus_task_t m;
         sd_bus_task_from_row(&m, row);
@@ -462,6 +503,12 @@ static inline int sd_bus_row_unpack(sd_row_t *row, uint32_t id, const uint8_t *b
         struct sd_bus_firing_2_t m;
         if ((size != SD_BUS_FIRING_2_LENGTH) || (sd_bus_firing_2_unpack(&m, bytes, size) != 0)) { return -1; }
         sd_bus_firing_2_to_row(row, &m);
+        return 1;
+    }
+    if (id == SD_BUS_AIRPATH_FRAME_ID) {
+        struct sd_bus_airpath_t m;
+        if ((size != SD_BUS_AIRPATH_LENGTH) || (sd_bus_airpath_unpack(&m, bytes, size) != 0)) { return -1; }
+        sd_bus_airpath_to_row(row, &m);
         return 1;
     }
     if (id == SD_BUS_TASK_FRAME_ID) {

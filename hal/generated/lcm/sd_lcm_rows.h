@@ -5,6 +5,7 @@
 #include "sixdeg_edge_t.h"
 #include "sixdeg_cycle_t.h"
 #include "sixdeg_firing_t.h"
+#include "sixdeg_airpath_t.h"
 #include "sixdeg_task_t.h"
 #include "sixdeg_outputs_t.h"
 #include "sd_row.h"
@@ -253,23 +254,58 @@ static inline void sd_lcm_firing_to_row(sd_row_t *row, const sixdeg_firing_t *m)
     sd_row_put(row, 71, m->misfire_residual);
 }
 
+static inline void sd_lcm_airpath_from_row(sixdeg_airpath_t *m, const sd_row_t *row) {
+    m->tick = (int32_t)row->tick;
+    m->airpath_health = (int8_t)row->health[SD_OWNER_AIRPATH];
+    m->airpath_why = (int16_t)row->why[SD_OWNER_AIRPATH];
+    m->airpath_residual_1 = row->value[93];
+    m->airpath_residual_2 = row->value[94];
+    m->airpath_decision_1 = row->value[95];
+    m->airpath_decision_2 = row->value[96];
+    m->airpath_decision_3 = row->value[97];
+    m->airpath_decision_4 = row->value[98];
+    m->airpath_fault = row->value[99];
+    m->airpath_since = row->value[100];
+    m->airpath_phase = row->value[101];
+    m->airpath_offset_1 = row->value[102];
+    m->airpath_offset_2 = row->value[103];
+    m->airpath_tracking = row->value[104];
+}
+
+static inline void sd_lcm_airpath_to_row(sd_row_t *row, const sixdeg_airpath_t *m) {
+    sd_row_begin(row, (uint32_t)m->tick, SD_RATE_AIRPATH);
+    sd_row_status(row, SD_OWNER_AIRPATH, (uint8_t)m->airpath_health, (uint16_t)m->airpath_why);
+    sd_row_put(row, 93, m->airpath_residual_1);
+    sd_row_put(row, 94, m->airpath_residual_2);
+    sd_row_put(row, 95, m->airpath_decision_1);
+    sd_row_put(row, 96, m->airpath_decision_2);
+    sd_row_put(row, 97, m->airpath_decision_3);
+    sd_row_put(row, 98, m->airpath_decision_4);
+    sd_row_put(row, 99, m->airpath_fault);
+    sd_row_put(row, 100, m->airpath_since);
+    sd_row_put(row, 101, m->airpath_phase);
+    sd_row_put(row, 102, m->airpath_offset_1);
+    sd_row_put(row, 103, m->airpath_offset_2);
+    sd_row_put(row, 104, m->airpath_tracking);
+}
+
 static inline void sd_lcm_task_from_row(sixdeg_task_t *m, const sd_row_t *row) {
     m->tick = (int32_t)row->tick;
     m->inputs_health = (int8_t)row->health[SD_OWNER_INPUTS];
     m->inputs_why = (int16_t)row->why[SD_OWNER_INPUTS];
-    m->inputs_stale_1 = row->value[93];
-    m->inputs_stale_2 = row->value[94];
-    m->inputs_missing_1 = row->value[95];
-    m->inputs_missing_2 = row->value[96];
+    m->inputs_stale_1 = row->value[105];
+    m->inputs_stale_2 = row->value[106];
+    m->inputs_missing_1 = row->value[107];
+    m->inputs_missing_2 = row->value[108];
 }
 
 static inline void sd_lcm_task_to_row(sd_row_t *row, const sixdeg_task_t *m) {
     sd_row_begin(row, (uint32_t)m->tick, SD_RATE_TASK);
     sd_row_status(row, SD_OWNER_INPUTS, (uint8_t)m->inputs_health, (uint16_t)m->inputs_why);
-    sd_row_put(row, 93, m->inputs_stale_1);
-    sd_row_put(row, 94, m->inputs_stale_2);
-    sd_row_put(row, 95, m->inputs_missing_1);
-    sd_row_put(row, 96, m->inputs_missing_2);
+    sd_row_put(row, 105, m->inputs_stale_1);
+    sd_row_put(row, 106, m->inputs_stale_2);
+    sd_row_put(row, 107, m->inputs_missing_1);
+    sd_row_put(row, 108, m->inputs_missing_2);
 }
 
 #define SD_LCM_ROWS 512 /* of a rate in one message; beyond it a message goes early */
@@ -279,6 +315,7 @@ typedef struct sd_lcm_rows {
     sixdeg_edge_t edge[SD_LCM_ROWS];
     sixdeg_cycle_t cycle[SD_LCM_ROWS];
     sixdeg_firing_t firing[SD_LCM_ROWS];
+    sixdeg_airpath_t airpath[SD_LCM_ROWS];
     sixdeg_task_t task[SD_LCM_ROWS];
     int32_t count[SD_RATE_COUNT];
     int32_t places; /* Rows in all. */
@@ -299,6 +336,10 @@ static inline int sd_lcm_rows_add(sd_lcm_rows_t *self, const sd_row_t *row) {
     if (row->rate == SD_RATE_FIRING) {
         sd_lcm_firing_from_row(&self->firing[at], row);
         self->firing[at].place = self->places;
+    }
+    if (row->rate == SD_RATE_AIRPATH) {
+        sd_lcm_airpath_from_row(&self->airpath[at], row);
+        self->airpath[at].place = self->places;
     }
     if (row->rate == SD_RATE_TASK) {
         sd_lcm_task_from_row(&self->task[at], row);
@@ -329,6 +370,8 @@ static inline void sd_lcm_rows_to_message(sixdeg_outputs_t *m, sd_lcm_rows_t *se
     m->cycle = self->cycle;
     m->firings = self->count[SD_RATE_FIRING];
     m->firing = self->firing;
+    m->airpaths = self->count[SD_RATE_AIRPATH];
+    m->airpath = self->airpath;
     m->tasks = self->count[SD_RATE_TASK];
     m->task = self->task;
 }
@@ -349,6 +392,10 @@ static inline int sd_lcm_rows_next(sd_row_t *row, const sixdeg_outputs_t *m, int
         place = m->firing[taken[SD_RATE_FIRING]].place;
         next = SD_RATE_FIRING;
     }
+    if ((taken[SD_RATE_AIRPATH] < m->airpaths) && ((next == SD_RATE_COUNT) || (m->airpath[taken[SD_RATE_AIRPATH]].place < place))) {
+        place = m->airpath[taken[SD_RATE_AIRPATH]].place;
+        next = SD_RATE_AIRPATH;
+    }
     if ((taken[SD_RATE_TASK] < m->tasks) && ((next == SD_RATE_COUNT) || (m->task[taken[SD_RATE_TASK]].place < place))) {
         place = m->task[taken[SD_RATE_TASK]].place;
         next = SD_RATE_TASK;
@@ -356,6 +403,7 @@ static inline int sd_lcm_rows_next(sd_row_t *row, const sixdeg_outputs_t *m, int
     if (next == SD_RATE_EDGE) { sd_lcm_edge_to_row(row, &m->edge[taken[SD_RATE_EDGE]]); }
     if (next == SD_RATE_CYCLE) { sd_lcm_cycle_to_row(row, &m->cycle[taken[SD_RATE_CYCLE]]); }
     if (next == SD_RATE_FIRING) { sd_lcm_firing_to_row(row, &m->firing[taken[SD_RATE_FIRING]]); }
+    if (next == SD_RATE_AIRPATH) { sd_lcm_airpath_to_row(row, &m->airpath[taken[SD_RATE_AIRPATH]]); }
     if (next == SD_RATE_TASK) { sd_lcm_task_to_row(row, &m->task[taken[SD_RATE_TASK]]); }
     if (next == SD_RATE_COUNT) { return 0; }
     taken[next]++;

@@ -23,7 +23,8 @@ uint64_t __sixdeg_outputs_t_hash_recursive(const __lcm_hash_ptr *p)
     cp.v = (void*)__sixdeg_outputs_t_get_hash;
     (void) cp;
 
-    uint64_t hash = (uint64_t)0xa38feecac583378aLL
+    uint64_t hash = (uint64_t)0x9ffc9e0f793d8d1bLL
+         + __int32_t_hash_recursive(&cp)
          + __int32_t_hash_recursive(&cp)
          + __int32_t_hash_recursive(&cp)
          + __int32_t_hash_recursive(&cp)
@@ -36,6 +37,7 @@ uint64_t __sixdeg_outputs_t_hash_recursive(const __lcm_hash_ptr *p)
          + __sixdeg_edge_t_hash_recursive(&cp)
          + __sixdeg_cycle_t_hash_recursive(&cp)
          + __sixdeg_firing_t_hash_recursive(&cp)
+         + __sixdeg_airpath_t_hash_recursive(&cp)
          + __sixdeg_task_t_hash_recursive(&cp)
         ;
 
@@ -68,6 +70,9 @@ int __sixdeg_outputs_t_encode_array(void *buf, int offset, int maxlen, const six
         thislen = __int32_t_encode_array(buf, offset + pos, maxlen - pos, &(p[element].firings), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
+        thislen = __int32_t_encode_array(buf, offset + pos, maxlen - pos, &(p[element].airpaths), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
         thislen = __int32_t_encode_array(buf, offset + pos, maxlen - pos, &(p[element].tasks), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
@@ -93,6 +98,9 @@ int __sixdeg_outputs_t_encode_array(void *buf, int offset, int maxlen, const six
         if (thislen < 0) return thislen; else pos += thislen;
 
         thislen = __sixdeg_firing_t_encode_array(buf, offset + pos, maxlen - pos, p[element].firing, p[element].firings);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __sixdeg_airpath_t_encode_array(buf, offset + pos, maxlen - pos, p[element].airpath, p[element].airpaths);
         if (thislen < 0) return thislen; else pos += thislen;
 
         thislen = __sixdeg_task_t_encode_array(buf, offset + pos, maxlen - pos, p[element].task, p[element].tasks);
@@ -127,6 +135,8 @@ int __sixdeg_outputs_t_encoded_array_size(const sixdeg_outputs_t *p, int element
 
         size += __int32_t_encoded_array_size(&(p[element].firings), 1);
 
+        size += __int32_t_encoded_array_size(&(p[element].airpaths), 1);
+
         size += __int32_t_encoded_array_size(&(p[element].tasks), 1);
 
         size += __int32_t_encoded_array_size(&(p[element].done), 1);
@@ -144,6 +154,8 @@ int __sixdeg_outputs_t_encoded_array_size(const sixdeg_outputs_t *p, int element
         size += __sixdeg_cycle_t_encoded_array_size(p[element].cycle, p[element].cycles);
 
         size += __sixdeg_firing_t_encoded_array_size(p[element].firing, p[element].firings);
+
+        size += __sixdeg_airpath_t_encoded_array_size(p[element].airpath, p[element].airpaths);
 
         size += __sixdeg_task_t_encoded_array_size(p[element].task, p[element].tasks);
 
@@ -169,6 +181,9 @@ int __sixdeg_outputs_t_decode_array(const void *buf, int offset, int maxlen, six
         if (thislen < 0) return thislen; else pos += thislen;
 
         thislen = __int32_t_decode_array(buf, offset + pos, maxlen - pos, &(p[element].firings), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __int32_t_decode_array(buf, offset + pos, maxlen - pos, &(p[element].airpaths), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
         thislen = __int32_t_decode_array(buf, offset + pos, maxlen - pos, &(p[element].tasks), 1);
@@ -201,6 +216,10 @@ int __sixdeg_outputs_t_decode_array(const void *buf, int offset, int maxlen, six
         thislen = __sixdeg_firing_t_decode_array(buf, offset + pos, maxlen - pos, p[element].firing, p[element].firings);
         if (thislen < 0) return thislen; else pos += thislen;
 
+        p[element].airpath = (sixdeg_airpath_t*) lcm_malloc(sizeof(sixdeg_airpath_t) * p[element].airpaths);
+        thislen = __sixdeg_airpath_t_decode_array(buf, offset + pos, maxlen - pos, p[element].airpath, p[element].airpaths);
+        if (thislen < 0) return thislen; else pos += thislen;
+
         p[element].task = (sixdeg_task_t*) lcm_malloc(sizeof(sixdeg_task_t) * p[element].tasks);
         thislen = __sixdeg_task_t_decode_array(buf, offset + pos, maxlen - pos, p[element].task, p[element].tasks);
         if (thislen < 0) return thislen; else pos += thislen;
@@ -219,6 +238,8 @@ int __sixdeg_outputs_t_decode_array_cleanup(sixdeg_outputs_t *p, int elements)
         __int32_t_decode_array_cleanup(&(p[element].cycles), 1);
 
         __int32_t_decode_array_cleanup(&(p[element].firings), 1);
+
+        __int32_t_decode_array_cleanup(&(p[element].airpaths), 1);
 
         __int32_t_decode_array_cleanup(&(p[element].tasks), 1);
 
@@ -240,6 +261,9 @@ int __sixdeg_outputs_t_decode_array_cleanup(sixdeg_outputs_t *p, int elements)
 
         __sixdeg_firing_t_decode_array_cleanup(p[element].firing, p[element].firings);
         if (p[element].firing) free(p[element].firing);
+
+        __sixdeg_airpath_t_decode_array_cleanup(p[element].airpath, p[element].airpaths);
+        if (p[element].airpath) free(p[element].airpath);
 
         __sixdeg_task_t_decode_array_cleanup(p[element].task, p[element].tasks);
         if (p[element].task) free(p[element].task);
@@ -280,6 +304,8 @@ int __sixdeg_outputs_t_clone_array(const sixdeg_outputs_t *p, sixdeg_outputs_t *
 
         __int32_t_clone_array(&(p[element].firings), &(q[element].firings), 1);
 
+        __int32_t_clone_array(&(p[element].airpaths), &(q[element].airpaths), 1);
+
         __int32_t_clone_array(&(p[element].tasks), &(q[element].tasks), 1);
 
         __int32_t_clone_array(&(p[element].done), &(q[element].done), 1);
@@ -300,6 +326,9 @@ int __sixdeg_outputs_t_clone_array(const sixdeg_outputs_t *p, sixdeg_outputs_t *
 
         q[element].firing = (sixdeg_firing_t*) lcm_malloc(sizeof(sixdeg_firing_t) * q[element].firings);
         __sixdeg_firing_t_clone_array(p[element].firing, q[element].firing, p[element].firings);
+
+        q[element].airpath = (sixdeg_airpath_t*) lcm_malloc(sizeof(sixdeg_airpath_t) * q[element].airpaths);
+        __sixdeg_airpath_t_clone_array(p[element].airpath, q[element].airpath, p[element].airpaths);
 
         q[element].task = (sixdeg_task_t*) lcm_malloc(sizeof(sixdeg_task_t) * q[element].tasks);
         __sixdeg_task_t_clone_array(p[element].task, q[element].task, p[element].tasks);

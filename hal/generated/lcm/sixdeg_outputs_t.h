@@ -19,6 +19,7 @@ extern "C" {
 #include "sixdeg_edge_t.h"
 #include "sixdeg_cycle_t.h"
 #include "sixdeg_firing_t.h"
+#include "sixdeg_airpath_t.h"
 #include "sixdeg_task_t.h"
 /// SIXDEG_OUTPUTS: what the ecu says, at the latest at each clock event.
 typedef struct _sixdeg_outputs_t sixdeg_outputs_t;
@@ -27,6 +28,7 @@ struct _sixdeg_outputs_t
     int32_t    edges;
     int32_t    cycles;
     int32_t    firings;
+    int32_t    airpaths;
     int32_t    tasks;
     int32_t    done;
     int32_t    tick;
@@ -36,6 +38,7 @@ struct _sixdeg_outputs_t
     sixdeg_edge_t *edge;
     sixdeg_cycle_t *cycle;
     sixdeg_firing_t *firing;
+    sixdeg_airpath_t *airpath;
     sixdeg_task_t *task;
 };
 

@@ -74,6 +74,9 @@ void EcuFeed::tell_time(double t_s) {
     ++clock_events_;
     read_sensors(tick_at(t_s));
     send({tick_at(t_s), SD_EVENT_TIME, 0, 0, 0});
+    if (!restart_at_s_ || t_s < *restart_at_s_) return;
+    restart_at_s_.reset();
+    restart();
 }
 
 std::uint32_t EcuFeed::tick_at(double t_s) const {

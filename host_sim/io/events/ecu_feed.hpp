@@ -58,6 +58,11 @@ class EcuFeed {
     void sample(sd_input_t input, double value, double t_s);
     /// Sends the time event that falls due every 10 ms before t_s; the first call sets where they begin.
     void tell_time_until(double t_s);
+    /// The ecu begins anew, as after a reset: what it had learned is lost, and events sent before are handled. A feed whose ecu is not
+    /// in its hands does nothing.
+    virtual void restart() {}
+    /// restart() right after the first time event at or after t_s.
+    void restart_at(double t_s) { restart_at_s_ = t_s; }
     /// The time event that ends a run.
     void finish(double t_s);
     /// Time events sent. Whatever was caused before the last one has been said, or is lost.
@@ -77,7 +82,7 @@ class EcuFeed {
     void tell_time(double t_s);
 
     double tick_hz_;
-    std::optional<double> next_time_s_;
+    std::optional<double> next_time_s_, restart_at_s_;
     std::size_t clock_events_ = 0;
     std::array<std::optional<float>, SD_INPUT_COUNT> shown_{};
     std::vector<sd_event_t> *sink_ = nullptr;

@@ -9,6 +9,7 @@
 #include "common/engine_file.hpp"
 #include "plant/engine/engine_model.hpp"
 #include "io/events/ecu_feed.hpp"
+#include "io/tables/air_path_table.hpp"
 #include "score/misfire_score.hpp"
 #include "plant/sensors/pickup.hpp"
 
@@ -31,6 +32,8 @@ class RunTables {
     void edge(const EncoderEdge &truth, double crank_deg, const EcuSaid &ecu, bool cycle_ended);
     void true_cycle(const CycleTruth &truth) { truths_.push_back(truth); }
 
+    AirPathTable &air_path() { return air_path_; }
+
     const std::string &teeth_csv() const { return teeth_; }
     std::string cycles_csv() const;
 
@@ -41,6 +44,7 @@ class RunTables {
         std::uint8_t health, afr_health;
     };
     EngineFile engine_;
+    AirPathTable air_path_;
     MisfireScore verdicts_;
     MisfireScore accelerations_, residuals_; ///< Of document 000\'s observer, kept by firing as verdicts are.
     std::size_t firings_ = 0; ///< Of which the verdict is taken.

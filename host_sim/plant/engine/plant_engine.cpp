@@ -9,7 +9,7 @@ namespace sixdeg {
 namespace {
 
 // Tables and fields that belong to read_engine.
-constexpr const char *kSharedTables[] = {"cylinders", "valves", "combustion", "crank", "wheel", "cam", "timer", "exhaust", "uego", "dual_mass", "torsion"};
+constexpr const char *kSharedTables[] = {"cylinders", "valves", "combustion", "crank", "wheel", "cam", "timer", "exhaust", "uego", "dual_mass", "torsion", "airpath"};
 
 void read_air(TomlFile &file, PlantEngine &engine) {
     const auto pressure = file.numbers("plant.air.intake_pressure_bar", {0.1, 5, "bar"});
@@ -92,6 +92,7 @@ PlantEngine read_plant_engine(const std::string &name, const std::string &text) 
     read_losses(file, engine);
     engine.driveline_inertia_kgm2 = file.number_or("plant.driveline.inertia_kgm2", {0, 100, "kg m2"}, 0);
     read_exhaust(file, engine);
+    engine.air_path = airpath::read_full_data(file);
     engine.dual_mass = engine.shared.dual_mass;
     engine.torsion = engine.shared.torsion;
     if (engine.torsion) engine.torsion_modes = int(file.integer_or("plant.torsion.modes", 1, 3, 1));

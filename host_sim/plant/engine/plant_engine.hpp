@@ -8,6 +8,7 @@
 
 #include "common/engine_file.hpp"
 #include "common/profile.hpp"
+#include "plant/airpath/full_data.hpp"
 #include "plant/engine/geometry.hpp"
 
 namespace sixdeg {
@@ -31,6 +32,8 @@ struct PlantExhaust {
 struct PlantEngine {
     EngineFile shared;
     PlantExhaust exhaust; ///< Means something only with shared.exhaust.
+
+    std::optional<airpath::FullData> air_path; ///< Means something only with shared.air_path.
 
     Profile intake_pressure_pa; ///< Cylinder pressure when the intake valve closes, over demanded bmep in Pa.
     double exhaust_pressure_pa, crankcase_pressure_pa;

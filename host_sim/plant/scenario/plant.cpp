@@ -72,6 +72,10 @@ Plant::Plant(const Scenario &scenario, std::uint64_t seed)
         if (scenario.exhaust_sensors)
             exhaust_pressure_.emplace(*scenario.exhaust_sensors, RandomStream(seed, stream::kExhaustPressure));
     }
+    if (scenario.air_path) {
+        const EngineFile &shared = scenario.engine.shared;
+        air_path_.emplace(*scenario.engine.air_path, scenario.engine.displacement_m3(), shared.compression_ratio, *scenario.air_path, seed);
+    }
     steps_to_tdc_ = int(std::lround((4 * kPi - scenario.engine.intake_close_rad) / model_.tables().step_rad));
     pre_roll();
 }
@@ -81,6 +85,7 @@ void Plant::pre_roll() {
     const double speed = scenario_.speed_radps.at(0);
     demand_pa_ = scenario_.bmep_pa.at(0);
     mean_speed_ = speed;
+    if (air_path_) air_path_->start(air_drive(fuel_map_.fuel_kg(speed, demand_pa_)));
     fill_intake();
     model_.start(-kPreRollCycles, step, 0, speed);
     model_.prescribe_speed(speed, 0);
@@ -109,7 +114,7 @@ void Plant::pre_roll() {
     while (next_cam_deg_ + scenario_.encoder.cam_retard_deg.at(0) <= sensor_.angle_deg) next_cam_deg_ += 720;
 }
 
-// The manifold's pressure is at once that of the demand, for whoever breathes.
+// Without an air path the manifold's pressure is at once that of the demand, for whoever breathes.
 void Plant::fill_intake() {
     for (int lane = 0; lane < scenario_.engine.shared.cylinders(); ++lane) {
         const int cylinder = scenario_.engine.shared.firing_order[std::size_t(lane)];
@@ -155,6 +160,7 @@ void Plant::advance() {
     const StepTruth &before = model_.truth_before(), &now = model_.truth();
     if (model_.events_begin() != model_.events_end()) handle_events();
     if (exhaust_) step_exhaust(now.time_s - before.time_s);
+    if (air_path_) air_path_->advance(now.time_s, air_drive(commanded_fuel_kg_));
     if (torsion_.enabled()) torsion_.step(model_, now.time_s - before.time_s);
     const SensorPoint from = sensor_;
     sensor_ = sensor();
@@ -177,6 +183,11 @@ void Plant::advance_stop() {
         wheel_.seek(from.angle_deg);
     }
     backward_ ? find_backward_edges(model_.truth(), from) : find_edges(model_.truth(), from);
+}
+
+/// The mean speed, not the crank's own: a mean-value model has no use for what happens within a firing.
+airpath::EngineDrive Plant::air_drive(double fuel_kg) const {
+    return {mean_speed_, fuel_kg * scenario_.engine.shared.cylinders() * mean_speed_ / (4 * kPi)};
 }
 
 void Plant::step_exhaust(double dt_s) {

@@ -16,6 +16,7 @@
 #include <optional>
 #include <vector>
 
+#include "plant/airpath/air_path.hpp"
 #include "plant/engine/engine_model.hpp"
 #include "plant/engine/fuel_map.hpp"
 #include "plant/engine/road.hpp"
@@ -50,6 +51,10 @@ class Plant {
     bool next_uego(double time_s, UegoSample &sample);
     /// The same of the pressure in the exhaust manifold.
     bool next_exhaust_pressure(double time_s, PressureSample &sample);
+    /// The same of the air path's sensors, with what is true then; none ever without scenario.air_path.
+    bool next_air_path(double time_s, airpath::Readings &readings, airpath::Truth &truth) {
+        return air_path_ && air_path_->next(time_s, readings, &truth);
+    }
 
     /// The crank at the end of the last step taken; up to a tooth ahead of the last edge handed out. Holds
     /// its last value once the engine has stalled.
@@ -61,7 +66,9 @@ class Plant {
     /// Factor on the fuel of a physical cylinder from its next intake closing on, for closed loops. [0, 2].
     void set_fuel_trim(int cylinder, double factor);
     /// Manifold pressure, Pa, that every nominal cylinder breathes now.
-    double intake_pressure_pa() const { return scenario_.engine.intake_pressure_pa.at(demand_pa_); }
+    double intake_pressure_pa() const {
+        return air_path_ ? air_path_->intake_pa() : scenario_.engine.intake_pressure_pa.at(demand_pa_);
+    }
     /// Fuel commanded at the last intake closing, kg a stroke, before trims and spread.
     double commanded_fuel_kg() const { return commanded_fuel_kg_; }
     /// What the injector of a physical cylinder gives now, of what it is told.
@@ -82,6 +89,7 @@ class Plant {
     void advance();
     void handle_events();
     void step_exhaust(double dt_s);
+    airpath::EngineDrive air_drive(double fuel_kg) const;
     void set_charge(const Event &event);
     void control();
     void refresh_speed_and_load();
@@ -108,6 +116,7 @@ class Plant {
     std::deque<UegoSample> uego_samples_;
     std::optional<exhaust::PressureSensor> exhaust_pressure_;
     std::deque<PressureSample> pressure_samples_;
+    std::optional<airpath::AirPath> air_path_;
     SensorPoint sensor_{};
     std::array<double, kMaxCylinders> fuel_trim_{};
     double next_cam_deg_ = 0, earliest_cam_deg_ = 0, end_angle_rad_ = 1e300, next_control_rad_ = 0, control_time_ = 0;

@@ -198,6 +198,14 @@ void read_exhaust_sensors(TomlFile &file, Scenario &s) {
     s.exhaust_sensors = e;
 }
 
+void read_air_path_setup(TomlFile &file, Scenario &s) {
+    if (!file.has("airpath")) return;
+    if (!s.engine.air_path || !s.engine.shared.air_path)
+        file.fail("airpath", "needs an engine file with [airpath] and [plant.airpath]");
+    if (s.uego) file.fail("airpath", "does not go with [uego]: each has an exhaust manifold of its own");
+    s.air_path = airpath::read_setup(file, s.seed);
+}
+
 } // namespace
 
 Scenario read_scenario(TomlFile &file, const std::filesystem::path &folder) {
@@ -215,6 +223,7 @@ Scenario read_scenario(TomlFile &file, const std::filesystem::path &folder) {
     read_encoder(file, s);
     read_uego(file, s);
     read_exhaust_sensors(file, s);
+    read_air_path_setup(file, s);
     read_balance(file, s);
     file.finish();
     return s;

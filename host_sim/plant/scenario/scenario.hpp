@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "plant/airpath/setup.hpp"
 #include "plant/engine/plant_engine.hpp"
 #include "plant/exhaust/pressure_sensor.hpp"
 #include "plant/exhaust/uego.hpp"
@@ -74,6 +75,7 @@ struct Scenario {
     EncoderFaults encoder;
     std::vector<double> balance_on_s; ///< Pairs from, to: the firmware may trim the fuel.
     std::optional<ExhaustSensorSetup> exhaust_sensors; ///< Beside the lambda sensor; needs one.
+    std::optional<airpath::Setup> air_path; ///< With it the air path runs; needs engine.air_path.
     std::optional<UegoSetup> uego; ///< With it the exhaust side runs; needs engine.shared.exhaust.
 };
 

@@ -1,22 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/// board.h - the emulated board, one of QEMU's mps2 family, and what the plugin is told.
+/// board.h - what the plugin is told, beside the emulated board (hal/cortexm/sd_board.h).
 #ifndef SD_BUDGET_BOARD_H
 #define SD_BUDGET_BOARD_H
-#include <stdint.h>
-
-/// Where the emulator loads the calibration page, in ROM, and the events, in RAM that the image leaves free: a header, then
-/// the events.
-#define BOARD_PAGE   ((const uint8_t *)0x00200000u)
-#define BOARD_EVENTS ((const void *)0x20200000u)
-
-/// Before the events.
-typedef struct board_header {
-    uint32_t event_count, page_bytes, unused[2];
-} board_header_t;
-
-void board_print(const char *text);
-void board_figure(const char *name, uint64_t value); ///< "NAME HEX".
-void board_exit(uint32_t code);
+#include "sd_board.h"
 
 /// What an event turned out to be; budget.toml has their names. A tooth is of the last class that fits.
 enum {

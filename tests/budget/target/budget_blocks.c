@@ -7,7 +7,7 @@
 #include "sd_afr_joint.h"
 #include "sd_switched_wheel.h"
 
-enum { NOT_COUNTED, FOLSMO, FOSMO, ROO, JUDGES, OSCILLATORS, FOURIER_LAW, FIXED_GAINS, GUARD, BANK, CRANK }; /* block_classes of budget.toml */
+enum { NOT_COUNTED, FOLSMO, FOSMO, ROO, JUDGES, OSCILLATORS, FOURIER_LAW, FIXED_GAINS, GUARD, BANK, AIRPATH, CRANK }; /* block_classes of budget.toml */
 enum { CYCLE_POSITIONS = 120, CYLINDERS = 4 };
 #define STEP_S 6.67e-4f
 
@@ -192,6 +192,7 @@ int main(void) {
     count_chain(FOURIER_LAW);
     count_fixed_gains();
     failed |= budget_count_driveline(NOT_COUNTED, GUARD, BANK);
+    failed |= budget_count_airpath(NOT_COUNTED, AIRPATH);
     budget_count_crank(CRANK);
     return (int)failed;
 }

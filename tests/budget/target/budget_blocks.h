@@ -11,4 +11,7 @@ void budget_count_crank(uint32_t first_class);
 /// The driveline's observers. The classes that count nothing, the guard filter, the bank. 0, or 1 when a block was refused or did not run.
 uint32_t budget_count_driveline(uint32_t not_counted, uint32_t guard, uint32_t bank);
 
+/// A step of the air path's diagnosis that decides. 0, or 1 when its tables were refused or it did not get to decide.
+uint32_t budget_count_airpath(uint32_t not_counted, uint32_t step);
+
 #endif

@@ -7,8 +7,6 @@
 #include "sd_ecu.h"
 
 #define SENT_MAX     256u
-#define STACK_WORDS  8192u
-#define PAINT        0xdeadbeefu
 #define SETTLED_CYCLES 11u /* Longer than any block takes to settle. */
 
 _Static_assert(sizeof(sd_ecu_t) <= 16384u, "an ecu takes more RAM than there is for it");
@@ -40,24 +38,6 @@ static uint32_t send(void *context, const sd_event_t *events, uint32_t count) {
 static const sd_port_t port = { 0, receive, send };
 /* Not inlined, since its calls are counted. */
 static uint32_t (*volatile run)(sd_ecu_t *, const sd_calibration_t *, const sd_port_t *) = sd_ecu_run;
-
-/* ---- the stack ---------------------------------------------------------------------------------------------------- */
-
-static uint32_t *painted;
-
-__attribute__((noinline)) static void paint_stack(void) {
-    uint32_t *here;
-    __asm volatile("mov %0, sp" : "=r"(here));
-    for (uint32_t *word = here - STACK_WORDS; word < here - 8; word++) { *(volatile uint32_t *)word = PAINT; }
-    painted = here;
-}
-
-/* Bytes below where it was painted. */
-__attribute__((noinline)) static uint32_t stack_used(void) {
-    const volatile uint32_t *word = painted - STACK_WORDS;
-    while (*word == PAINT) { word++; }
-    return (uint32_t)(painted - (uint32_t *)(uintptr_t)word) * 4u;
-}
 
 /* ---- classes ------------------------------------------------------------------------------------------------------ */
 
@@ -117,10 +97,10 @@ int main(void) {
     uint64_t hash = SD_OUTPUT_HASH_START;
     const sd_calibration_t *page = sd_calibration_view(BOARD_PAGE, header->page_bytes);
     if (page == 0) { board_print("the page was refused\n"); return 1; }
-    paint_stack();
+    board_paint_stack();
     if (sd_ecu_init(&ecu, page) != SD_OK) { board_print("init refused the page\n"); return 2; }
-    board_figure("stack_init", stack_used());
-    paint_stack();
+    board_figure("stack_init", board_stack_used());
+    board_paint_stack();
     budget_class(CLASS_SETUP);
     for (uint32_t i = 0; i < header->event_count; i++) {
         waiting = &events[i];
@@ -130,7 +110,7 @@ int main(void) {
         if (sent_count > SENT_MAX) { board_print("more was sent than is kept\n"); return 3; }
         budget_class(class_of(&events[i], &said));
     }
-    board_figure("stack_run", stack_used());
+    board_figure("stack_run", board_stack_used());
     board_figure("hash", hash);
     return 0;
 }

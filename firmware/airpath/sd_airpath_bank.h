@@ -1,0 +1,88 @@
+/* SPDX-License-Identifier: MIT */
+/// sd_airpath_bank.h - which actuator of the air path is faulty: two unknown-input observers, one blind to each actuator's fault, the
+/// offsets of their residuals, and the multi-CUSUM that decides (document 001; docs/airpath.md).
+///
+///     state 0 waits  -> 1 settles -> 2 learns -> 3 decides        a sensor that is silent or stuck, or a restart: back to 0
+/// While the engine moves from one operating point to another nothing is decided; at another point than that where offsets were learned
+/// they are learned anew (back to 2), unless a fault was named.
+/// Residual 1 sees the turbine's vanes (VGT) and residual 2 the recirculation valve (EGR); both are kPa.
+///
+/// Real-time contract: no heap, no globals, no I/O, no libm; constant time. One writer per state, plain data without pointers; tables are
+/// read only, in flash. Call order: start; then every period either step, or hold while a measurement is missing, or start again.
+#ifndef SD_AIRPATH_BANK_H
+#define SD_AIRPATH_BANK_H
+#include "sd_airpath_flows.h"
+#include "sd_airpath_offsets.h"
+#include "sd_airpath_point.h"
+#include "sd_cusum.h"
+#include "sd_nuio.h"
+#include "sd_status.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define SD_AIRPATH_OBSERVERS 2
+
+/// Groups of the hypotheses, and bits of what is said to be faulty.
+typedef enum sd_airpath_fault { SD_AIRPATH_NO_FAULT = 0, SD_AIRPATH_EGR_FAULT = 1, SD_AIRPATH_VGT_FAULT = 2,
+    SD_AIRPATH_UNCLEAR = 3 } sd_airpath_fault_t;
+typedef enum sd_airpath_phase { SD_AIRPATH_WAITS, SD_AIRPATH_SETTLES, SD_AIRPATH_LEARNS, SD_AIRPATH_DECIDES } sd_airpath_phase_t;
+
+/// Of the calibration page.
+typedef struct sd_airpath_tables {
+    uint32_t present;                ///< 1: the engine file has an [airpath] with a design; 0: all the rest is 0.
+    float    period_s;               ///< Of a step, (0, 0.1].
+    float    emptying_low_ps, emptying_high_ps; ///< Ends of the schedule, (0, 1000], ascending.
+    float    fault[SD_AIRPATH_RESIDUALS];       ///< Residual that a fault of interest leaves in the end, kPa, (0, 1e4]: half of it is
+                                                ///< suspect.
+    sd_airpath_model_t model;
+    sd_nuio_table_t    observer[SD_AIRPATH_OBSERVERS];
+    sd_cusum_tables_t  cusum;        ///< Hypotheses in pairs of either sign: group 0 EGR, 1 VGT, more: what is neither.
+} sd_airpath_tables_t;
+
+typedef struct sd_airpath_bank {
+    sd_nuio_t            observer[SD_AIRPATH_OBSERVERS];
+    sd_airpath_offsets_t offsets;
+    sd_airpath_point_t   point;
+    sd_cusum_t           cusum;
+    uint32_t             steps;      ///< In the present phase, saturating.
+    float                residual[SD_AIRPATH_RESIDUALS]; ///< Of the last step, without the offset.
+    uint16_t             rejected;   ///< Steps held, saturating.
+    uint8_t              phase;      ///< sd_airpath_phase_t.
+    uint8_t              said;       ///< 1: a fault was named with the offsets of now, which are therefore kept.
+} sd_airpath_bank_t;
+
+typedef struct sd_airpath_config {
+    uint32_t settle_steps; ///< After a start, [0, 1e5].
+    uint32_t window_steps; ///< In which offsets are learned, [0, 1e5]; 0: none are.
+    sd_cusum_thresholds_t thresholds;
+} sd_airpath_config_t;
+
+typedef struct sd_airpath_out {
+    float    residual_kpa[SD_AIRPATH_RESIDUALS];   ///< Without the learned offset.
+    float    offset_faults[SD_AIRPATH_RESIDUALS];  ///< What was learned, over what a fault of interest leaves.
+    sd_cusum_out_t decision;  ///< named 0 unless it decides.
+    float    since_s;         ///< Time since the fault's most likely beginning; 0 without one.
+    uint8_t  fault;           ///< sd_airpath_fault_t: the actuator named, or SD_AIRPATH_UNCLEAR: both, or something else.
+    uint8_t  phase;           ///< sd_airpath_phase_t.
+    sd_status_t status;       ///< Invalid until it decides; degraded while it holds, and while what was learned is suspect.
+} sd_airpath_out_t;
+
+/// Whether every number is within the range said beside it.
+bool sd_airpath_tables_ok(const sd_airpath_tables_t *tables);
+/// Waits, and forgets what it learned.
+void sd_airpath_start(sd_airpath_bank_t *self);
+/// Waits, and keeps what it learned: a measurement is lost.
+void sd_airpath_wait(sd_airpath_bank_t *self, sd_airpath_out_t *out);
+/// A period without one of its measurements: sums and window stay, nothing is named anew.
+void sd_airpath_hold(sd_airpath_bank_t *self, const sd_airpath_tables_t *tables, const sd_airpath_config_t *config, sd_airpath_out_t *out);
+/// A period with all measurements.
+void sd_airpath_step(sd_airpath_bank_t *self, const sd_airpath_tables_t *tables, const sd_airpath_config_t *config,
+    const sd_airpath_in_t *in,
+                     sd_airpath_out_t *out);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,40 @@
+/* SPDX-License-Identifier: MIT */
+/// sd_airpath_point.h - whether the engine runs at one operating point, and whether it is still that where offsets were learned.
+///
+/// Document 001's model holds at rest: its temperatures come from sensors that lag, and what its parameters are off by leaves other
+/// residuals at another point. So nothing is decided while speed or fuel are on their way, and offsets are learned anew at a point far
+/// from the last one.
+///     calm: for calm_s, speed within 5 % and fuel within 10 % of what they are on average over mean_s
+///     left: speed more than 12 % or fuel more than 25 % off the point that was kept
+///
+/// Real-time contract: no heap, no globals, no I/O, no libm; constant time. One writer per state, plain data without pointers.
+#ifndef SD_AIRPATH_POINT_H
+#define SD_AIRPATH_POINT_H
+#include <stdbool.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define SD_AIRPATH_POINT_MEAN_S 1.5f
+#define SD_AIRPATH_POINT_CALM_S 3.0f
+
+/// All zero is a valid start.
+typedef struct sd_airpath_point {
+    float    speed_rpm, fuel_gps;           ///< On average; 0 before the first step.
+    float    kept_speed_rpm, kept_fuel_gps; ///< Where offsets were learned; 0: nowhere.
+    uint32_t calm_steps;                    ///< Steps since speed or fuel were last on their way, saturating.
+} sd_airpath_point_t;
+
+/// A period of period_s, (0, 0.1], with speed and fuel flow, each within [0, 1e6]. True when the engine is calm.
+bool sd_airpath_point_step(sd_airpath_point_t *self, float period_s, float speed_rpm, float fuel_gps);
+/// Keeps the point on average now.
+void sd_airpath_point_keep(sd_airpath_point_t *self);
+/// Whether it has left the one kept; false where none is.
+bool sd_airpath_point_left(const sd_airpath_point_t *self);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,64 @@
+/* SPDX-License-Identifier: MIT */
+/// sd_cusum.h - multi-CUSUM: which of some hypotheses about the mean of a vector of residuals has come true, and since when. It knows
+/// nothing of where residuals come from. After I. Nikiforov, 1998, and M. Kinnaert and others, 2000, as document 001 uses them.
+///
+///     s_l = (mu_l)' S^-1 (r - mu_l/2),   g_l = max(0, g_l + s_l)              mean of r: 0 without a fault, mu_l with fault l
+///     n_l: steps since g_l last left 0;   fault l is named while  g_l > detect  and  g_l - g_j > isolate for every other j
+/// S is the covariance that a sum of residuals has for each of its terms (long-run covariance): that of one residual only where residuals
+/// are white. With isolate = detect this is the document's simplified form (31). Hypotheses belong to groups, e.g. the two signs of one
+/// actuator's fault: hypotheses of different groups above `detect` at once mean that no single fault explains the residuals.
+///
+/// Real-time contract: no heap, no globals, no I/O, no libm; constant time. One writer per state, plain data without pointers; tables are
+/// read only.
+#ifndef SD_CUSUM_H
+#define SD_CUSUM_H
+#include "sd_num.h"
+#include "sd_status.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define SD_CUSUM_HYPOTHESES_MAX 8
+#define SD_CUSUM_RESIDUALS_MAX  4
+
+typedef struct sd_cusum_tables {
+    float   weight[SD_CUSUM_HYPOTHESES_MAX][SD_CUSUM_RESIDUALS_MAX]; ///< S^-1 mu_l, within +-1e6.
+    float   offset[SD_CUSUM_HYPOTHESES_MAX]; ///< mu_l' S^-1 mu_l / 2, what a step takes off, (0, 1e6].
+    uint8_t group[SD_CUSUM_HYPOTHESES_MAX];  ///< Of each hypothesis, from 0, below 8.
+    uint8_t hypotheses;                      ///< 1 to SD_CUSUM_HYPOTHESES_MAX.
+    uint8_t residuals;                       ///< 1 to SD_CUSUM_RESIDUALS_MAX.
+    uint8_t reserved[2];                     ///< 0.
+} sd_cusum_tables_t;
+
+typedef struct sd_cusum_thresholds {
+    float detect, isolate; ///< (0, 1e4] each.
+} sd_cusum_thresholds_t;
+
+typedef struct sd_cusum {
+    float    g[SD_CUSUM_HYPOTHESES_MAX];
+    uint32_t n[SD_CUSUM_HYPOTHESES_MAX]; ///< Steps since g last left 0, this one included, saturating; 0 while it is 0.
+} sd_cusum_t;
+
+typedef struct sd_cusum_out {
+    float    decision[SD_CUSUM_HYPOTHESES_MAX]; ///< min over the others of what is above its threshold: positive where l is named.
+    uint32_t since_steps; ///< Of the hypothesis named: steps since the fault's most likely time.
+    uint8_t  named;       ///< Hypothesis from 1, or 0: none.
+    uint8_t  groups;      ///< Bit i: a hypothesis of group i is above `detect`.
+} sd_cusum_out_t;
+
+/// Whether every number is within the range said beside it.
+bool sd_cusum_tables_ok(const sd_cusum_tables_t *tables);
+bool sd_cusum_thresholds_ok(const sd_cusum_thresholds_t *thresholds);
+/// All sums 0.
+void sd_cusum_start(sd_cusum_t *self);
+/// Takes a vector of residuals, each within +-1e6, and decides.
+void sd_cusum_step(sd_cusum_t *self, const sd_cusum_tables_t *tables, const sd_cusum_thresholds_t *thresholds, const float *residual,
+                   sd_cusum_out_t *out);
+/// Decides again from what was taken, for a step without residuals.
+void sd_cusum_read(const sd_cusum_t *self, const sd_cusum_tables_t *tables, const sd_cusum_thresholds_t *thresholds, sd_cusum_out_t *out);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,127 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""The golden runs on every processor, one hash of all outputs each (docs/porting.md).
+
+    tests/target/same_bits.py                     every golden run once, on every processor
+    tests/target/same_bits.py --teeth 1000000     again and again with crank edges moved by up to a tick, until so many teeth have passed
+    tests/target/same_bits.py --run q31 --on powerpc --on armel
+
+Builds what is missing. powerpc and armel take their compilers and the user-mode emulator: tools/setup --foreign. Ends with 1 when a
+processor says anything else than this machine.
+"""
+import argparse
+import pathlib
+import random
+import shutil
+import struct
+import subprocess
+import sys
+import tempfile
+
+from other_order import other_events, other_page, page_numbers
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+BOARDS = {"cortex-m7": "mps2-an500", "cortex-m4f": "mps2-an386", "cortex-m3": "mps2-an385", "cortex-m3-fixed": "mps2-an385"}
+FOREIGN = {"armel": "qemu-arm", "powerpc": "qemu-ppc"}
+CRANK_EDGE, MOST_EVENTS = 1, 120_000  # what a board has room for
+RUNS = sorted(path.stem for path in (ROOT / "tests/golden").glob("*.run"))
+FIXED = "fixed"  # the one run that an ecu of fixed point can take whole
+
+
+def build(processors):
+    wanted = {"host": ["budget_input", "hash_sd_ecu", "hash_sd_ecu_fixed"]}
+    for name in processors:
+        wanted[name] = ["budget_ecu"] if name in BOARDS else ["hash_sd_ecu", "hash_sd_ecu_fixed"]
+    for preset, targets in wanted.items():
+        done = subprocess.run([ROOT / "tools/build", preset, *targets], capture_output=True, text=True)
+        if done.returncode != 0:
+            raise SystemExit(done.stdout[-3000:] + done.stderr[-2000:])
+
+
+def hash_of(text):
+    return next((line.split()[1] for line in text.splitlines() if line.startswith("hash ")), f"none ({text.strip()[:80]})")
+
+
+class Run:
+    """Page and events of a golden run in files; turn n has its crank edges moved by up to a tick, turn 0 does not."""
+
+    def __init__(self, name, folder, numbers):
+        self.page, self.events = folder / "page", folder / "events"
+        subprocess.run([ROOT / "build/host/tests/budget/budget_input", ROOT / f"tests/golden/{name}.run", self.page, self.events],
+                       check=True, capture_output=True)
+        self.name, self.folder, self.original = name, folder, self.events.read_bytes()
+        (folder / "page.other").write_bytes(other_page(self.page.read_bytes(), numbers))
+        self.teeth = sum(kind == CRANK_EDGE for _, kind, *_ in struct.iter_unpack("<IHHII", self.original[16:]))
+        if len(self.original) // 16 > MOST_EVENTS:
+            raise SystemExit(f"{name}: more events than a board holds")
+
+    def turn(self, number):
+        draw = random.Random(f"{self.name} {number}")
+        moved = [(e[0] + draw.randint(-1, 1) & 0xffffffff, *e[1:]) if number and e[1] == CRANK_EDGE else e
+                 for e in struct.iter_unpack("<IHHII", self.original[16:])]
+        data = self.original[:16] + b"".join(struct.pack("<IHHII", *e) for e in moved)
+        self.events.write_bytes(data)
+        (self.folder / "events.other").write_bytes(other_events(data))
+
+    def on_host(self, ecu):
+        return self.said([ROOT / f"build/host/hash_{ecu}", self.page, self.events])
+
+    def on(self, processor):
+        if processor in BOARDS:
+            return self.said(["qemu-system-arm", "-M", BOARDS[processor], "-display", "none", "-monitor", "none", "-serial", "none",
+                              "-semihosting-config", "enable=on,target=native", "-kernel",
+                              ROOT / f"build/{processor}/tests/budget/target/budget_ecu",
+                              "-device", f"loader,file={self.page},addr=0x200000,force-raw=on",
+                              "-device", f"loader,file={self.events},addr=0x20200000,force-raw=on"])
+        end = ".other" if processor == "powerpc" else ""
+        return self.said([FOREIGN[processor], ROOT / f"build/{processor}/hash_sd_ecu", f"{self.page}{end}", f"{self.events}{end}"])
+
+    @staticmethod
+    def said(words):
+        done = subprocess.run(words, capture_output=True, text=True)
+        return hash_of(done.stdout + done.stderr)
+
+
+def compare(run, processors, turn):
+    """Prints a line; returns the processors that say something else."""
+    run.turn(turn)
+    usual, fixed = run.on_host("sd_ecu"), run.on_host("sd_ecu_fixed") if run.name == FIXED else None
+    wrong, right = [], []
+    for processor in processors:
+        of_fixed = processor.endswith("-fixed")
+        if of_fixed and fixed is None:
+            continue
+        (right if run.on(processor) == (fixed if of_fixed else usual) else wrong).append(processor)
+    differs = f"; NOT on {', '.join(wrong)}" if wrong else ""
+    print(f"{run.name:11} {run.teeth:6} teeth  {usual}  the same on {', '.join(right) or 'none'}{differs}", flush=True)
+    return wrong
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--run", action="append", choices=RUNS, help="of these golden runs only; may be given again")
+    parser.add_argument("--on", action="append", choices=[*BOARDS, *FOREIGN], help="on these processors only; may be given again")
+    parser.add_argument("--teeth", type=int, default=0, metavar="N", help="go on until so many teeth have passed on each processor")
+    options = parser.parse_args()
+    processors = options.on or [*BOARDS, *FOREIGN]
+    tools = [FOREIGN[p] for p in processors if p in FOREIGN] + ["qemu-system-arm"] * any(p in BOARDS for p in processors)
+    if missing := [tool for tool in tools if shutil.which(tool) is None]:
+        raise SystemExit(f"same_bits: {', '.join(missing)} not installed; tools/setup --cross --foreign installs all")
+    build(processors)
+    numbers, wrong, teeth, turn = page_numbers(), [], 0, 0
+    with tempfile.TemporaryDirectory() as folder:
+        runs = []
+        for name in options.run or RUNS:
+            (own := pathlib.Path(folder, name)).mkdir()
+            runs.append(Run(name, own, numbers))
+        while turn == 0 or teeth < options.teeth:
+            for run in runs:
+                wrong += compare(run, processors, turn)
+                teeth += run.teeth
+            turn += 1
+    print(f"{teeth} teeth on {', '.join(processors)}: " + ("NOT the same bits" if wrong else "the same bits as on this machine"))
+    return 1 if wrong else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,19 +1,39 @@
 # SPDX-License-Identifier: MIT
 """docs/proofs.md and docs/misra.md as text, from what prove.py keeps."""
+
 import textwrap
 import tomllib
 
 # What is proved, or tested in its place, by block: f32 kernels and what Frama-C's intervals cannot do.
 OTHERS = [
-    ("decoder (firmware/crank), integers", "not proved: its bounds hang together over several fields, which intervals cannot see",
-     "sanitized (signed overflow, shifts, indices) in test_crank, its fuzzing and every recording; cost and stack bound as all"),
-    ("operating point in q31 (sd_afr_point_q31), trims of fixed point", "not proved, no driver yet", "sanitized unit tests, golden run fixed"),
-    ("sd_sqrt_by_bits_f32", "not proved: digit by digit, the remainder stays below twice the root", "golden runs on a Cortex-M3, which takes it, have the hash of the host, which has an instruction"),
+    (
+        "decoder (firmware/crank), integers",
+        "not proved: its bounds hang together over several fields, which intervals cannot see",
+        "sanitized (signed overflow, shifts, indices) in test_crank, its fuzzing and every recording; cost and stack bound as all",
+    ),
+    (
+        "operating point in q31 (sd_afr_point_q31), trims of fixed point",
+        "not proved, no driver yet",
+        "sanitized unit tests, golden run fixed",
+    ),
+    (
+        "sd_sqrt_by_bits_f32",
+        "not proved: digit by digit, the remainder stays below twice the root",
+        "golden runs on a Cortex-M3, which takes it, have the hash of the host, which has an instruction",
+    ),
     ("Fourier observer f32", "not proved", "restarts where energy or torque leaves (-1, 1) or is NaN: test_fourier"),
-    ("filters on tooth times, firings, pattern, twist (firmware/torque)", "not proved", "innovations and states are clamped or rejected; test_kalman, test_pattern"),
+    (
+        "filters on tooth times, firings, pattern, twist (firmware/torque)",
+        "not proved",
+        "innovations and states are clamped or rejected; test_kalman, test_pattern",
+    ),
     ("document 000's observers f32", "not proved", "in_unit at every sample and at the end of each window: test_switched"),
     ("misfire monitor", "not proved", "indices and rates are clamped: test_misfire"),
-    ("exhaust, inversion, observer of cylinders f32; joint filter; delay", "not proved", "restart out of (-1, 1); the joint filter rejects and clamps: test_afr_*"),
+    (
+        "exhaust, inversion, observer of cylinders f32; joint filter; delay",
+        "not proved",
+        "restart out of (-1, 1); the joint filter rejects and clamps: test_afr_*",
+    ),
     ("fuel balance and its watch", "not proved", "trims are clamped to balance.limit: test_balance"),
     ("driveline's observers", "not proved", "residuals are rejected, states restart out of range: test_driveline"),
 ]
@@ -22,7 +42,10 @@ WHAT = {
     "scaled_make": "the contract of sd_scaled_make, which the others use in place of its body",
     "fourier_q31": "torque observer: step, reading, restart, revolution shifted; every even number of positions, 1 to 12 harmonics",
     "wheel_q31": "document 000's observers, alone and on the wheel: tooth, verdict, init; wheels of 12 and 120 positions",
-    "exhaust_q31": "manifold and delay: step, measured pressure, shares from every eighth position on, operating point; cycles of 24, 132, 240 positions",
+    "exhaust_q31": (
+        "manifold and delay: step, measured pressure, shares from every eighth position on, operating point; cycles of 24, 132, 240"
+        " positions"
+    ),
     "chain_q31": "sensor inverted, observer of cylinders, chain: step, set, reading; cycles of 24, 132, 240 positions",
     "broken": "the negative control: four faults of the kinds that matter",
 }
@@ -50,7 +73,8 @@ What this does not cover:
 - Values: that a result is the right one is what unit tests and golden runs are for.
 - A conversion to a narrower signed type is taken modulo, as gcc defines it. sd_sat_q31 takes halves of a word apart that way on purpose.
 - Floats are only carried by these kernels, so their value is not judged; the few that init reads are ranges given above.
-- The portable forms are analysed, not the instructions of a core with the DSP extension; emulated cores that have it give the hash of the host, which has not.
+- The portable forms are analysed, not the instructions of a core with the DSP extension; emulated cores that have it give the hash of
+  the host, which has not.
 - The analysis is by intervals. Rows of a matrix have a quarter of the sum that sd_row_fits_q31 allows for each number, and a sine of
   exactly -1 is a case of its own (fourier_q31), where a cosine beside it is within the table's tolerance of 0.
 - Multiples of a wheel: where a driver names some cycles or wheels, it holds for those.
@@ -74,31 +98,54 @@ def table(head, rows):
 
 
 def proofs(kept, root):
-    rows = [[name, WHAT[name], ", ".join(f"`{kernel.split('/')[-1]}`" for kernel in result["kernels"]) or "headers",
-             "it must have some" if name == "broken" else "proved" if result["alarms"] == 0 else "not proved", str(result["alarms"]),
-             f"{result['reached']} %"] for name, result in kept.get("eva", {}).items()]
+    rows = [
+        [
+            name,
+            WHAT[name],
+            ", ".join(f"`{kernel.split('/')[-1]}`" for kernel in result["kernels"]) or "headers",
+            "it must have some" if name == "broken" else "proved" if result["alarms"] == 0 else "not proved",
+            str(result["alarms"]),
+            f"{result['reached']} %",
+        ]
+        for name, result in kept.get("eva", {}).items()
+    ]
     drivers = sorted(path.stem for path in (root / "tests/proof/eva").glob("*.c"))
     assert drivers == sorted(WHAT), "every driver has a line in proof_pages.py"
-    rows += [[name, WHAT[name], "", "not run yet", "-", "-"] for name in drivers if name not in kept.get("eva", {})]
+    rows += [[name, WHAT[name], "", "not run to its end yet", "-", "-"] for name in drivers if name not in kept.get("eva", {})]
     tidy = dict(kept.get("tidy", {}))
     files = tidy.pop("files", 0)
     reasons = tomllib.loads((root / "tests/proof/misra.toml").read_text())["tidy"]
     lines = [f"- `{name}`, {count} times: {reasons.get(name, 'no reason is stated')}" for name, count in sorted(tidy.items())]
-    return (PROOFS + "\n" + table(["driver", "what", "kernels", "state", "alarms", "statements reached"], rows) + NOT_COVERED
-            + "\n## Everything else\n\nFloat kernels and what intervals cannot prove, with what stands in the place of a proof:\n\n"
-            + table(["block", "state of proof", "instead"], [list(row) for row in OTHERS]) + STACK
-            + f"\n## clang-tidy\n\nChecks bugprone, cert and the static analyzer over {files} files. What they say, and why it stays:\n\n"
-            + "\n".join(textwrap.fill(line, 138, subsequent_indent="  ", break_on_hyphens=False) for line in lines)
-            + "\n\n## MISRA\n\n[misra.md](misra.md) has the numbered deviations.\n")
+    return (
+        PROOFS
+        + "\n"
+        + table(["driver", "what", "kernels", "state", "alarms", "statements reached"], rows)
+        + NOT_COVERED
+        + "\n## Everything else\n\nFloat kernels and what intervals cannot prove, with what stands in the place of a proof:\n\n"
+        + table(["block", "state of proof", "instead"], [list(row) for row in OTHERS])
+        + STACK
+        + f"\n## clang-tidy\n\nChecks bugprone, cert and the static analyzer over {files} files. What they say, and why it stays:\n\n"
+        + "\n".join(textwrap.fill(line, 138, subsequent_indent="  ", break_on_hyphens=False) for line in lines)
+        + "\n\n## MISRA\n\n[misra.md](misra.md) has the numbered deviations.\n"
+    )
 
 
 def misra(kept, root):
     found = kept.get("misra", {})
-    rows = [[str(d["number"]), ", ".join(d["rules"]), ", ".join(str(found.get(rule, 0)) for rule in d["rules"]), d["why"]]
-            for d in tomllib.loads((root / "tests/proof/misra.toml").read_text())["deviation"]]
-    return ("<!-- SPDX-License-Identifier: MIT -->\n<!-- Generated by tests/proof/prove.py --pages from tests/proof/misra.toml and proved.toml: do not edit. -->\n"
-            "# MISRA C:2012: deviations\n\n    tests/proof/prove.py misra        # needs Debian's cppcheck 2.10; fails where a rule without a deviation is broken\n\n"
-            + textwrap.fill("cppcheck's MISRA addon looks at firmware/ (the ecu of fixed point left out, whose names are the usual one's). It finds what can be "
-                            "found in the text; rules that need judgement, and directives, it does not look at. Every rule that the firmware breaks has a "
-                            "deviation here, a rule that is not here is kept, and a deviation that nothing needs any more fails too.", 138) + "\n\n"
-            + table(["number", "rules", "places", "why"], rows))
+    rows = [
+        [str(d["number"]), ", ".join(d["rules"]), ", ".join(str(found.get(rule, 0)) for rule in d["rules"]), d["why"]]
+        for d in tomllib.loads((root / "tests/proof/misra.toml").read_text())["deviation"]
+    ]
+    return (
+        "<!-- SPDX-License-Identifier: MIT -->\n<!-- Generated by tests/proof/prove.py --pages from tests/proof/misra.toml and"
+        " proved.toml: do not edit. -->\n# MISRA C:2012: deviations\n\n    tests/proof/prove.py misra        # needs Debian's cppcheck"
+        " 2.10; fails where a rule without a deviation is broken\n\n"
+        + textwrap.fill(
+            "cppcheck's MISRA addon looks at firmware/ (the ecu of fixed point left out, whose names are the usual one's). It finds what"
+            " can be found in the text; rules that need judgement, and directives, it does not look at. Every rule that the firmware"
+            " breaks has a deviation here, a rule that is not here is kept, and a deviation that nothing needs any more fails too.",
+            138,
+        )
+        + "\n\n"
+        + table(["number", "rules", "places", "why"], rows)
+    )

@@ -27,7 +27,7 @@ static void fill_tables(uint32_t positions) {
         design->table.output_gain = any_gain(), design->table.slope = any_gain();
         design->table.reduced = any_upto(1u);
         design->sliding = any_size_gain(), design->capture = any_size_gain();
-        for (uint32_t k = 0; k < 2u * positions; k++) { tables.mark[kind][k] = mark; } /* each may be any: Eva keeps what may be, not what is */
+        for (uint32_t k = 0; k < 2u * SD_WHEEL_POSITIONS_MAX; k++) { tables.mark[kind][k] = mark; } /* each may be any of them */
     }
     t->pulse = any_gain(), t->mean = any_gain(), t->jump = any_gain();
     for (uint32_t i = 0; i < SD_CYLINDERS_MAX; i++) { t->accel[i] = any_size_gain(), t->per_tooth[i] = any_gain(); }

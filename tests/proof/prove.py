@@ -142,6 +142,8 @@ def misra():
         "firmware/ecu_fixed",
     ]
     done = subprocess.run(command, capture_output=True, text=True, cwd=ROOT)
+    if done.returncode != 0:
+        raise SystemExit(f"prove: cppcheck ended with {done.returncode}")
     found = collections.Counter()
     for folder, rule in re.findall(r"firmware/(\w+)/\S+:\d+: misra-c2012-([\d.]+)", done.stderr):
         found[rule] += 1

@@ -22,8 +22,8 @@ typedef enum sd_event_kind {
     SD_EVENT_CAM_EDGE   = 2,  ///< In. tick: capture time of the cam edge.
     SD_EVENT_TIME       = 3,  ///< In, every 10 ms. tick: now. Answered by SD_EVENT_DONE.
     SD_EVENT_SAMPLE     = 4,  ///< In. A sensor was read at tick. channel: sd_input_t; value: IEEE 754 bits.
-    SD_EVENT_WHEEL_EDGE = 5,  ///< In. tick: capture time of an edge of another toothed wheel; channel: sd_wheel_t. The ecu knows
-                              ///< it and has no use for it yet: it is neither counted as unknown nor answered.
+    SD_EVENT_WHEEL_EDGE = 5,  ///< In. tick: capture time of an edge of another toothed wheel; channel: sd_wheel_t. Taken where the
+                              ///< page has a driveline with such teeth; otherwise it is neither counted as unknown nor answered.
     SD_EVENT_GAP        = 8,  ///< In. A port lost events before this one: the angle is sought afresh.
     SD_EVENT_PARAMETER  = 9,  ///< In. channel: index of the parameter; flags: sd_parameter_command_t; value: to set.
                               ///< Out, its answer. value: what holds now; flags: command | sd_parameter_result_t << 8.

@@ -5,6 +5,7 @@
 
 #define TORQUE_MOST_NM 20000.0f
 #define MEAN_TEETH     16.0f
+#define GRACE          1.5f /* settling times until the mean lateness counts: the start's gains leave an error of speed behind */
 #define STRIKES_MOST   8u /* teeth left out in a row: the filter begins anew */
 
 _Static_assert(sizeof(sd_driveline_guard_t) == 76, "without pointers, the same size on every target");
@@ -191,11 +192,11 @@ void sd_driveline_guard_step(sd_driveline_guard_t *self, const sd_driveline_tabl
             correct_by_tooth(self, t, gear, step, late);
             self->mean_late_rad += (late - self->mean_late_rad) * (1.0f / MEAN_TEETH);
         }
-        if (__builtin_fabsf(self->mean_late_rad) > t->doubt_rad) {
+        if ((self->settled_s >= GRACE * t->settle_s) && (__builtin_fabsf(self->mean_late_rad) > t->doubt_rad)) {
             self->settled_s = self->mean_late_rad = 0.0f; /* it is not where it believes to be */
         }
         self->strikes = (uint8_t)(near ? 0u : self->strikes + 1u);
-        if (self->settled_s < t->settle_s) { self->settled_s += step; }
+        if (self->settled_s < GRACE * t->settle_s) { self->settled_s += step; }
     }
     say(self, t, gear->ratio, step, late, out);
     judge(self, t, tooth, taken, out);

@@ -11,7 +11,7 @@ _Static_assert(sizeof(sd_driveline_hybrid_t) == 72, "without pointers, the same 
 sd_result_t sd_driveline_hybrid_init(sd_driveline_hybrid_t *self, const sd_driveline_bank_t *bank, uint8_t location) {
     const bool ok = sd_above_to(bank->period_s, 0.0f, 1.0f) && sd_above_to(bank->threshold_rpm, 0.0f, 1e4f) &&
                     sd_within(bank->rpm_per_radps, 1.0f, 100.0f) && sd_within(bank->middle_rad, -10.0f, 10.0f) &&
-                    sd_within(bank->settle_s, 0.0f, 100.0f) &&
+                    sd_within(bank->settle_s, 0.0f, 100.0f) && sd_within(bank->ratio, 0.0f, 2.0f) &&
                     sd_within(bank->hold_s, 0.0f, 10.0f) && sd_within(bank->calm_s, 0.0f, 10.0f) && (location >= 1u) &&
                         (location <= (uint8_t)SD_DRIVELINE_LOCATIONS);
     if (!ok) { return SD_ERR_CONFIG; }
@@ -19,10 +19,15 @@ sd_result_t sd_driveline_hybrid_init(sd_driveline_hybrid_t *self, const sd_drive
     return SD_OK;
 }
 
-static void step_map(const sd_driveline_map_t *map, float torque, const float speed[2], float x[3]) {
+typedef struct inputs {
+    float torque_nm, road_nm, speed_rpm[2];
+} inputs_t;
+
+static void step_map(const sd_driveline_map_t *map, const inputs_t *in, float x[3]) {
     float next[3];
     for (uint32_t i = 0; i < 3u; ++i) {
-        next[i] = map->constant[i] + map->by_torque[i] * torque + map->by_speed[0][i] * speed[0] + map->by_speed[1][i] * speed[1];
+        next[i] = map->constant[i] + map->by_torque[i] * in->torque_nm + map->by_road[i] * in->road_nm +
+                  map->by_speed[0][i] * in->speed_rpm[0] + map->by_speed[1][i] * in->speed_rpm[1];
         for (uint32_t j = 0; j < 3u; ++j) { next[i] += map->by_state[i][j] * x[j]; }
     }
     for (uint32_t i = 0; i < 3u; ++i) { x[i] = next[i]; }
@@ -51,21 +56,21 @@ static void say(const sd_driveline_hybrid_t *self, const sd_driveline_bank_t *ba
     if (!any || !taken) { sd_status_worst_of(&out->status, SD_DEGRADED, SD_WHY_REJECTED); }
 }
 
-void sd_driveline_hybrid_step(sd_driveline_hybrid_t *self, const sd_driveline_bank_t *bank, float torque_nm, float speed_rpm,
-                              sd_driveline_hybrid_out_t *out) {
-    *out = (sd_driveline_hybrid_out_t){ .location = 0 };
-    if (!sd_within(torque_nm, -INPUT_MOST, INPUT_MOST) || !sd_within(speed_rpm, -INPUT_MOST, INPUT_MOST)) {
-        self->rejected = (uint16_t)(self->rejected + ((self->rejected < UINT16_MAX) ? 1u : 0u));
-        say(self, bank, false, out);
-        return;
-    }
-    const float speed[2] = { (self->begun != 0u) ? self->last_speed_rpm : speed_rpm, speed_rpm };
-    for (uint32_t j = 0; j < (uint32_t)SD_DRIVELINE_LOCATIONS; ++j) { step_map(&bank->residual[j], torque_nm, speed, self->z[j]); }
-    step_map(&bank->observer[self->location - 1u], torque_nm, speed, self->x);
-    self->last_speed_rpm = speed_rpm;
+static void begin(sd_driveline_hybrid_t *self, const sd_driveline_bank_t *bank, float speed_rpm) {
     self->begun = 1;
-    if (self->run_s < bank->settle_s) { self->run_s += bank->period_s; }
-    say(self, bank, true, out);
+    self->last_speed_rpm = speed_rpm;
+    if (bank->ratio <= 0.0f) { return; }
+    const float speed_radps = speed_rpm / bank->rpm_per_radps;
+    for (uint32_t j = 0; j < (uint32_t)SD_DRIVELINE_LOCATIONS; ++j) {
+        self->z[j][1] = speed_radps;
+        self->z[j][2] = bank->ratio * speed_radps;
+    }
+    self->x[1] = speed_radps;
+    self->x[2] = bank->ratio * speed_radps;
+}
+
+/* By how its residual has behaved, a location is kept or left for a neighbour. */
+static void choose(sd_driveline_hybrid_t *self, const sd_driveline_bank_t *bank, sd_driveline_hybrid_out_t *out) {
     self->since_s += bank->period_s;
     self->calm_s = (out->fits[self->location - 1u] != 0u) ? self->calm_s + bank->period_s : 0.0f;
     if ((self->since_s >= bank->hold_s) || (self->calm_s >= bank->calm_s)) { self->may_leave = 1; }
@@ -76,4 +81,23 @@ void sd_driveline_hybrid_step(sd_driveline_hybrid_t *self, const sd_driveline_ba
     self->may_leave = 0;
     self->location = out->location = next;
     out->changed = 1;
+}
+
+void sd_driveline_hybrid_step(sd_driveline_hybrid_t *self, const sd_driveline_bank_t *bank, float torque_nm, float road_nm, float speed_rpm,
+                              sd_driveline_hybrid_out_t *out) {
+    *out = (sd_driveline_hybrid_out_t){ .location = 0 };
+    if (!sd_within(torque_nm, -INPUT_MOST, INPUT_MOST) || !sd_within(road_nm, -INPUT_MOST, INPUT_MOST) ||
+        !sd_within(speed_rpm, -INPUT_MOST, INPUT_MOST)) {
+        self->rejected = (uint16_t)(self->rejected + ((self->rejected < UINT16_MAX) ? 1u : 0u));
+        say(self, bank, false, out);
+        return;
+    }
+    if (self->begun == 0u) { begin(self, bank, speed_rpm); }
+    const inputs_t in = { torque_nm, road_nm, { self->last_speed_rpm, speed_rpm } };
+    for (uint32_t j = 0; j < (uint32_t)SD_DRIVELINE_LOCATIONS; ++j) { step_map(&bank->residual[j], &in, self->z[j]); }
+    step_map(&bank->observer[self->location - 1u], &in, self->x);
+    self->last_speed_rpm = speed_rpm;
+    if (self->run_s < bank->settle_s) { self->run_s += bank->period_s; }
+    say(self, bank, true, out);
+    choose(self, bank, out);
 }

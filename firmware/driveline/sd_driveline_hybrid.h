@@ -6,7 +6,9 @@
 ///     z_j' = H_j z_j + E_j + B u + L_j y,   r_j = C z_j - y,   location j fits while |r_j| <= threshold      (6) to (8)
 ///     x'   = F_q x + E_q + B u + G_q y                                                                       (15)
 /// u: engine torque less that of the equilibrium, N m; y: crank speed less that of the equilibrium, rpm; x: torsion, rad, crank and
-/// wheel speed, rad/s, all less the equilibrium. u is held over a step at its mean, y is straight between two steps.
+/// wheel speed, rad/s, all less the equilibrium. u is held over a step at its mean, y is straight between two steps. The road's resistance
+/// d, which the document leaves out, adds B_d d to both; the equilibrium may be that of rest, torsion 0 and no torque, and x, u and y are
+/// then plain torsion, speeds and torque.
 /// Identification: the location q is left when its residual is above the threshold, for a neighbour (1-2, 2-3) whose residual is below
 /// half of it. A residual says nothing until the one change of location has died out of it: none is left before its own residual has fitted
 /// for calm_s, or hold_s have gone by. Locations 1 and 3 obey the same matrices and differ by a constant, so that their residuals are the
@@ -18,31 +20,12 @@
 /// read only. Call order: init; step every tables.period_s.
 #ifndef SD_DRIVELINE_HYBRID_H
 #define SD_DRIVELINE_HYBRID_H
-#include "sd_num.h"
+#include "sd_driveline_tables.h"
 #include "sd_status.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
-
-#define SD_DRIVELINE_LOCATIONS 3
-
-/// One observer over one step: x <- by_state x + constant + by_torque u + by_speed[0] (last y) + by_speed[1] (y).
-typedef struct sd_driveline_map {
-    float by_state[3][3];
-    float constant[3];
-    float by_torque[3], by_speed[2][3];
-} sd_driveline_map_t;
-
-typedef struct sd_driveline_bank {
-    float    period_s;       ///< Of a step, (0, 1].
-    float    threshold_rpm;  ///< Of a residual, (0, 1e4].
-    float    rpm_per_radps;  ///< 30/pi.
-    float    middle_rad;     ///< Torsion 0 less that of the equilibrium: where location 1's side begins.
-    float    hold_s, calm_s; ///< After a change: the longest that a residual takes to die out; for how long it must have fitted, [0, 10].
-    float    settle_s;       ///< After init, until the estimate counts, [0, 100].
-    sd_driveline_map_t residual[SD_DRIVELINE_LOCATIONS], observer[SD_DRIVELINE_LOCATIONS];
-} sd_driveline_bank_t;
 
 typedef struct sd_driveline_hybrid {
     float    z[SD_DRIVELINE_LOCATIONS][3]; ///< Of the residual generators.
@@ -64,11 +47,12 @@ typedef struct sd_driveline_hybrid_out {
     sd_status_t status;  ///< innovation: the residual of the location, rpm. Degraded while no location fits.
 } sd_driveline_hybrid_out_t;
 
-/// Begins in a location, 1 to 3, in equilibrium. SD_OK, or SD_ERR_CONFIG with the state untouched.
+/// Begins in a location, 1 to 3: in equilibrium, or with bank.ratio above 0 at the torsion 0 and the first step's speed. SD_OK, or
+/// SD_ERR_CONFIG with the state untouched: a number of the bank is out of its range.
 sd_result_t sd_driveline_hybrid_init(sd_driveline_hybrid_t *self, const sd_driveline_bank_t *bank, uint8_t location);
-/// A period later: the torque's mean over it, and the speed at its end. A torque or speed that is not within +-1e6 is left out: everything
-/// holds, and the status says so.
-void sd_driveline_hybrid_step(sd_driveline_hybrid_t *self, const sd_driveline_bank_t *bank, float torque_nm, float speed_rpm,
+/// A period later: means over it of the engine's torque and of the road's resistance at the wheels less what the equilibrium has of it, and
+/// the speed at its end. A torque or speed that is not within +-1e6 is left out: everything holds, and the status says so.
+void sd_driveline_hybrid_step(sd_driveline_hybrid_t *self, const sd_driveline_bank_t *bank, float torque_nm, float road_nm, float speed_rpm,
                               sd_driveline_hybrid_out_t *out);
 
 #ifdef __cplusplus

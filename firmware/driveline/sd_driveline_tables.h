@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/// sd_driveline_tables.h - what the guard filter knows of a driveline; made on the host (host_sim/design/driveline), read in place.
+/// sd_driveline_tables.h - what the observers know of a driveline; made on the host (host_sim/design/driveline), read in place.
 #ifndef SD_DRIVELINE_TABLES_H
 #define SD_DRIVELINE_TABLES_H
 #include "sd_num.h"
@@ -33,11 +33,34 @@ typedef struct sd_driveline_gain {
     float of[SD_DRIVELINE_STATES];
 } sd_driveline_gain_t;
 
+#define SD_DRIVELINE_LOCATIONS 3
+
+/// One of document 003's observers (sd_driveline_hybrid.h) over one step:
+/// x <- by_state x + constant + by_torque u + by_road d + by_speed[0] (last y) + by_speed[1] (y).
+typedef struct sd_driveline_map {
+    float by_state[3][3];
+    float constant[3];
+    float by_torque[3], by_road[3], by_speed[2][3];
+} sd_driveline_map_t;
+
+/// Document 003's observers of one gear.
+typedef struct sd_driveline_bank {
+    float    period_s;       ///< Of a step, (0, 1].
+    float    threshold_rpm;  ///< Of a residual, (0, 1e4].
+    float    rpm_per_radps;  ///< 30/pi.
+    float    middle_rad;     ///< Torsion 0 less that of the equilibrium: where location 1's side begins.
+    float    hold_s, calm_s; ///< After a change: the longest that a residual takes to die out; for how long it must have fitted, [0, 10].
+    float    settle_s;       ///< After init, until the estimate counts, [0, 100].
+    float    ratio;          ///< Of the wheels' speed over the crank's, where speeds are not less an equilibrium's; 0: they are.
+    sd_driveline_map_t residual[SD_DRIVELINE_LOCATIONS], observer[SD_DRIVELINE_LOCATIONS];
+} sd_driveline_bank_t;
+
 typedef struct sd_driveline_gear {
     float ratio; ///< Speed of the wheels over that of the crank, (0, 2].
     /// [0: soft, 1: stiff][octave], for steps of shortest_s 2^octave.
     sd_driveline_gain_t tooth[2][SD_DRIVELINE_OCTAVES], wheel[2][SD_DRIVELINE_OCTAVES];
     sd_driveline_gain_t start[2][SD_DRIVELINE_OCTAVES]; ///< Of teeth while the filter settles: they trust the state less.
+    sd_driveline_bank_t bank; ///< Of document 003's observers; the guard filter does not read it.
 } sd_driveline_gear_t;
 
 typedef struct sd_driveline_tables {

@@ -22,6 +22,7 @@ sd_result_t sd_ecu_init(sd_ecu_t *self, const sd_calibration_t *page) {
                     (sd_firings_init(&self->firings, &firings, &page->kalman) == SD_OK) &&
                     (sd_stage_misfire_init(&self->misfire, page, p) == SD_OK) &&
                     (sd_stage_mixture_init(&self->mixture, page, p) == SD_OK) && (sd_stage_trims_init(&self->trims, page, p) == SD_OK) &&
+                    (sd_stage_driveline_init(&self->driveline, page, p) == SD_OK) &&
                     (sd_stage_airpath_init(&self->airpath, page, p) == SD_OK);
     if (!ok) { return SD_ERR_CONFIG; }
     self->working = *p;
@@ -46,10 +47,16 @@ static void restart_firings(sd_ecu_t *self) {
     sd_publish_judge(&self->say, SD_OWNER_MISFIRE, &self->misfire.status);
 }
 
+static void rest_driveline(sd_ecu_t *self, uint16_t why) {
+    sd_stage_driveline_restart(&self->driveline, why);
+    self->driveline_word = (uint8_t)SD_DRIVELINE_UNKNOWN;
+}
+
 static void jump(sd_ecu_t *self, sd_course_jump_t jump) {
     sd_stage_torque_jump(&self->torque, jump);
     restart_firings(self);
     sd_stage_mixture_restart(&self->mixture);
+    rest_driveline(self, SD_WHY_CONVERGING);
 }
 
 static void end_cycle(sd_ecu_t *self, const sd_calibration_t *page, const sd_port_t *port, const sd_cycle_t *cycle) {
@@ -71,6 +78,7 @@ static void step_torque(sd_ecu_t *self, const sd_calibration_t *page, const sd_t
 static void judge_firing(sd_ecu_t *self, const sd_calibration_t *page, uint32_t firing, bool phase_known, const sd_firings_out_t *firings) {
     sd_stage_misfire_in_t in = { .firing = firing,
                                  .phase_known = phase_known,
+                                 .geared = self->driveline_word != (uint8_t)SD_DRIVELINE_UNKNOWN,
                                  .shifting = sd_inputs_value(&self->inputs, SD_INPUT_DRIVELINE_SHIFT) > 0.5f,
                                  .level_known = sd_inputs_fresh(&self->inputs, SD_INPUT_FUEL_LEVEL),
                                  .fuel_level_percent = sd_inputs_value(&self->inputs, SD_INPUT_FUEL_LEVEL) };
@@ -91,6 +99,23 @@ static void judge_firing(sd_ecu_t *self, const sd_calibration_t *page, uint32_t 
     sd_publish_judge(&self->say, SD_OWNER_MISFIRE, &status);
 }
 
+/* The gear that is in with the clutch closed, as far as anybody says so. */
+static uint8_t gear_of(const sd_inputs_t *inputs) {
+    const bool shifting = sd_inputs_value(inputs, SD_INPUT_DRIVELINE_SHIFT) > 0.5f;
+    return shifting ? (uint8_t)0u : (uint8_t)sd_inputs_value(inputs, SD_INPUT_DRIVELINE_GEAR);
+}
+
+static void step_driveline(sd_ecu_t *self, const sd_page_driveline_t *driveline, const sd_tooth_t *tooth, const sd_firings_out_t *firings) {
+    const sd_pattern_t *pattern = &self->firings.pattern;
+    const bool learned = (pattern->sd_rad > 0.0f) && (pattern->sd_rad < self->firings.unlearned_rad);
+    const sd_stage_driveline_in_t in = { .engine_nm = firings->waveform_nm - firings->level_nm,
+                                         .late_rad = learned ? pattern->late_rad[tooth->position] : 0.0f,
+                                         .torque = firings->status,
+                                         .gear = gear_of(&self->inputs) };
+    sd_stage_driveline_tooth(&self->driveline, driveline, tooth, &in);
+    self->driveline_word = sd_stage_driveline_word(&self->driveline);
+}
+
 /* Returns true when a firing was read. */
 static bool step_firings(sd_ecu_t *self, const sd_calibration_t *page, const sd_port_t *port, const sd_tooth_t *tooth, float speed_radps) {
     const sd_inputs_t *inputs = &self->inputs;
@@ -105,12 +130,15 @@ static bool step_firings(sd_ecu_t *self, const sd_calibration_t *page, const sd_
                                       .intake_known = sd_inputs_fresh(inputs, SD_INPUT_AIR_INTAKE_PRESSURE) ? 1u : 0u,
                                       .fuel_cut = (fuel_known && (fuel_mg <= 0.0f)) ? 1u : 0u,
                                       .intake_bar = sd_inputs_value(inputs, SD_INPUT_AIR_INTAKE_PRESSURE),
+                                      .driveline = self->driveline_word,
                                       .speed_radps = speed_radps };
     sd_firings_out_t out;
     sd_firings_step(&self->firings, &page->kalman, &seen, &out);
     sd_inputs_judge(inputs, SD_OWNER_FIRING, &out.status);
     sd_publish_judge(&self->say, SD_OWNER_FIRING, &out.status);
     self->say.signals.firing_waveform_nm = out.waveform_nm;
+    const sd_page_driveline_t *driveline = sd_calibration_driveline(page);
+    if (driveline != NULL) { step_driveline(self, driveline, tooth, &out); }
     const bool observed = sd_stage_misfire_observes(&self->misfire);
     if ((self->firings.enabled == 0u) && !observed) {
         sd_publish_judge(&self->say, SD_OWNER_MISFIRE, &out.status);
@@ -157,6 +185,7 @@ void sd_ecu_spurious(sd_ecu_t *self, const sd_calibration_t *page) {
 void sd_ecu_lose_angle(sd_ecu_t *self, uint16_t why) {
     sd_course_lose(&self->course);
     sd_stage_mixture_restart(&self->mixture);
+    rest_driveline(self, why);
     self->say.signals.torque_mass_nm = 0.0f;
     sd_publish_worst_of(&self->say, SD_OWNER_TORQUE, SD_INVALID, why);
     sd_publish_worst_of(&self->say, SD_OWNER_FIRING, SD_INVALID, why);
@@ -173,7 +202,10 @@ void sd_ecu_shed(sd_ecu_t *self, uint8_t level) {
     const uint8_t before = self->shed;
     self->shed = level;
     if ((before < (uint8_t)SD_SHED_MIXTURE) != (level < (uint8_t)SD_SHED_MIXTURE)) { sd_stage_mixture_restart(&self->mixture); }
-    if ((before < (uint8_t)SD_SHED_FIRINGS) != (level < (uint8_t)SD_SHED_FIRINGS)) { restart_firings(self); }
+    if ((before < (uint8_t)SD_SHED_FIRINGS) != (level < (uint8_t)SD_SHED_FIRINGS)) {
+        restart_firings(self);
+        rest_driveline(self, SD_WHY_OVERLOAD);
+    }
     if (level >= (uint8_t)SD_SHED_FIRINGS) {
         sd_publish_worst_of(&self->say, SD_OWNER_FIRING, SD_INVALID, SD_WHY_OVERLOAD);
         sd_publish_worst_of(&self->say, SD_OWNER_MISFIRE, SD_INVALID, SD_WHY_OVERLOAD);
@@ -188,7 +220,24 @@ void sd_ecu_sample(sd_ecu_t *self, sd_input_t input, float value) {
     }
 }
 
-void sd_ecu_task(sd_ecu_t *self, const sd_calibration_t *page, const sd_port_t *port, uint32_t tick) {
+void sd_ecu_wheel(sd_ecu_t *self, const sd_calibration_t *page, uint16_t wheel, uint32_t tick) {
+    const sd_page_driveline_t *driveline = sd_calibration_driveline(page);
+    if (driveline != NULL) { sd_stage_driveline_wheel(&self->driveline, driveline, wheel, tick); }
+}
+
+static void driveline_task(sd_ecu_t *self, const sd_calibration_t *page, const sd_port_t *port, uint32_t tick) {
+    const sd_page_driveline_t *driveline = sd_calibration_driveline(page);
+    if (driveline == NULL) { return; }
+    sd_stage_driveline_task(&self->driveline, driveline);
+    sd_status_t status = self->driveline.out.status;
+    sd_inputs_judge(&self->inputs, SD_OWNER_DRIVELINE, &status);
+    sd_say_driveline(&self->say, &self->driveline);
+    sd_publish_judge(&self->say, SD_OWNER_DRIVELINE, &status);
+    sd_publish_judge(&self->say, SD_OWNER_DRIVELINE_REFERENCE, &self->driveline.reference.status);
+    sd_publish_row(&self->say, port, tick, SD_RATE_DRIVELINE);
+}
+
+static void airpath_task(sd_ecu_t *self, const sd_calibration_t *page, const sd_port_t *port, uint32_t tick) {
     if (page->airpath.present == 0u) { return; }
     const sd_stage_airpath_crank_t crank = { .speed_rpm = self->say.signals.crank_speed_rpm,
                                              .health = sd_publish_judged(&self->say, SD_OWNER_CRANK).health,
@@ -197,4 +246,9 @@ void sd_ecu_task(sd_ecu_t *self, const sd_calibration_t *page, const sd_port_t *
     sd_stage_airpath_step(&self->airpath, page, &self->inputs, &crank, tick, &out);
     sd_say_airpath(&self->say, &out);
     sd_publish_row(&self->say, port, tick, SD_RATE_AIRPATH);
+}
+
+void sd_ecu_task(sd_ecu_t *self, const sd_calibration_t *page, const sd_port_t *port, uint32_t tick) {
+    airpath_task(self, page, port, tick);
+    driveline_task(self, page, port, tick);
 }

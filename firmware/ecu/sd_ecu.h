@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /// sd_ecu.h - the application core: takes events from a port, runs the stages that are due, sends what they say.
 ///
-///   crank edge -> decoder -> course of the cycle -> torque, firings (-> misfire, at each firing read), mixture
+///   crank edge -> decoder -> course of the cycle -> torque, firings (-> misfire, at each firing read), driveline, mixture
 ///                 and one piece of the work that the end of a cycle left: cylinders, delay, mixture, trims, the cycle's signals
 ///   cam edge   -> phase
-///   time       -> every 10 ms: age of inputs, stall, diagnosis of the air path, signals of that rate, and the answer that all up to now
+///   wheel edge -> driveline
+///   time       -> every 10 ms: age of inputs, stall, diagnosis of the air path, document 003's observers, signals of that rate, and the
+///                 answer that all up to now
 ///                 is done
 ///   sample     -> inputs; those of the lambda sensor and of the exhaust pressure are averaged between teeth
 ///   gap        -> events were lost: angle and phase are unknown until they are found again
@@ -28,6 +30,7 @@
 #include "sd_firings.h"
 #include "sd_inputs.h"
 #include "sd_publish.h"
+#include "sd_stage_driveline.h"
 #include "sd_stage_airpath.h"
 #include "sd_stage_misfire.h"
 #include "sd_stage_mixture.h"
@@ -59,6 +62,7 @@ typedef struct sd_ecu {
     sd_stage_misfire_t misfire;
     sd_stage_mixture_t mixture;
     sd_stage_trims_t   trims;
+    sd_stage_driveline_t driveline; ///< Rests where the page has none.
     sd_stage_airpath_t airpath;
     sd_work_t          work;
     sd_publish_t       say;
@@ -67,6 +71,7 @@ typedef struct sd_ecu {
     uint8_t  ready;          ///< 1: initialised.
     uint8_t  shed;           ///< sd_shed_t: what the port lets it leave out.
     uint8_t  edge_seen;      ///< 1: a crank edge came since the last time event.
+    uint8_t  driveline_word; ///< sd_driveline_word_t of the last tooth, for the firings of the next.
     uint8_t  trims_wanted;   ///< 1: when balance.enable was last fresh, it allowed trims.
 } sd_ecu_t;
 

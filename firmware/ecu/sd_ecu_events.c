@@ -63,7 +63,7 @@ uint32_t sd_ecu_run(sd_ecu_t *self, const sd_calibration_t *page, const sd_port_
         switch (event.kind) {
         case SD_EVENT_CRANK_EDGE: on_crank_edge(self, page, port, event.tick); break;
         case SD_EVENT_CAM_EDGE:   sd_crank_cam_edge(&self->crank, event.tick); break;
-        case SD_EVENT_WHEEL_EDGE: break; /* nothing takes it yet */
+        case SD_EVENT_WHEEL_EDGE: sd_ecu_wheel(self, page, event.channel, event.tick); break;
         case SD_EVENT_TIME:       on_time(self, page, port, event.tick); break;
         case SD_EVENT_SAMPLE:     on_sample(self, &event); break;
         case SD_EVENT_GAP:        on_gap(self, port, event.tick); break;

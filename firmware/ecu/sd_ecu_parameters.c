@@ -52,6 +52,7 @@ sd_result_t sd_ecu_apply(sd_ecu_t *self, const sd_calibration_t *page, uint32_t 
     case SD_OWNER_MISFIRE: return sd_stage_misfire_configure(&self->misfire, page, &self->working);
     case SD_OWNER_AFR:     return apply_afr(self, page, index);
     case SD_OWNER_BALANCE: return apply_balance(self, page, index);
+    case SD_OWNER_DRIVELINE: return sd_stage_driveline_configure(&self->driveline, &self->working);
     case SD_OWNER_AIRPATH: return sd_stage_airpath_configure(&self->airpath, page, &self->working);
     default:               return SD_ERR_CONFIG; /* no other stage has any */
     }

@@ -117,6 +117,23 @@ void sd_say_trims(sd_publish_t *say, const sd_calibration_t *page, const sd_stag
     for (uint32_t i = 0; i < trims->balance.config.cylinders; ++i) { say->signals.balance_trim[physical(page, i)] = trims->trim[i]; }
 }
 
+void sd_say_driveline(sd_publish_t *say, const sd_stage_driveline_t *driveline) {
+    sd_signals_t *s = &say->signals;
+    const sd_driveline_out_t *out = &driveline->out;
+    const sd_driveline_hybrid_out_t *reference = &driveline->reference;
+    s->driveline_location = (float)out->location;
+    s->driveline_torsion_rad = out->twist_rad;
+    s->driveline_winding_radps = out->winding_radps;
+    s->driveline_shaft_nm = out->shaft_nm;
+    s->driveline_wheel_speed_radps = out->wheel_radps;
+    s->driveline_bias_nm = out->bias_nm;
+    s->driveline_moving = (float)out->moving;
+    s->driveline_damping_request_nm = driveline->damping.request_nm;
+    s->driveline_reference_location = (float)reference->location;
+    s->driveline_reference_torsion_rad = reference->x[0];
+    for (uint32_t j = 0; j < (uint32_t)SD_DRIVELINE_LOCATIONS; ++j) { s->driveline_reference_residual_rpm[j] = reference->residual_rpm[j]; }
+}
+
 void sd_say_airpath(sd_publish_t *say, const sd_stage_airpath_out_t *out) {
     const sd_airpath_out_t *bank = &out->bank;
     sd_signals_t *s = &say->signals;

@@ -4,6 +4,7 @@
 #define SD_SAY_H
 #include "sd_firings.h"
 #include "sd_say_edge.h"
+#include "sd_stage_driveline.h"
 #include "sd_stage_airpath.h"
 #include "sd_stage_misfire.h"
 #include "sd_stage_mixture.h"
@@ -22,6 +23,7 @@ void sd_say_pattern(sd_publish_t *say, const sd_pattern_t *pattern);
 void sd_say_verdict(sd_publish_t *say, const sd_stage_misfire_out_t *out);
 void sd_say_misfires(sd_publish_t *say, const sd_calibration_t *page, const sd_misfire_t *monitor);
 void sd_say_mixture(sd_publish_t *say, const sd_calibration_t *page, const sd_mixture_out_t *out, const sd_stage_mixture_t *mixture);
+void sd_say_driveline(sd_publish_t *say, const sd_stage_driveline_t *driveline);
 void sd_say_trims(sd_publish_t *say, const sd_calibration_t *page, const sd_stage_trims_t *trims);
 void sd_say_airpath(sd_publish_t *say, const sd_stage_airpath_out_t *out);
 

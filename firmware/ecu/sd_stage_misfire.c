@@ -121,6 +121,7 @@ static sd_misfire_verdict_t ask_monitor(sd_stage_misfire_t *self, const sd_stage
     if ((self->fuel_mg[in->firing] < 0.0f) || ((in->estimate.why & spoilt) != 0u)) { why |= (uint32_t)SD_INHIBIT_OUTSIDE; }
     const sd_misfire_firing_t seen = { .index = (uint8_t)in->firing,
                                        .health = in->estimate.health,
+                                       .geared = in->geared ? 1u : 0u,
                                        .inhibit = (uint8_t)why,
                                        .torque_nm = in->read->torque_nm,
                                        .torque_sd_nm = in->read->sd_nm,

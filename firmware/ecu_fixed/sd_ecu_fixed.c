@@ -147,6 +147,11 @@ sd_result_t sd_ecu_apply(sd_ecu_t *self, const sd_calibration_t *page, uint32_t 
     }
 }
 
+/* The driveline's observers are in single precision. */
+void sd_ecu_wheel(sd_ecu_t *self, const sd_calibration_t *page, uint16_t wheel, uint32_t tick) {
+    (void)self, (void)page, (void)wheel, (void)tick;
+}
+
 /* The air path's diagnosis is in single precision, and not in this ecu (docs/airpath.md). */
 void sd_ecu_task(sd_ecu_t *self, const sd_calibration_t *page, const sd_port_t *port, uint32_t tick) {
     (void)self;

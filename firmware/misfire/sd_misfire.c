@@ -56,7 +56,7 @@ static uint8_t inhibited(sd_misfire_t *self, const sd_misfire_firing_t *f) {
         why |= SD_INHIBIT_ESTIMATE;
     } else {
         if (!fuelled(self, f)) { why |= SD_INHIBIT_FUEL_CUT; }
-        if (shifting(self, f)) { why |= SD_INHIBIT_SHIFT; }
+        if ((f->geared == 0u) && shifting(self, f)) { why |= SD_INHIBIT_SHIFT; }
         self->last_speed_radps = f->speed_radps;
     }
     if ((why & ((uint32_t)SD_INHIBIT_FUEL_CUT | (uint32_t)SD_INHIBIT_SHIFT)) != 0u) {

@@ -70,6 +70,7 @@ typedef enum sd_lamp {
 typedef struct sd_misfire_firing {
     uint8_t index;        ///< In firing order.
     uint8_t health;       ///< sd_health_t of the torque; invalid is not judged.
+    uint8_t geared;       ///< 1: it is known that a gear is in and the clutch closed; a change of speed is then no sign of a shift.
     uint8_t inhibit;      ///< Not 0: not judged; sd_inhibit_t bits that the caller knows of.
     float   torque_nm;    ///< Mean combustion torque over the 180 deg after its TDC.
     float   torque_sd_nm; ///< >= 0.

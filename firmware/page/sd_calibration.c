@@ -14,7 +14,20 @@ _Static_assert(sizeof(sd_parameters_t) == SD_PARAMETER_COUNT * sizeof(float), "p
 _Static_assert(sizeof(sd_calibration_t) == FIXED_BYTES + sizeof(((sd_calibration_t *)0)->kalman.pool), "the pool ends the page");
 
 uint32_t sd_calibration_bytes(const sd_calibration_t *page) {
-    return FIXED_BYTES + sd_kalman_pool_used(&page->kalman) * (uint32_t)sizeof page->kalman.pool[0];
+    const sd_page_driveline_t *driveline = sd_calibration_driveline(page);
+    const uint32_t words = (driveline != NULL) ? page->driveline_at + sd_page_driveline_words(driveline->tables.gears)
+                                               : sd_kalman_pool_used(&page->kalman);
+    return FIXED_BYTES + words * (uint32_t)sizeof page->kalman.pool[0];
+}
+
+uint32_t sd_page_driveline_words(uint32_t gears) {
+    return (uint32_t)((offsetof(sd_page_driveline_t, tables.gear) + gears * sizeof(sd_driveline_gear_t)) / sizeof(float));
+}
+
+bool sd_page_driveline_ok(const sd_page_driveline_t *driveline) {
+    bool ok = sd_bits_within(driveline->drag_nm, -1000.0f, 1000.0f) && (driveline->firing_positions >= 1u);
+    for (uint32_t k = 0; ok && (k < SD_KALMAN_POSITIONS_MAX); ++k) { ok = sd_bits_within(driveline->place_rad[k], -0.1f, 0.1f); }
+    return ok;
 }
 
 void sd_calibration_seal(sd_calibration_t *page) {
@@ -22,9 +35,16 @@ void sd_calibration_seal(sd_calibration_t *page) {
     sd_page_seal(&page->head, MAGIC, sd_calibration_bytes(page));
 }
 
+/* As far as its number of gears can be read. */
+static bool driveline_lies_within(const sd_calibration_t *page, uint32_t size) {
+    const uint32_t words = (size - FIXED_BYTES) / (uint32_t)sizeof page->kalman.pool[0], at = page->driveline_at;
+    if (at == 0u) { return true; }
+    return (at >= sd_kalman_pool_used(&page->kalman)) && (at < words) && (words - at >= sd_page_driveline_words(0u));
+}
+
 const sd_calibration_t *sd_calibration_view(const void *bytes, uint32_t size) {
     const sd_calibration_t *page = (const sd_calibration_t *)bytes;
-    if ((size < FIXED_BYTES) || !sd_page_sealed(bytes, size, MAGIC)) { return NULL; }
+    if ((size < FIXED_BYTES) || !sd_page_sealed(bytes, size, MAGIC) || !driveline_lies_within(page, size)) { return NULL; }
     return ((page->fixed_bytes == FIXED_BYTES) && (sd_calibration_bytes(page) == size)) ? page : NULL;
 }
 

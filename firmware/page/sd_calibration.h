@@ -10,6 +10,7 @@
 #include "sd_airpath_bank.h"
 #include "sd_crank.h"
 #include "sd_cylinders.h"
+#include "sd_driveline_tables.h"
 #include "sd_fourier.h"
 #include "sd_kalman.h"
 #include "sd_misfire.h"
@@ -17,9 +18,22 @@
 #include "sd_signals.h"
 #include "sd_switched_wheel.h"
 
+#include <stddef.h>
+
 #ifdef __cplusplus
 extern "C" {
 #endif
+
+/// What the ecu knows of the driveline, where the engine file tells of one.
+typedef struct sd_page_driveline {
+    /// How far behind its nominal place each tooth seems to stand to who takes the crank's inertia as constant, rad, [-0.1, 0.1]: it
+    /// varies with the angle, and the crank's speed with it. By position; beyond the wheel's, 0.
+    float    place_rad[SD_KALMAN_POSITIONS_MAX];
+    float    drag_nm;     ///< What friction takes of the cylinders' torque, beside tables.viscous_nms, [-1000, 1000] N m.
+    uint16_t wheel;       ///< sd_wheel_t whose teeth tell the speed of the driven wheels.
+    uint16_t firing_positions; ///< Wheel positions from firing to firing, on average, 1 to 240.
+    sd_driveline_tables_t tables; ///< Stored as far as its gears go.
+} sd_page_driveline_t;
 
 /// Angles are positions of the wheel over the cycle: 0 to 2 positions - 1. Fields that no table needs are 0.
 typedef struct sd_calibration {
@@ -34,6 +48,7 @@ typedef struct sd_calibration {
     uint8_t  missing_count;       ///< How many of them count.
     uint8_t  cylinders;           ///< 1 to SD_CYLINDERS_MAX.
     uint8_t  reserved[2];         ///< 0.
+    uint32_t driveline_at;        ///< Word of kalman.pool, behind those that it uses, where sd_page_driveline_t begins; 0: there is none.
     uint8_t  firing_order[SD_CYLINDERS_MAX];    ///< Physical cylinder, 1-based, of each firing.
     uint16_t firing_position[SD_CYLINDERS_MAX]; ///< First cycle position at or after the firing TDC, in that order.
     sd_parameters_t   parameters;   ///< As the firmware starts with them.
@@ -42,10 +57,21 @@ typedef struct sd_calibration {
     sd_afr_grid_t     afr;          ///< present 0: the engine file names no exhaust.
     sd_airpath_tables_t airpath;    ///< present 0: the engine file names no air path with a design.
     sd_wheel_tables_t wheel;      ///< Document 000's observers; positions 0: the engine file tells no heat release.
-    sd_kalman_tables_t kalman;      ///< Of the parameters firing.*; positions 0: none. Its pool ends the page.
+    sd_kalman_tables_t kalman;      ///< Of the parameters firing.*; positions 0: none. Its pool ends the page, the driveline behind it.
 } sd_calibration_t;
 
-/// Size of the page: up to the end of the used part of kalman.pool.
+/// The driveline of the page, where it lies; NULL: it has none.
+static inline const sd_page_driveline_t *sd_calibration_driveline(const sd_calibration_t *page) {
+    return (page->driveline_at == 0u) ? NULL : (const sd_page_driveline_t *)(const void *)&page->kalman.pool[page->driveline_at];
+}
+
+/// Words that one takes with so many gears.
+uint32_t sd_page_driveline_words(uint32_t gears);
+
+/// Whether its numbers that the guard filter does not check are in their ranges.
+bool sd_page_driveline_ok(const sd_page_driveline_t *driveline);
+
+/// Size of the page: up to the end of the used part of kalman.pool, and of the driveline behind it.
 uint32_t sd_calibration_bytes(const sd_calibration_t *page);
 
 /// Makes the first sd_calibration_bytes() bytes of *page a page that can be stored.

@@ -67,12 +67,18 @@ static bool is_motored(sd_firings_t *self, const sd_kalman_tables_t *tables, con
     return self->motored > 4u * tables->positions;
 }
 
+/* What the filters run with besides the pattern. */
+static void take_learned(sd_firings_t *self, const sd_kalman_tables_t *tables) {
+    self->kalman.tuning = sd_twist_tuning(&self->pattern.sums.twist);
+    sd_motion_set_exponent(&self->kalman.charge, tables, self->pattern.exponent);
+}
+
 /* Returns whether the pattern changed. */
 static bool learn(sd_firings_t *self, const sd_kalman_tables_t *tables, const sd_firings_tooth_t *tooth, const sd_kalman_tooth_t *seen) {
     const bool known = (tooth->phase_known != 0u) && (tooth->intake_known != 0u);
     const bool motored = is_motored(self, tables, tooth) && known;
     const bool changed = motored ? sd_pattern_step(&self->pattern, tables, seen) : sd_pattern_rest(&self->pattern, tables);
-    if (changed) { self->kalman.tuning = sd_twist_tuning(&self->pattern.sums.twist); }
+    if (changed) { take_learned(self, tables); }
     return changed;
 }
 
@@ -100,7 +106,7 @@ static sd_kalman_tooth_t filter_tooth(const sd_firings_t *self, const sd_kalman_
 }
 
 /* The road chooses between the filters, unless one of them had to begin anew. `complete`: bit i, filter i read a firing. */
-static void choose(sd_firings_t *self, const sd_kalman_tables_t *tables, uint32_t complete, const sd_firing_t *firing) {
+static void choose(sd_firings_t *self, const sd_kalman_tables_t *tables, uint32_t complete, const sd_firing_t *firing, bool moves) {
     if (tables->sets < 2u) { return; }
     const uint8_t smooth = sd_kalman_health(&self->kalman, SMOOTH), rough = sd_kalman_health(&self->kalman, ROUGH);
     if ((smooth | rough) != (uint8_t)SD_VALID) {
@@ -108,7 +114,7 @@ static void choose(sd_firings_t *self, const sd_kalman_tables_t *tables, uint32_
     } else if (complete == ((1u << SMOOTH) | (1u << ROUGH))) {
         (void)sd_road_step(&self->road, &firing[SMOOTH], &firing[ROUGH]);
     }
-    self->on_rough = (uint8_t)((smooth != rough) ? (smooth > rough) : self->road.rough);
+    self->on_rough = (uint8_t)((smooth != rough) ? (smooth > rough) : ((self->road.rough != 0u) || moves));
     self->kalman.believed = self->on_rough; /* the pulses' shape is learned by the one that is believed */
 }
 
@@ -149,7 +155,7 @@ void sd_firings_step(sd_firings_t *self, const sd_kalman_tables_t *tables, const
     const sd_kalman_tooth_t seen = filter_tooth(self, tables, tooth);
     sd_firing_t firing[SD_KALMAN_SETS_MAX];
     const uint32_t complete = sd_kalman_step(&self->kalman, tables, &seen, firing);
-    choose(self, tables, complete, firing);
+    choose(self, tables, complete, firing, tooth->driveline == (uint8_t)SD_DRIVELINE_MOVES);
     watch_teeth(self, tables, tooth);
     const sd_kalman_filter_t *filter = believed(self);
     out->rough = self->on_rough;
@@ -157,6 +163,7 @@ void sd_firings_step(sd_firings_t *self, const sd_kalman_tables_t *tables, const
     out->status = judge(self, tooth);
     const bool runs = (filter->running != 0u) && (tooth->cycle_position < 2u * tables->positions);
     out->waveform_nm = runs ? sd_kalman_torque(&self->kalman, tables, self->kalman.believed, tooth->cycle_position) : 0.0f;
+    out->level_nm = runs ? filter->motion.coefficient_nm[0] : 0.0f;
     out->energy_j = filter->motion.energy_j;
     out->learned = learn(self, tables, tooth, &seen) ? 1u : 0u;
     out->complete = (uint8_t)((complete >> self->kalman.believed) & 1u);
@@ -173,6 +180,6 @@ void sd_firings_keep(const sd_firings_t *self, const sd_kalman_tables_t *tables,
 sd_result_t sd_firings_resume(sd_firings_t *self, const sd_kalman_tables_t *tables, const sd_pattern_sums_t *learned) {
     if ((self->enabled == 0u) || (sd_pattern_resume(&self->pattern, tables, learned) != SD_OK)) { return SD_ERR_CONFIG; }
     take_zeros(self, tables);
-    self->kalman.tuning = sd_twist_tuning(&self->pattern.sums.twist);
+    take_learned(self, tables);
     return SD_OK;
 }

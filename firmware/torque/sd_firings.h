@@ -31,6 +31,13 @@ typedef struct sd_firings_config {
     uint8_t enabled;        ///< 0: the block rests, and says uncalibrated.
 } sd_firings_config_t;
 
+/// Whether the driveline moves, from whoever knows.
+typedef enum sd_driveline_word {
+    SD_DRIVELINE_UNKNOWN = 0, ///< Nobody says: the block guesses from firings whether the load moves.
+    SD_DRIVELINE_STILL   = 1, ///< It rests, so that the guess stands alone for what reaches the crank otherwise.
+    SD_DRIVELINE_MOVES   = 2, ///< The load moves: the filter for rough roads is believed, whatever firings say.
+} sd_driveline_word_t;
+
 /// A placed tooth, and the inputs as they stand at it.
 typedef struct sd_firings_tooth {
     uint16_t cycle_position; ///< Position over the cycle, [0, 2 N) for a wheel of N positions.
@@ -41,6 +48,7 @@ typedef struct sd_firings_tooth {
     uint8_t  phase_known;    ///< 1: which of the two revolutions this is has been confirmed.
     uint8_t  intake_known;   ///< 0: intake_bar is a usual value that stands for a sensor that does not speak.
     uint8_t  fuel_cut;       ///< 1: it is known that no cylinder is given fuel now.
+    uint8_t  driveline;      ///< sd_driveline_word_t: what is known of the driveline behind the crank.
     float    intake_bar;     ///< Intake pressure, [0, 10] bar; anything else, NaN included: the last good one is held.
     float    speed_radps;    ///< Crank speed at the tooth, rad/s; weighs what is learned of the cylinders' zeros.
 } sd_firings_tooth_t;
@@ -55,6 +63,7 @@ typedef struct sd_firings_out {
     sd_status_t status;      ///< Of the block; innovation in rad, test_ratio 0: sd_kalman_status gives it to who asks. Invalid and
                              ///< uncalibrated while it rests.
     float       waveform_nm; ///< Torque of the whole engine at the tooth, N m, friction and load taken off; 0 while resting.
+    float       level_nm;    ///< What of waveform_nm no cylinder gives: less load, less friction; 0 while resting.
     float       energy_j;    ///< Kinetic energy at the tooth, J; 0 while no filter runs.
     float       speed_radps; ///< Speed that belongs to it by the mean inertia, rad/s; set with a firing, as `firing` is.
 } sd_firings_out_t;

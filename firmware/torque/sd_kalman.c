@@ -12,7 +12,7 @@
 #define JITTER_SQUARE 64.0f   /* a settled filter takes teeth up to 8 times the innovation as met */
 
 #if SD_CYLINDERS_MAX == 8
-_Static_assert(sizeof(sd_kalman_t) == 1072, "without pointers, the same size on every target");
+_Static_assert(sizeof(sd_kalman_t) == 1080, "without pointers, the same size on every target");
 #endif
 
 enum { REJECTED_IN_ROW_MAX = 12 }; /* teeth left out in a row after which the estimate itself must be wrong */
@@ -167,7 +167,7 @@ static uint32_t coast(sd_kalman_t *self, const sd_kalman_tables_t *t, uint32_t k
     sd_motion_row_t row;
     uint32_t complete = 0;
     sd_motion_sum_known(t, k, &self->charge, &row);
-    sd_motion_close_valves(&self->charge, row.word);
+    sd_motion_close_valves(&self->charge, t, row.word);
     for (uint32_t i = 0; i < self->filters; ++i) {
         sd_kalman_filter_t *f = &self->filter[i];
         if (f->running == 0u) { continue; }
@@ -225,7 +225,7 @@ uint32_t sd_kalman_step(sd_kalman_t *self, const sd_kalman_tables_t *t, const sd
     if (tooth->advance > 1u) { complete = coast_to(self, t, tooth, firing); }
     sd_at_tooth_t at = { .tooth = tooth, .period_s = (float)tooth->period_ticks / t->tick_hz, .shape = self->shape };
     sd_motion_sum_known(t, tooth->cycle_position, &self->charge, &at.row);
-    if ((at.row.word[SD_ROW_AT].at.close != 0u) && !none_runs) { sd_motion_close_valves(&self->charge, at.row.word); }
+    if ((at.row.word[SD_ROW_AT].at.close != 0u) && !none_runs) { sd_motion_close_valves(&self->charge, t, at.row.word); }
     for (uint32_t i = 0; i < self->filters; ++i) {
         sd_kalman_filter_t *f = &self->filter[i];
         if (f->running != 0u) {

@@ -15,16 +15,25 @@ uint32_t sd_kalman_pool_used(const sd_kalman_tables_t *t) { return 2u * t->posit
 
 /* ---- charges --------------------------------------------------------------------------------------------------- */
 
+void sd_motion_set_exponent(sd_motion_charge_t *charge, const sd_kalman_tables_t *t, float exponent) {
+    float sum = 0.0f;
+    for (uint32_t i = 0; i < t->cylinders; ++i) { sum += charge->charge_bar[i]; }
+    charge->exponent = exponent;
+    charge->common_bar = exponent * sum / (float)t->cylinders;
+}
+
 void sd_motion_fill(sd_motion_charge_t *charge, float intake_bar) {
     charge->intake_bar = intake_bar;
     for (uint32_t i = 0; i < SD_KALMAN_FIRINGS_MAX; ++i) { charge->charge_bar[i] = intake_bar; }
+    charge->common_bar = charge->exponent * intake_bar;
 }
 
-void sd_motion_close_valves(sd_motion_charge_t *charge, const sd_kalman_word_t *word) {
+void sd_motion_close_valves(sd_motion_charge_t *charge, const sd_kalman_tables_t *t, const sd_kalman_word_t *word) {
     uint32_t closing = word[SD_ROW_AT].at.close;
     for (uint32_t i = 0; closing != 0u; ++i, closing >>= 1) {
         if ((closing & 1u) != 0u) { charge->charge_bar[i] = charge->intake_bar; }
     }
+    if (charge->exponent != 0.0f) { sd_motion_set_exponent(charge, t, charge->exponent); }
 }
 
 /* ---- prediction ------------------------------------------------------------------------------------------------ */
@@ -119,7 +128,7 @@ static float through_spring(const sd_motion_t *self, const sd_kalman_tables_t *t
 float sd_motion_torque(const sd_motion_t *self, const sd_kalman_tables_t *t, uint32_t k, const sd_motion_charge_t *charge, float shape,
                        const sd_motion_tuning_t *tuning) {
     const sd_kalman_word_t *word = sd_motion_word(t, k), *motored = word + SD_ROW_MOTORED, *pulse = pulses_of(t, word);
-    float sum = word[SD_ROW_KNOWN + POINT].value + self->coefficient_nm[0];
+    float sum = word[SD_ROW_KNOWN + POINT].value + word[SD_ROW_COMMON + POINT].value * charge->common_bar + self->coefficient_nm[0];
     const float *bar = charge->charge_bar;
     _Pragma("GCC unroll 4")
     for (uint32_t left = t->cylinders; left > 0u; --left, motored += 3, ++bar) { sum += motored[POINT].value * *bar; }

@@ -24,9 +24,9 @@ extern "C" {
 #define SD_KALMAN_MODES_MAX        2
 #define SD_KALMAN_SCALES           (5 + 2 * SD_KALMAN_MODES_MAX)
 #ifndef SD_KALMAN_POOL
-/// Words for torques and gains: 12 harmonics at 4 speeds take 25,920, 8 cylinders with 2 modes at 12 speeds 17,160. A build for less
+/// Words for torques and gains: 12 harmonics at 4 speeds take 26,400, 8 cylinders with 2 modes at 12 speeds 17,640. A build for less
 /// may define it.
-#define SD_KALMAN_POOL             26000
+#define SD_KALMAN_POOL             26500
 #endif
 
 /// A natural vibration that moves the toothed wheel. Torques in Nm hold it at a twist of the wheel in rad.
@@ -58,7 +58,11 @@ enum {
     SD_ROW_INTERVAL = 1, ///< 2 over J_interval, the inertia that takes as long as J(alpha) does, 1/(kg m2).
     SD_ROW_TOOTH    = 2, ///< 2 over J at the tooth, 1/(kg m2).
     SD_ROW_KNOWN    = 3, ///< Motored torque beside what scales with intake pressure, Nm: mean, moment, point.
-    SD_ROW_MOTORED  = 6  ///< Of each cylinder: mean, moment, point, Nm per bar of its intake pressure.
+    SD_ROW_COMMON   = 6, ///< What an exponent of compression larger by 1 adds to all cylinders' motored torque, Nm per bar of their
+                         ///< mean intake pressure: mean, moment, point; 0 where that is not learned.
+    SD_ROW_LATE     = 9, ///< How late, in fuel cut, that makes the tooth at SD_PATTERN_REFERENCE_RADPS, rad per bar, as the learning of
+                         ///< the tooth pattern reads it: trend and mean taken out; the same in both revolutions, 0 without a tooth.
+    SD_ROW_MOTORED  = 10 ///< Of each cylinder: mean, moment, point, Nm per bar of its intake pressure.
 };
 
 /// Read only. One row of `pool` a cycle position k, angles between the teeth k - 1 and k. mean: over the interval; moment:
@@ -105,6 +109,8 @@ typedef struct sd_kalman_tables {
 typedef struct sd_motion_charge {
     float   intake_bar; ///< Last good one, [0, 10].
     float   charge_bar[SD_KALMAN_FIRINGS_MAX]; ///< Of each cylinder, in firing order.
+    float   exponent;   ///< By which compression's exponent is larger than the calibration's, as learned; 0: as the calibration has it.
+    float   common_bar; ///< exponent times the mean of charge_bar.
     uint8_t held;       ///< 1: the last intake pressure was no number in range.
 } sd_motion_charge_t;
 
@@ -156,6 +162,9 @@ static inline float sd_motion_energy_min(const sd_kalman_tables_t *t) { return 1
 /// Takes this for the intake pressure of every cylinder.
 void sd_motion_fill(sd_motion_charge_t *charge, float intake_bar);
 
+/// Takes a learned `exponent`, for the torque that all cylinders have in common.
+void sd_motion_set_exponent(sd_motion_charge_t *charge, const sd_kalman_tables_t *tables, float exponent);
+
 /// Takes an intake pressure; anything but [0, 10], NaN included, is held off.
 static inline void sd_motion_take_intake(sd_motion_charge_t *charge, float intake_bar) {
     const bool good = sd_within(intake_bar, 0.0f, 10.0f);
@@ -164,7 +173,7 @@ static inline void sd_motion_take_intake(sd_motion_charge_t *charge, float intak
 }
 
 /// The cylinders whose intake valve closes at a row keep the pressure.
-void sd_motion_close_valves(sd_motion_charge_t *charge, const sd_kalman_word_t *word);
+void sd_motion_close_valves(sd_motion_charge_t *charge, const sd_kalman_tables_t *tables, const sd_kalman_word_t *word);
 
 /// Sums the known torque of the interval that ends at cycle position k.
 void sd_motion_known(const sd_kalman_tables_t *t, uint32_t k, const sd_motion_charge_t *charge, sd_motion_row_t *row);

@@ -31,7 +31,8 @@ bool sd_motion_swing(sd_motion_t *self, const sd_kalman_tables_t *t, const sd_mo
 /* As sd_motion_known. */
 static inline void sd_motion_sum_known(const sd_kalman_tables_t *t, uint32_t k, const sd_motion_charge_t *charge, sd_motion_row_t *row) {
     const sd_kalman_word_t *word = sd_motion_word(t, k), *motored = word + SD_ROW_MOTORED;
-    float mean = word[SD_ROW_KNOWN + MEAN].value, moment = word[SD_ROW_KNOWN + MOMENT].value;
+    float mean = word[SD_ROW_KNOWN + MEAN].value + word[SD_ROW_COMMON + MEAN].value * charge->common_bar;
+    float moment = word[SD_ROW_KNOWN + MOMENT].value + word[SD_ROW_COMMON + MOMENT].value * charge->common_bar;
     const float *bar = charge->charge_bar;
     _Pragma("GCC unroll 4")
     for (uint32_t left = t->cylinders; left > 0u; --left, motored += 3, ++bar) {

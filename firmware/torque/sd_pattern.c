@@ -3,16 +3,20 @@
 
 #include <string.h>
 
-#define W_REF_RADPS 200.0f
+#define W_REF_RADPS SD_PATTERN_REFERENCE_RADPS
 #define SLOPE_MAX   1e-3f  /* rad per rad: the guess is good enough for the trend to be linear in it */
 #define MODES_SETTLED 8u   /* cycles after which it is forgotten how the modes swung at the start */
 #define SPREAD_MIN  0.05f  /* of u, relative: below it one speed only was seen */
 #define MOTORED_SD  0.03f  /* of the motored torque, relative, while the speeds do not tell */
+#define EXPONENT_SD 0.06f  /* of compression's exponent, before it is learned */
+#define UNSEEN_RAD  1.75e-5f /* 0.001 deg: what a motored torque with the right exponent still errs by, the same in every cycle */
+#define PATTERN_RAD 3.5e-4f  /* 0.02 deg: no wheel's pattern is taken for smaller */
+#define RESUME_ROUNDS 4u   /* pattern and exponent from each other, as in the cycles that they were learned in */
 #define LATE_MAX    10.0f  /* rad: beyond it, it is no crank that turns */
 #define PIECE       2u     /* positions of the last cycle that go into the sums at a tooth */
 
 #if SD_CYLINDERS_MAX == 8
-_Static_assert(sizeof(sd_pattern_t) == 3392, "without pointers, the same size on every target");
+_Static_assert(sizeof(sd_pattern_t) == 3452, "without pointers, the same size on every target");
 #endif
 
 /* ---- the last cycle goes into the sums ------------------------------------------------------------------------- */
@@ -21,13 +25,18 @@ _Static_assert(sizeof(sd_pattern_t) == 3392, "without pointers, the same size on
 typedef struct sd_fit {
     float cycles, u, uu;
     float spread; /* of u, relative */
+    float common, common_u; /* c sum r, c sum u r: over S_k what the exponent makes of a tooth's sums */
     bool  pooled;
 } sd_fit_t;
 
-static sd_fit_t fit_of(float cycles, float u, float uu) {
+static sd_fit_t fit_of(const sd_pattern_sums_t *s, const sd_pattern_work_t *w, bool with_work) {
+    const float one = with_work ? 1.0f : 0.0f, cycles = s->cycles + one, u = s->u + one * w->u, uu = s->uu + one * w->u * w->u;
     const float spread = 1.0f - u * u / (cycles * uu);
-    return (sd_fit_t){ cycles, u, uu, spread, spread > SPREAD_MIN };
+    return (sd_fit_t){ cycles, u, uu, spread, w->exponent * (s->r + one * w->r), w->exponent * (s->ur + one * w->u * w->r),
+                       spread > SPREAD_MIN };
 }
+
+static float common_late(const sd_kalman_tables_t *t, uint32_t k) { return sd_motion_word(t, k)[SD_ROW_LATE].value; }
 
 /* Lateness of tooth k in the last cycle: mean of both revolutions, trend and mean of all teeth taken out. */
 static float late_of(const sd_pattern_t *self, const sd_kalman_tables_t *t, uint32_t k) {
@@ -36,26 +45,49 @@ static float late_of(const sd_pattern_t *self, const sd_kalman_tables_t *t, uint
     return 0.5f * (self->cycle_rad[k] + self->cycle_rad[k + t->positions] - trend) - self->work.mean_rad;
 }
 
-/* The tooth's constant, and where the speeds tell, its slope over u. Returns what they explain of its sums. */
-static float place_tooth(sd_pattern_t *self, const sd_fit_t *fit, uint32_t k) {
-    const float late = self->sums.late[k], late_u = self->sums.late_u[k];
+/* The tooth's constant, and where the speeds tell, its slope over u; adds what they explain of its sums. */
+static void place_tooth(sd_pattern_t *self, const sd_kalman_tables_t *t, const sd_fit_t *fit, uint32_t k) {
+    const float common = common_late(t, k);
+    const float late = self->sums.late[k] - common * fit->common, late_u = self->sums.late_u[k] - common * fit->common_u;
     float constant = late / fit->cycles, slope = 0.0f;
     if (fit->pooled) {
         constant = (constant - fit->u / (fit->cycles * fit->uu) * late_u) / fit->spread;
         slope = (late_u - fit->u * constant) / fit->uu;
     }
     self->late_rad[k] = constant;
-    return constant * late + slope * late_u;
+    self->work.pattern_square += constant * constant;
+    self->work.explained += constant * late + slope * late_u;
+    self->work.late_common_sums += common * self->sums.late[k];
+    self->work.common_square += common * common;
 }
 
-/* Standard deviation from what the fit leaves. */
-static void state_deviation(sd_pattern_t *self, const sd_kalman_tables_t *t, const sd_fit_t *fit, float explained, float scale_nm) {
+/* Compression's exponent from the sums, for the cycles to come; v: variance that the fit leaves of a tooth in a cycle. */
+static void find_exponent(sd_pattern_t *self, const sd_kalman_tables_t *t, float v) {
+    const sd_pattern_sums_t *s = &self->sums;
+    const sd_pattern_work_t *w = &self->work;
+    const float pattern = w->pattern_square / (float)t->teeth, least = PATTERN_RAD * PATTERN_RAD;
+    const float unseen = v + s->cycles * UNSEEN_RAD * UNSEEN_RAD;
+    const float together = s->cycles + unseen / ((pattern > least) ? pattern : least);
+    const float information = w->common_square * (s->rr - s->r * s->r / together) + unseen / (EXPONENT_SD * EXPONENT_SD);
+    const float c = (s->late_common - s->r * w->late_common_sums / together) / information;
+    self->exponent_next = sd_clamp(c, -SD_PATTERN_EXPONENT_MAX, SD_PATTERN_EXPONENT_MAX);
+    self->exponent_sd = sd_root(unseen / information);
+}
+
+/* Standard deviation from what the fit leaves; and the exponent for the next time. */
+static void conclude(sd_pattern_t *self, const sd_kalman_tables_t *t, const sd_fit_t *fit) {
+    const sd_pattern_work_t *w = &self->work;
+    const sd_pattern_sums_t *s = &self->sums;
+    const float c = w->exponent, common = c * (2.0f * s->late_common - c * w->common_square * s->rr);
     self->pooled = fit->pooled ? 1u : 0u;
-    float left = self->sums.square - explained / (float)t->teeth;
+    self->exponent = c;
+    float left = s->square - (w->explained + common) / (float)t->teeth;
     left = ((left > 0.0f) ? left / (fit->cycles - 2.0f) : 0.0f) + 1e-12f; /* 6e-5 deg: no wheel is known better */
-    const float twist = fit->pooled ? 0.0f : MOTORED_SD * self->ripple_nm / (4.0f * scale_nm);
+    find_exponent(self, t, left);
+    const float twist = fit->pooled ? 0.0f : MOTORED_SD * self->ripple_nm / (4.0f * w->scale_nm);
+    const float exponent = fit->pooled ? 0.0f : self->exponent_sd * s->r / s->cycles; /* what it leaves is taken for pattern */
     const float effective = fit->pooled ? fit->cycles * fit->spread : fit->cycles;
-    self->sd_rad = sd_root(left / effective + twist * twist);
+    self->sd_rad = sd_root(left / effective + twist * twist + exponent * exponent * w->common_square / (float)t->teeth);
 }
 
 /* The cycle is in the sums of all teeth. */
@@ -63,13 +95,17 @@ static void count_cycle(const sd_pattern_work_t *work, const sd_kalman_tables_t 
     sums->cycles += 1.0f;
     sums->u += work->u;
     sums->uu += work->u * work->u;
+    sums->r += work->r;
+    sums->rr += work->r * work->r;
+    sums->ur += work->u * work->r;
+    sums->late_common += work->r * work->late_common;
     sums->square += work->square / (float)t->teeth;
 }
 
 static bool finish_cycle(sd_pattern_t *self, const sd_kalman_tables_t *t, const sd_fit_t *fit) {
     count_cycle(&self->work, t, &self->sums);
     if (fit->cycles < (float)SD_PATTERN_CYCLES_MIN) { return false; }
-    state_deviation(self, t, fit, self->work.explained, self->work.scale_nm);
+    conclude(self, t, fit);
     return true;
 }
 
@@ -77,8 +113,7 @@ static bool finish_cycle(sd_pattern_t *self, const sd_kalman_tables_t *t, const 
 static bool work(sd_pattern_t *self, const sd_kalman_tables_t *t, uint32_t most) {
     sd_pattern_work_t *w = &self->work;
     if (w->next >= t->positions) { return false; }
-    const sd_pattern_sums_t *s = &self->sums;
-    const sd_fit_t fit = fit_of(s->cycles + 1.0f, s->u + w->u, s->uu + w->u * w->u);
+    const sd_fit_t fit = fit_of(&self->sums, w, true);
     const bool places = fit.cycles >= (float)SD_PATTERN_CYCLES_MIN;
     for (; (w->next < most) && (w->next < t->positions); ++w->next) {
         const uint32_t k = w->next;
@@ -87,7 +122,8 @@ static bool work(sd_pattern_t *self, const sd_kalman_tables_t *t, uint32_t most)
         self->sums.late[k] += late;
         self->sums.late_u[k] += w->u * late;
         w->square += late * late;
-        if (places) { w->explained += place_tooth(self, &fit, k); }
+        w->late_common += late * common_late(t, k);
+        if (places) { place_tooth(self, t, &fit, k); }
     }
     return (w->next >= t->positions) && finish_cycle(self, t, &fit);
 }
@@ -102,6 +138,7 @@ void sd_pattern_keep(const sd_pattern_t *self, const sd_kalman_tables_t *t, sd_p
         sums->late[k] += late;
         sums->late_u[k] += rest.u * late;
         rest.square += late * late;
+        rest.late_common += late * common_late(t, k);
     }
     count_cycle(&rest, t, sums);
 }
@@ -117,13 +154,21 @@ static void find_trend(const sd_kalman_tables_t *t, const sd_teeth_sums_t *pairs
     *a1 = level / n - 2.0f * n * *a2;
 }
 
+static float mean_charge(const sd_pattern_t *self, const sd_kalman_tables_t *t) {
+    float sum = 0.0f;
+    for (uint32_t i = 0; i < t->cylinders; ++i) { sum += self->charge.charge_bar[i]; }
+    return sum / (float)t->cylinders;
+}
+
 /* The last cycle is good: it is put on its way into the sums. */
 static void hand_on(sd_pattern_t *self, const sd_kalman_tables_t *t, float a1, float a2, float square_speed) {
     const sd_teeth_sums_t *p = &self->pairs;
     const float n = (float)t->positions;
     const float trend = a1 * (2.0f * p->k + 2.0f * n * p->count) + a2 * (2.0f * p->kk + 4.0f * n * p->k + 2.5f * n * n * p->count);
-    self->work = (sd_pattern_work_t){ .next = 0, .a1 = a1, .a2 = a2, .mean_rad = 0.5f * (p->a - trend) / p->count,
-                                      .u = W_REF_RADPS * W_REF_RADPS / square_speed, .scale_nm = t->inertia_mean_kgm2 * square_speed };
+    const float u = W_REF_RADPS * W_REF_RADPS / square_speed;
+    self->work = (sd_pattern_work_t){ .next = 0, .a1 = a1, .a2 = a2, .mean_rad = 0.5f * (p->a - trend) / p->count, .u = u,
+                                      .r = u * mean_charge(self, t), .scale_nm = t->inertia_mean_kgm2 * square_speed,
+                                      .exponent = self->exponent_next };
 }
 
 /* All teeth of a cycle are in: learn from it when the guess was good, and better the guess. */
@@ -184,7 +229,7 @@ static bool run_free(sd_pattern_t *self, const sd_kalman_tables_t *t, const sd_k
         sd_motion_known(t, k, &self->charge, &row);
         self->ripple_square += row.mean_nm * row.mean_nm;
         moving = sd_motion_predict(&self->free, t, &row, 0.0f, &self->tuning) && sd_twist_predict(&self->twist, t, &row);
-        sd_motion_close_valves(&self->charge, row.word);
+        sd_motion_close_valves(&self->charge, t, row.word);
     }
     return moving && (self->free.energy_j < 1e9f);
 }
@@ -277,6 +322,7 @@ void sd_pattern_zeros(const sd_pattern_t *self, const sd_kalman_tables_t *t, flo
 void sd_pattern_init(sd_pattern_t *self, const sd_kalman_tables_t *tables) {
     memset(self, 0, sizeof *self);
     self->work.next = tables->positions;
+    self->exponent_sd = EXPONENT_SD;
     sd_motion_fill(&self->charge, 1.0f);
     sd_twist_init(&self->twist, tables, &self->sums.twist);
     self->tuning = sd_twist_tuning(&self->sums.twist);
@@ -301,6 +347,14 @@ static float ripple_at_start(const sd_pattern_t *self, const sd_kalman_tables_t 
     return sd_root(square);
 }
 
+/* The pattern from the sums, with an exponent taken out. */
+static void place_all(sd_pattern_t *self, const sd_kalman_tables_t *t, float exponent, float scale_nm) {
+    self->work = (sd_pattern_work_t){ .next = t->positions, .exponent = exponent, .scale_nm = scale_nm };
+    const sd_fit_t fit = fit_of(&self->sums, &self->work, false);
+    for (uint32_t k = 0; k < t->positions; ++k) { place_tooth(self, t, &fit, k); }
+    conclude(self, t, &fit);
+}
+
 sd_result_t sd_pattern_resume(sd_pattern_t *self, const sd_kalman_tables_t *t, const sd_pattern_sums_t *sums) {
     if (!sums_ok(sums, t)) { return SD_ERR_CONFIG; }
     sd_pattern_pause(self);
@@ -310,9 +364,8 @@ sd_result_t sd_pattern_resume(sd_pattern_t *self, const sd_kalman_tables_t *t, c
     sd_motion_fill(&self->charge, 1.0f);
     self->ripple_nm = ripple_at_start(self, t);
     if (sums->cycles < (float)SD_PATTERN_CYCLES_MIN) { return SD_OK; }
-    const sd_fit_t fit = fit_of(sums->cycles, sums->u, sums->uu);
-    float explained = 0.0f;
-    for (uint32_t k = 0; k < t->positions; ++k) { explained += place_tooth(self, &fit, k); }
-    state_deviation(self, t, &fit, explained, t->inertia_mean_kgm2 * W_REF_RADPS * W_REF_RADPS * sums->cycles / sums->u);
+    const float scale_nm = t->inertia_mean_kgm2 * W_REF_RADPS * W_REF_RADPS * sums->cycles / sums->u;
+    self->exponent_next = 0.0f;
+    for (uint32_t round = 0; round < RESUME_ROUNDS; ++round) { place_all(self, t, self->exponent_next, scale_nm); }
     return SD_OK;
 }

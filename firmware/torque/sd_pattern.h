@@ -10,6 +10,12 @@
 ///     pattern + u slope,  u = (w_ref / w)^2,
 /// once the cycles seen span enough speed; until then as a constant, and the confidence says so.
 ///
+/// Before that, what an exponent of compression larger by c makes of every tooth is taken out, r c S_k with r = u times the mean charge
+/// and S_k from the tables (SD_ROW_LATE). That one number belongs to the engine at every speed, and a pattern does not look like S_k:
+///     c = (sum r <S, L> - sum r <S, sum L> / (n + kappa)) / (|S|^2 (sum r^2 - (sum r)^2 / (n + kappa)) + v / SD_c^2)
+/// over n cycles, with v the variance that the fit leaves of a tooth and kappa that over the pattern's. So a motored torque that is wrong
+/// at one speed is not taken for a pattern at all others.
+///
 /// And the zero of each cylinder: what the filter reads of it without combustion, for a bar of its charge. A compression
 /// or a trapped mass that the calibration has wrong shows there, and would be taken for torque when the engine fires. Only
 /// differences from the mean of all cylinders are kept; a timing error makes a torque of w^2, hence the weight u^2.
@@ -27,10 +33,14 @@ extern "C" {
 #endif
 
 #define SD_PATTERN_CYCLES_MIN 4 ///< Cycles before a pattern is given at all.
+#define SD_PATTERN_REFERENCE_RADPS 200.0f ///< w_ref.
+#define SD_PATTERN_EXPONENT_MAX 0.15f     ///< Largest |c|.
 
 /// What is kept when the engine is off: with it, learning goes on where it ended.
 typedef struct sd_pattern_sums {
-    float cycles, u, uu;                    ///< Sum of 1, u, u^2 over cycles.
+    float cycles, u, uu;                    ///< Sum of 1, u, u^2 over cycles,
+    float r, rr, ur;                        ///< of r, r^2, u r,
+    float late_common;                      ///< and of r <S, L>.
     float late[SD_KALMAN_POSITIONS_MAX];    ///< Sum of L, trend taken out, over cycles.
     float late_u[SD_KALMAN_POSITIONS_MAX];  ///< Sum of u L.
     float square;                           ///< Sum over cycles of the mean over teeth of L^2.
@@ -45,15 +55,24 @@ typedef struct sd_pattern_work {
     float a1, a2;    ///< Trend a position, and a position squared.
     float mean_rad;  ///< Mean of both revolutions over all teeth, trend taken out.
     float u;         ///< (w_ref / w)^2 of the cycle.
+    float r;         ///< u times the mean charge, bar.
     float scale_nm;  ///< J w^2 of the cycle.
+    float exponent;  ///< c that is taken out.
     float square;    ///< Sums over the positions done: of lateness squared,
-    float explained; ///< and of what pattern and slope explain of the sums.
+    float explained, ///< of what pattern and slope explain of the sums,
+        pattern_square,       ///< of the pattern squared,
+        late_common,          ///< <S, L> of this cycle,
+        late_common_sums,     ///< <S, sum L>,
+        common_square;        ///< and |S|^2.
 } sd_pattern_work_t;
 
 typedef struct sd_pattern {
     sd_pattern_sums_t sums;
     float late_rad[SD_KALMAN_POSITIONS_MAX]; ///< The pattern, mean 0; 0 where there is no tooth.
     float sd_rad;         ///< Its standard deviation, a tooth; 0: nothing learned.
+    float exponent;       ///< c that was taken out of it, of SD_PATTERN_EXPONENT_MAX at most; 0: nothing learned.
+    float exponent_sd;    ///< Its standard deviation; that of no knowledge while nothing is learned.
+    float exponent_next;  ///< As the sums have it now: c of the next cycle.
     uint8_t pooled;       ///< 1: the speeds seen tell pattern from motored torque.
     sd_pattern_work_t work;
     sd_motion_t free;     ///< Prediction of the cycle under way,

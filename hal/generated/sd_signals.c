@@ -112,6 +112,19 @@ const sd_signal_info_t sd_signal_infos[SD_SIGNAL_COUNT] = {
     { "inputs.stale[2]", "", 0.0f, 65535.0f, 0.0f, SD_RATE_TASK, SD_OWNER_INPUTS, 0 },
     { "inputs.missing[1]", "", 0.0f, 65535.0f, 0.0f, SD_RATE_TASK, SD_OWNER_INPUTS, 0 },
     { "inputs.missing[2]", "", 0.0f, 65535.0f, 0.0f, SD_RATE_TASK, SD_OWNER_INPUTS, 0 },
+    { "driveline.location", "", 0.0f, 3.0f, 0.0f, SD_RATE_DRIVELINE, SD_OWNER_DRIVELINE, 0 },
+    { "driveline.torsion", "rad", -10.0f, 10.0f, 0.0f, SD_RATE_DRIVELINE, SD_OWNER_DRIVELINE, 0 },
+    { "driveline.winding", "rad/s", -1000.0f, 1000.0f, 0.0f, SD_RATE_DRIVELINE, SD_OWNER_DRIVELINE, 0 },
+    { "driveline.shaft", "Nm", -20000.0f, 20000.0f, 0.0f, SD_RATE_DRIVELINE, SD_OWNER_DRIVELINE, 0 },
+    { "driveline.wheel_speed", "rad/s", -1000.0f, 1000.0f, 0.0f, SD_RATE_DRIVELINE, SD_OWNER_DRIVELINE, 0 },
+    { "driveline.bias", "Nm", -20000.0f, 20000.0f, 0.0f, SD_RATE_DRIVELINE, SD_OWNER_DRIVELINE, 0 },
+    { "driveline.moving", "", 0.0f, 1.0f, 0.0f, SD_RATE_DRIVELINE, SD_OWNER_DRIVELINE, 0 },
+    { "driveline.damping_request", "Nm", -2000.0f, 2000.0f, 0.0f, SD_RATE_DRIVELINE, SD_OWNER_DRIVELINE, 0 },
+    { "driveline.reference_location", "", 0.0f, 3.0f, 0.0f, SD_RATE_DRIVELINE, SD_OWNER_DRIVELINE_REFERENCE, 0 },
+    { "driveline.reference_torsion", "rad", -10.0f, 10.0f, 0.0f, SD_RATE_DRIVELINE, SD_OWNER_DRIVELINE_REFERENCE, 0 },
+    { "driveline.reference_residual[1]", "rpm", -20000.0f, 20000.0f, 0.0f, SD_RATE_DRIVELINE, SD_OWNER_DRIVELINE_REFERENCE, 0 },
+    { "driveline.reference_residual[2]", "rpm", -20000.0f, 20000.0f, 0.0f, SD_RATE_DRIVELINE, SD_OWNER_DRIVELINE_REFERENCE, 0 },
+    { "driveline.reference_residual[3]", "rpm", -20000.0f, 20000.0f, 0.0f, SD_RATE_DRIVELINE, SD_OWNER_DRIVELINE_REFERENCE, 0 },
 };
 
 const sd_input_info_t sd_input_infos[SD_INPUT_COUNT] = {
@@ -132,6 +145,7 @@ const sd_input_info_t sd_input_infos[SD_INPUT_COUNT] = {
     { "egr.position", "", -0.1f, 1.1f, 0.0f, 0.5f },
     { "vgt.command", "", 0.0f, 1.0f, 0.5f, 0.5f },
     { "vgt.position", "", -0.1f, 1.1f, 0.5f, 0.5f },
+    { "driveline.gear", "", 0.0f, 8.0f, 0.0f, 0.5f },
 };
 
 const sd_owner_info_t sd_owner_infos[SD_OWNER_COUNT] = {
@@ -143,6 +157,8 @@ const sd_owner_info_t sd_owner_infos[SD_OWNER_COUNT] = {
     { "afr", 0x0u, 0x13u },
     { "balance", 0x202u, 0x0u },
     { "airpath", 0x1840u, 0x14423u },
+    { "driveline", 0x0u, 0x20000u },
+    { "driveline_reference", 0x0u, 0x20000u },
     { "inputs", 0x0u, 0x0u },
 };
 
@@ -198,12 +214,21 @@ static const uint8_t owners_airpath[] = {
     SD_OWNER_AIRPATH, SD_OWNER_AIRPATH, SD_OWNER_AIRPATH, SD_OWNER_AIRPATH, SD_OWNER_AIRPATH, SD_OWNER_AIRPATH, SD_OWNER_AIRPATH, SD_OWNER_AIRPATH,
     SD_OWNER_AIRPATH, SD_OWNER_AIRPATH, SD_OWNER_AIRPATH, SD_OWNER_AIRPATH,
 };
+static const uint16_t channels_driveline[] = {
+    109, 110, 111, 112, 113, 114, 115, 116,
+    117, 118, 119, 120, 121,
+};
+static const uint8_t owners_driveline[] = {
+    SD_OWNER_DRIVELINE, SD_OWNER_DRIVELINE, SD_OWNER_DRIVELINE, SD_OWNER_DRIVELINE, SD_OWNER_DRIVELINE, SD_OWNER_DRIVELINE, SD_OWNER_DRIVELINE, SD_OWNER_DRIVELINE,
+    SD_OWNER_DRIVELINE_REFERENCE, SD_OWNER_DRIVELINE_REFERENCE, SD_OWNER_DRIVELINE_REFERENCE, SD_OWNER_DRIVELINE_REFERENCE, SD_OWNER_DRIVELINE_REFERENCE,
+};
 const sd_rate_info_t sd_rate_infos[SD_RATE_COUNT] = {
     { "edge", 0.0f, channels_edge, owners_edge, 9u },
     { "cycle", 0.0f, channels_cycle, owners_cycle, 69u },
     { "firing", 0.0f, channels_firing, owners_firing, 15u },
     { "task", 0.01f, channels_task, owners_task, 4u },
     { "airpath", 0.01f, channels_airpath, owners_airpath, 12u },
+    { "driveline", 0.01f, channels_driveline, owners_driveline, 13u },
 };
 
 const sd_signal_info_t sd_parameter_infos[SD_PARAMETER_COUNT] = {
@@ -280,4 +305,9 @@ const sd_signal_info_t sd_parameter_infos[SD_PARAMETER_COUNT] = {
     { "airpath.late", "s", 0.01f, 0.5f, 0.03f, SD_RATE_EDGE, SD_OWNER_AIRPATH, 0 },
     { "airpath.stuck", "s", 0.01f, 10.0f, 0.1f, SD_RATE_EDGE, SD_OWNER_AIRPATH, 0 },
     { "airpath.tracking", "", 0.001f, 1.0f, 0.05f, SD_RATE_EDGE, SD_OWNER_AIRPATH, 0 },
+    { "driveline.damping", "", 0.0f, 1.0f, 0.0f, SD_RATE_EDGE, SD_OWNER_DRIVELINE, 0 },
+    { "driveline.damping_gain", "Nm s/rad", 0.0f, 10000.0f, 20.0f, SD_RATE_EDGE, SD_OWNER_DRIVELINE, 0 },
+    { "driveline.damping_limit", "Nm", 0.0f, 2000.0f, 25.0f, SD_RATE_EDGE, SD_OWNER_DRIVELINE, 0 },
+    { "driveline.damping_rate", "Nm/s", 0.0f, 1000000.0f, 1000.0f, SD_RATE_EDGE, SD_OWNER_DRIVELINE, 0 },
+    { "driveline.damping_drop", "Nm/s", 0.0f, 1000000.0f, 2000.0f, SD_RATE_EDGE, SD_OWNER_DRIVELINE, 0 },
 };

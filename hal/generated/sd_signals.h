@@ -11,7 +11,7 @@ extern "C" {
 #endif
 
 /// Changes whenever the table does; calibration pages and logs carry it.
-#define SD_SIGNALS_SIGNATURE 0x5ce92a4au
+#define SD_SIGNALS_SIGNATURE 0x768dd4dau
 
 /// Channel of an SD_EVENT_SAMPLE.
 typedef enum sd_input {
@@ -32,8 +32,9 @@ typedef enum sd_input {
     SD_INPUT_EGR_POSITION = 14, ///< The same as its position sensor reads it. [-]
     SD_INPUT_VGT_COMMAND = 15, ///< Commanded position of the turbine's vanes (VGT): 0 closed, 1 open. [-]
     SD_INPUT_VGT_POSITION = 16, ///< The same as its position sensor reads it. [-]
+    SD_INPUT_DRIVELINE_GEAR = 17, ///< Gear that is in with the clutch closed, 1 the first of the engine file; 0: none is, or the clutch is open or slips. [-]
 } sd_input_t;
-#define SD_INPUT_COUNT 17u
+#define SD_INPUT_COUNT 18u
 
 /// Channel of an SD_EVENT_SIGNAL.
 typedef enum sd_signal {
@@ -90,8 +91,19 @@ typedef enum sd_signal {
     SD_SIGNAL_AIRPATH_TRACKING = 104, ///< Actuators whose position does not follow its command, bits: 1 the EGR valve, 2 the turbine's vanes. [-]
     SD_SIGNAL_INPUTS_STALE = 105, ///< Inputs read once whose last reading is older than it counts: bit i of element n is input 16 (n - 1) + i. [-, 2 channels]
     SD_SIGNAL_INPUTS_MISSING = 107, ///< The same of inputs never read. [-, 2 channels]
+    SD_SIGNAL_DRIVELINE_LOCATION = 109, ///< Where the shaft is: 1 wound up backward and stiff, 2 soft, 3 wound up forward and stiff; 0: not known. [-]
+    SD_SIGNAL_DRIVELINE_TORSION = 110, ///< Torsion of the shaft, at the wheels. [rad]
+    SD_SIGNAL_DRIVELINE_WINDING = 111, ///< Rate of the torsion. [rad/s]
+    SD_SIGNAL_DRIVELINE_SHAFT = 112, ///< Torque of the shaft, spring and damping, at the crank. [Nm]
+    SD_SIGNAL_DRIVELINE_WHEEL_SPEED = 113, ///< Speed of the driven wheels, as the filter has it. [rad/s]
+    SD_SIGNAL_DRIVELINE_BIAS = 114, ///< What the engine's torque is believed to lack, at the crank. [Nm]
+    SD_SIGNAL_DRIVELINE_MOVING = 115, ///< 1: the shaft winds or unwinds fast, or did within the last quarter of a second. Firings and misfires are judged by it. [-]
+    SD_SIGNAL_DRIVELINE_DAMPING_REQUEST = 116, ///< Torque at the crank to be added to what the driver wants, so that the swing dies out; 0 unless driveline.damping is 1. [Nm]
+    SD_SIGNAL_DRIVELINE_REFERENCE_LOCATION = 117, ///< Location by document 003's identification; 0: it rests. [-]
+    SD_SIGNAL_DRIVELINE_REFERENCE_TORSION = 118, ///< Torsion by its continuous observer. [rad]
+    SD_SIGNAL_DRIVELINE_REFERENCE_RESIDUAL = 119, ///< Residual of location n. [rpm, 3 channels]
 } sd_signal_t;
-#define SD_SIGNAL_COUNT 109u
+#define SD_SIGNAL_COUNT 122u
 
 /// Present values, in channel order.
 typedef struct sd_signals {
@@ -148,6 +160,17 @@ typedef struct sd_signals {
     float airpath_tracking;
     float inputs_stale[2];
     float inputs_missing[2];
+    float driveline_location;
+    float driveline_torsion_rad;
+    float driveline_winding_radps;
+    float driveline_shaft_nm;
+    float driveline_wheel_speed_radps;
+    float driveline_bias_nm;
+    float driveline_moving;
+    float driveline_damping_request_nm;
+    float driveline_reference_location;
+    float driveline_reference_torsion_rad;
+    float driveline_reference_residual_rpm[3];
 } sd_signals_t;
 
 /// Parameters of the working page; names, ranges and defaults in sd_parameter_infos.
@@ -225,8 +248,13 @@ typedef struct sd_parameters {
     float airpath_late_s; ///< Age of a reading from which on decisions rest until the next one comes.
     float airpath_stuck_s; ///< Time for which a pressure or the air flow may read the same to the last bit before its sensor counts as stuck; decisions rest meanwhile.
     float airpath_tracking; ///< Distance of a position from its command, for half a second on average, that is said as not tracking.
+    float driveline_damping; ///< 1: the damping asks for torque. It needs the engine file's driveline.
+    float driveline_damping_gain_nmsprad; ///< Torque at the crank for a rate of torsion.
+    float driveline_damping_limit_nm; ///< Largest request either way.
+    float driveline_damping_rate_nmps; ///< Fastest change of the request.
+    float driveline_damping_drop_nmps; ///< The same on its way to 0, once the estimate is not valid.
 } sd_parameters_t;
-#define SD_PARAMETER_COUNT 73u
+#define SD_PARAMETER_COUNT 78u
 
 /// What is said together, and when.
 typedef enum sd_rate {
@@ -235,8 +263,9 @@ typedef enum sd_rate {
     SD_RATE_FIRING = 2, ///< Each firing, 300 deg after its TDC.
     SD_RATE_TASK = 3, ///< Every 10 ms, with the clock event, whether the engine turns or not.
     SD_RATE_AIRPATH = 4, ///< Every 10 ms, with the clock event, of a page with an air path.
+    SD_RATE_DRIVELINE = 5, ///< Every 10 ms, with the clock event, where the page has a driveline.
 } sd_rate_t;
-#define SD_RATE_COUNT 5u
+#define SD_RATE_COUNT 6u
 
 /// Whose health comes with a value.
 typedef enum sd_owner {
@@ -248,9 +277,11 @@ typedef enum sd_owner {
     SD_OWNER_AFR = 5, ///< Mixture of each cylinder, from the lambda sensor.
     SD_OWNER_BALANCE = 6, ///< Trims of the fuel. They hold while the estimate that they follow is not valid, whatever it lacks.
     SD_OWNER_AIRPATH = 7, ///< Diagnosis of the EGR valve and of the turbine's vanes, of a page with an air path.
-    SD_OWNER_INPUTS = 8, ///< What the ecu knows of its inputs; always valid.
+    SD_OWNER_DRIVELINE = 8, ///< The guard filter: torsion of the driveline from crank teeth, and the damping of its swing.
+    SD_OWNER_DRIVELINE_REFERENCE = 9, ///< Document 003's observers of the same, which want a speed without noise.
+    SD_OWNER_INPUTS = 10, ///< What the ecu knows of its inputs; always valid.
 } sd_owner_t;
-#define SD_OWNER_COUNT 9u
+#define SD_OWNER_COUNT 11u
 
 /// One row of the table. `value` is the default of a parameter.
 typedef struct sd_signal_info {

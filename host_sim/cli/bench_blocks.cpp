@@ -68,7 +68,7 @@ void filters(benchmark::State &state) {
     sd_firings_out_t out;
     time(state, [&](std::uint32_t k) {
         const sd_tooth_t &t = tooth_of(k);
-        const sd_firings_tooth_t tooth{t.cycle_position, t.position, t.advance, t.period_ticks, t.health, 1, 1, 0, kIntakeBar, kSpeedRadps};
+        const sd_firings_tooth_t tooth{t.cycle_position, t.position, t.advance, t.period_ticks, t.health, 1, 1, 0, 0, kIntakeBar, kSpeedRadps};
         sd_firings_step(&self, &warm.page->kalman, &tooth, &out);
         benchmark::DoNotOptimize(out);
     });
@@ -109,7 +109,7 @@ void monitor(benchmark::State &state) {
     const WarmEcu &warm = warm_ecu();
     sd_misfire_t self = warm.ecu->misfire.monitor;
     time(state, [&](std::uint32_t k) {
-        const sd_misfire_firing_t firing{std::uint8_t(k % 4), SD_VALID, 0, 110 + 0.3f * float(k % 7), 1, kFuelMg, kSpeedRadps, 3000};
+        const sd_misfire_firing_t firing{std::uint8_t(k % 4), SD_VALID, 0, 0, 110 + 0.3f * float(k % 7), 1, kFuelMg, kSpeedRadps, 3000};
         benchmark::DoNotOptimize(sd_misfire_judge(&self, &firing));
     });
 }

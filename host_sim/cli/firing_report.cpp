@@ -42,7 +42,8 @@ nlohmann::ordered_json firing_json(const RunResult &result, const std::optional<
                                 {"single_percent", f.single_percent}, {"single_max_percent", f.single_max_percent},
                                 {"imbalance_percent", f.imbalance_percent}, {"imbalance_max_percent", f.imbalance_max_percent},
                                 {"single_over_stated", f.single_honesty}, {"imbalance_over_stated", f.imbalance_honesty},
-                                {"invalid", f.invalid}, {"pattern_sd_deg", result.pattern_sd_deg}};
+                                {"invalid", f.invalid}, {"pattern_sd_deg", result.pattern_sd_deg},
+                                {"exponent", result.exponent}, {"exponent_sd", result.exponent_sd}};
     if (bounds) {
         json["single_bound_percent"] = bounds->single_percent, json["imbalance_bound_percent"] = bounds->imbalance_percent;
         json["single_over_bound"] = f.single_percent / bounds->single_percent;
@@ -83,6 +84,8 @@ void print_firing(const char *heading, const RunResult &result, const std::optio
         row("  waveform", fmt::format("{:.2f} % rms, shift {:+.3f} deg", result.waveform->rms_true_percent, result.waveform->shift_deg));
     if (result.pattern_sd_deg > 0)
         row("  tooth pattern learned to", fmt::format("{:.4f} deg over {:.0f} cycles", result.pattern_sd_deg, double(result.learned.cycles)));
+    if (result.exponent != 0)
+        row("  exponent of compression", fmt::format("{:+.4f} beyond the calibration's, stated to {:.4f}", result.exponent, result.exponent_sd));
     const sd_twist_sums_t &twist = result.learned.twist;
     if (twist.variance > 0)
         row("  frequency of the crank's twist", fmt::format("{:+.3f} % beyond the tables, stated to {:.3f} %", 100 * double(twist.deviation),

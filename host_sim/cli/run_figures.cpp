@@ -51,6 +51,19 @@ Json balance_json(const std::optional<BalanceFigures> &balance) {
             {"gave_up_cycles", balance->gave_up_cycles}};
 }
 
+Json driveline_json(const std::optional<DrivelineFigures> &driveline) {
+    if (!driveline) return Json();
+    return {{"rows", driveline->rows},
+            {"changes", driveline->changes},
+            {"told_percent", driveline->told_percent},
+            {"wrong_percent", driveline->wrong_percent},
+            {"torsion_rms_rad", driveline->torsion_rms_rad},
+            {"moving_percent", driveline->moving_percent},
+            {"reference_told_percent", driveline->reference_told_percent},
+            {"reference_wrong_percent", driveline->reference_wrong_percent},
+            {"largest_request_nm", driveline->largest_request_nm}};
+}
+
 Json perturbation_json(const Perturbation &p) {
     const PerturbationRanges ranges;
     return {{"inertia_percent", p.inertia_percent},
@@ -86,6 +99,7 @@ void add_figures(Json &summary, const RunResult &nominal, const std::optional<Pe
     summary["cylinders"] = cylinders_json(nominal.cylinders);
     summary["afr"] = afr_json(nominal.afr);
     summary["balance"] = balance_json(nominal.balance);
+    if (nominal.driveline) summary["driveline"] = driveline_json(nominal.driveline);
     summary["perturbed"] = Json();
     if (!perturbed) return;
     summary["perturbed"] = {{"torque", torque_json(perturbed->result.torque)},
@@ -122,7 +136,17 @@ void print_mixture(const RunResult &nominal, const std::optional<PerturbedRun> &
     balance("cycles to giving up, -1 never", "{:.0f}", &BalanceFigures::gave_up_cycles);
 }
 
+void print_driveline(const std::optional<DrivelineFigures> &driveline) {
+    if (!driveline) return;
+    const DrivelineFigures &d = *driveline;
+    fmt::print("driveline every 10 ms: {} true changes of location; told {:.1f} % of the time, wrong location {:.2f} % of that, torsion {:.2e} rad rms;\n"
+               "  moving {:.1f} %; document 003's observers told {:.1f} %, wrong {:.1f} %; largest damping request {:.1f} Nm\n",
+               d.changes, d.told_percent, d.wrong_percent, d.torsion_rms_rad, d.moving_percent, d.reference_told_percent,
+               d.reference_wrong_percent, d.largest_request_nm);
+}
+
 void print_accuracy(const RunResult &nominal, const std::optional<PerturbedRun> &perturbed) {
+    print_driveline(nominal.driveline);
     print_mixture(nominal, perturbed);
     if (!nominal.torque) {
         fmt::print("torque against truth: none, no settled cycle or the speed is prescribed\n");

@@ -6,7 +6,10 @@
 #pragma once
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <vector>
+
+#include "common/toml_file.hpp"
 
 namespace sixdeg {
 
@@ -44,5 +47,17 @@ struct Driveline {
         return rolling_nm * std::clamp(wheel_radps / 0.5, -1.0, 1.0) + drag_nms2 * wheel_radps * std::abs(wheel_radps);
     }
 };
+
+/// [driveline] of ENGINE.toml: the car behind the engine, and what is said of its observers. Field by field: docs/files.md.
+struct DrivelineFile {
+    Driveline car;                 ///< engine_inertia_kgm2 is the crank's mean, and no field.
+    double drag_nm = 0;            ///< Torque that friction takes at no speed; what it takes more with speed is car.engine_viscous_nms.
+    bool guard_in_torque = false;  ///< What decides on the location: the torsion, or the shaft's torque.
+    int wheel_teeth = 0;           ///< On a driven wheel; 0: it has none that are read.
+    double wheel_jitter_deg = 0.05;
+};
+
+/// None when the file has no such table. Throws InputError.
+std::optional<DrivelineFile> read_driveline(TomlFile &file);
 
 } // namespace sixdeg

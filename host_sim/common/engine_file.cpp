@@ -132,6 +132,10 @@ EngineFile read_engine(TomlFile &file) {
     engine.dual_mass = read_dual_mass(file);
     engine.torsion = read_torsion(file, engine.inertia_kgm2, int(engine.firing_order.size()));
 
+    engine.driveline = read_driveline(file);
+    if (engine.driveline && engine.dual_mass)
+        file.fail("driveline", "cannot stand beside [dual_mass]: the observers take the crank for what turns before the shaft");
+
     engine.wheel = read_wheel(file);
     engine.position_0_deg = file.number("wheel.position_0_deg", {0, 359.999, "deg"});
     const std::string edge = file.text_or("wheel.edge", "falling");

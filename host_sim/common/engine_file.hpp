@@ -6,6 +6,7 @@
 
 #include "common/air_path.hpp"
 #include "common/crank_elasticity.hpp"
+#include "common/driveline.hpp"
 #include "common/exhaust_system.hpp"
 #include "common/toml_file.hpp"
 
@@ -60,6 +61,7 @@ struct EngineFile {
 
     std::optional<DualMassFlywheel> dual_mass;
     std::optional<CrankTorsion> torsion;
+    std::optional<DrivelineFile> driveline;
 
     Wheel wheel;
     double position_0_deg = 0; ///< Crank angle of position 0's edge, [0, 360), 0 = firing TDC of firing_order[0].

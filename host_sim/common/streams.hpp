@@ -6,7 +6,7 @@
 namespace sixdeg::stream {
 
 constexpr std::uint32_t kJitter = 1, kDrops = 2, kExtras = 3, kCam = 4, kPattern = 5, kRoad = 6, kUego = 7, kExhaustPressure = 8;
-constexpr std::uint32_t kAirPath = 9, kAirPathErrors = 10;
+constexpr std::uint32_t kAirPath = 9, kAirPathErrors = 10, kVehicleWheel = 11;
 /// Plus the cylinder's index in firing order.
 constexpr std::uint32_t kCyclic = 100, kMisfire = 200;
 constexpr std::uint32_t kPerturbation = 300;

@@ -13,6 +13,7 @@
 #include "design/torque/known_torque.hpp"
 #include "design/torque/observer_map.hpp"
 #include "design/afr/exhaust_tables.hpp"
+#include "design/driveline/driveline_page.hpp"
 #include "common/error.hpp"
 #include "linalg/linalg.hpp"
 extern "C" {
@@ -189,6 +190,8 @@ sd_calibration_t calibrate(const EngineFile &engine, const sd_parameters_t &tune
     }
     c.cylinder_map = page_map(engine, c);
     page_filter(engine, tune_name, c);
+    add_driveline(engine, c);
+    if (engine.driveline) check_starts(c, engine, tune_name);
     c.afr = afr_grid(engine);
     check_chain(c, tune_name);
     return c;

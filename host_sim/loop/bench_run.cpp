@@ -24,7 +24,9 @@ class Run {
           score_(int(calibration.parameters.torque_harmonics), plant_.model().tables().steps, kScoredCycles),
           waveform_(kWaveformHarmonics, plant_.model().tables().steps, kScoredCycles),
           cylinder_score_(scenario.engine.shared.cylinders(), kScoredCycles), firing_(scenario.engine.shared),
-          misfire_(scenario.engine.shared), monitor_(scenario.engine.shared), afr_score_(kScoredCycles), balance_score_(kScoredCycles) {
+          misfire_(scenario.engine.shared), monitor_(scenario.engine.shared), afr_score_(kScoredCycles), balance_score_(kScoredCycles),
+          driveline_score_(double(calibration.tick_hz)) {
+        if (plant_.car()) plant_.watch_steps([this] { note_car(); });
         plant_.record_steps(&steps_);
         ecu_.record_answers(&heard_);
     }
@@ -43,6 +45,7 @@ class Run {
         result_.sync_losses = said_.sync_losses();
         result_.unanswered = answers_.missing();
         result_.afr_late_s = double(said_.signals().afr_late_s);
+        if (plant_.car()) result_.driveline = driveline_score_.result();
         if (plant_.exhaust()) result_.afr = afr_score_.estimate(), result_.balance = balance_score_.result();
         if (scenario_.speed_mode == SpeedMode::prescribed) return result_;
         result_.torque = score_.result();
@@ -69,7 +72,9 @@ class Run {
         show_exhaust();
         ecu_.show(SD_INPUT_FUEL_INJECTED, plant_.commanded_fuel_kg() * 1e6);
         if (!scenario_.balance_on_s.empty()) ecu_.show(SD_INPUT_BALANCE_ENABLE, balancing(edge.time_s));
+        if (plant_.car()) ecu_.show(SD_INPUT_DRIVELINE_GEAR, plant_.car()->gear());
         take_samples(edge.time_s);
+        take_wheel_edges(edge.time_s);
         take_air_path(edge.time_s);
         ecu_.tell_time_until(edge.time_s);
         if (ecu_.clock_events() != judged_) judge_answered();
@@ -115,6 +120,15 @@ class Run {
         }
     }
 
+    /// The time of a time event between them is told first.
+    void take_wheel_edges(double until_s) {
+        double edge_s;
+        while (plant_.next_wheel_edge(until_s, edge_s)) {
+            ecu_.tell_time_until(edge_s);
+            ecu_.send({ecu_.tick_at(edge_s), SD_EVENT_WHEEL_EDGE, SD_WHEEL_FRONT_LEFT, 0, 0});
+        }
+    }
+
     void take_air_path(double until_s) {
         airpath::Readings readings;
         airpath::Truth truth;
@@ -157,8 +171,16 @@ class Run {
         if (said_.health(SD_OWNER_AFR) == SD_VALID) afr_score_.cycle(b.lambda, estimate, double(s.afr_cylinder_sd[0]));
     }
 
+    void note_car() {
+        const VehicleModel &car = plant_.car()->model();
+        driveline_score_.truth(car.state().time_s, car.location(), car.state().twist_rad);
+    }
+
     /// Whatever has no answer by now will get none.
     void judge_answered() {
+        if (plant_.car()) {
+            for (const sd_event_t &event : heard_) driveline_score_.said(event);
+        }
         answers_.add(heard_);
         if (tables_ && scenario_.air_path)
             for (const sd_event_t &event : heard_) tables_->air_path().said(event);
@@ -230,6 +252,7 @@ class Run {
     MisfireScore misfire_, monitor_;
     AfrScore afr_score_;
     BalanceScore balance_score_;
+    DrivelineScore driveline_score_;
     std::size_t firings_ = 0;
     std::vector<Sent> sent_;
     std::vector<sd_event_t> heard_;
@@ -257,6 +280,7 @@ RunResult run_on_bench(const Scenario &scenario, const sd_calibration_t &calibra
     RunResult result = run_scenario(scenario, calibration, *bench, tables);
     result.learned = bench->learned();
     result.pattern_sd_deg = double(bench->pattern().sd_rad) * kDegPerRad;
+    result.exponent = double(bench->pattern().exponent), result.exponent_sd = double(bench->pattern().exponent_sd);
     return result;
 }
 

@@ -9,6 +9,7 @@
 #include "score/afr_score.hpp"
 #include "score/balance_score.hpp"
 #include "score/cylinder_score.hpp"
+#include "score/driveline_score.hpp"
 #include "score/firing_score.hpp"
 #include "score/misfire_score.hpp"
 #include "io/tables/run_tables.hpp"
@@ -40,8 +41,10 @@ struct RunResult {
     MisfireFigures monitor; ///< Of the monitor beside it; the same where it is the method.
     sd_pattern_sums_t learned{};         ///< Tooth pattern at the end of the run,
     double pattern_sd_deg = 0;           ///< and its standard deviation; 0: nothing learned.
+    double exponent = 0, exponent_sd = 0; ///< By which compression's exponent is larger than the calibration's, as learned with it.
     std::optional<AfrFigures> afr;            ///< With a wideband sensor only.
     std::optional<BalanceFigures> balance;    ///< Where fuel trims were allowed.
+    std::optional<DrivelineFigures> driveline; ///< With a car in the scenario, and a driveline in the page, only.
     double afr_late_s = 0;                    ///< What was learned of the delay to the lambda sensor (signal afr.late).
 };
 

@@ -15,7 +15,7 @@ struct TorqueSignal {
     double combustion_nm = 1200, compression_nm = 370;
     double j0_kgm2 = 0.25, recip_mass_kg = 0.95, crank_m = 0.046, rod_m = 0.1445;
 
-    double inertia(double alpha) const {
+    virtual double inertia(double alpha) const {
         double j = j0_kgm2;
         for (double phase : {0.0, M_PI, M_PI, 0.0}) {
             const double a = alpha - phase, s = std::sin(a);
@@ -28,7 +28,8 @@ struct TorqueSignal {
     /// Torque without its mean.
     double torque(double alpha) const { return raw(alpha) - mean(); }
 
-    double raw(double alpha) const {
+    virtual ~TorqueSignal() = default;
+    virtual double raw(double alpha) const {
         double sum = 0;
         for (int c = 0; c < 4; ++c) {
             const double x = std::remainder(alpha - c * M_PI, 4 * M_PI);

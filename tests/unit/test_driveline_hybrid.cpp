@@ -149,11 +149,11 @@ TEST(Hybrid, ABadInputHoldsEverything) {
     sd_driveline_hybrid_t observer, before;
     ASSERT_EQ(sd_driveline_hybrid_init(&observer, &bank, 3), SD_OK);
     sd_driveline_hybrid_out_t out;
-    for (int i = 0; i < 600; ++i) sd_driveline_hybrid_step(&observer, &bank, 0, 0, &out);
+    for (int i = 0; i < 600; ++i) sd_driveline_hybrid_step(&observer, &bank, 0, 0, 0, &out);
     EXPECT_EQ(out.status.health, SD_VALID);
     std::memcpy(&before, &observer, sizeof before);
-    sd_driveline_hybrid_step(&observer, &bank, kNan, 0, &out);
-    sd_driveline_hybrid_step(&observer, &bank, 0, -2e6f, &out);
+    sd_driveline_hybrid_step(&observer, &bank, kNan, 0, 0, &out);
+    sd_driveline_hybrid_step(&observer, &bank, 0, 0, -2e6f, &out);
     EXPECT_EQ(out.status.health, SD_DEGRADED);
     EXPECT_EQ(out.status.why, SD_WHY_REJECTED);
     EXPECT_EQ(out.status.rejected, 2);

@@ -62,7 +62,7 @@ struct Stream {
         const double mean = kTorque * efficiency * burned;
         if (common > 0) error = rho * error + common * std::sqrt(1 - rho * rho) * random.normal();
         const double torque = mean * (1 + cyclic * random.normal()) + noise_nm * random.normal() + error * kTorque;
-        sd_misfire_firing_t f{std::uint8_t(k++ % kCylinders), SD_VALID, inhibit, float(torque), float(stated_nm), command_mg, speed, 0};
+        sd_misfire_firing_t f{std::uint8_t(k++ % kCylinders), SD_VALID, 0, inhibit, float(torque), float(stated_nm), command_mg, speed, 0};
         return sd_misfire_judge(&monitor, &f);
     }
     void healthy(int n) { while (n-- > 0) go(); }
@@ -355,7 +355,7 @@ TEST(Misfire, SurvivesEveryFloat) {
             std::memcpy(&f, &x, sizeof f);
             if (k % 5) f = std::fmod(f, 300.0f);
         }
-        const sd_misfire_firing_t f{std::uint8_t(x >> 28), std::uint8_t(x >> 30), 0, in[0], in[1], in[2], in[3], in[0]};
+        const sd_misfire_firing_t f{std::uint8_t(x >> 28), std::uint8_t(x >> 30), 0, 0, in[0], in[1], in[2], in[3], in[0]};
         const auto v = sd_misfire_judge(&s.monitor, &f);
         for (float value : {v.index, v.index_sd, v.limit, s.monitor.scatter, s.monitor.factor[0], s.read().status.test_ratio})
             ASSERT_TRUE(std::isfinite(value)) << k;

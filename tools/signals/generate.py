@@ -24,7 +24,8 @@ REQUIRED = {"rate": {"name", "text"}, "owner": {"name", "text"}, "input": {"name
 OPTIONAL = {"rate": {"period"}, "owner": {"degraded_without", "invalid_without"}, "input": set(), "signal": {"count"}, "parameter": {"at_start"}}
 UNIT_SUFFIX = {"": "", "deg": "_deg", "rpm": "_rpm", "rad/s2": "_radps2", "Nm": "_nm", "J": "_j", "s": "_s",
                "1/rad": "_per_rad", "1/rad2": "_per_rad2", "cycles": "_cycles",
-               "K": "_k", "bar": "_bar", "kPa": "_kpa", "g/s": "_gps", "mg": "_mg", "J/mg": "_jpmg", "%": "_percent"}
+               "K": "_k", "bar": "_bar", "kPa": "_kpa", "g/s": "_gps", "mg": "_mg", "J/mg": "_jpmg", "%": "_percent",
+               "rad": "_rad", "rad/s": "_radps", "Nm s/rad": "_nmsprad", "Nm/s": "_nmps"}
 
 
 def load(path=TABLE):

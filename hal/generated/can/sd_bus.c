@@ -6222,6 +6222,587 @@ bool sd_bus_task_inputs_missing_2_is_in_phys_range(double value)
     return ((value >= 0.0) && (value <= 65535.0));
 }
 
+int sd_bus_driveline_pack(
+    uint8_t *dst_p,
+    const struct sd_bus_driveline_t *src_p,
+    size_t size)
+{
+    uint32_t driveline_bias;
+    uint32_t driveline_damping_request;
+    uint32_t driveline_location;
+    uint32_t driveline_moving;
+    uint32_t driveline_reference_location;
+    uint32_t driveline_reference_residual_1;
+    uint32_t driveline_reference_residual_2;
+    uint32_t driveline_reference_residual_3;
+    uint32_t driveline_reference_torsion;
+    uint32_t driveline_shaft;
+    uint32_t driveline_torsion;
+    uint32_t driveline_wheel_speed;
+    uint32_t driveline_winding;
+
+    if (size < 64u) {
+        return (-EINVAL);
+    }
+
+    memset(&dst_p[0], 0, 64);
+
+    dst_p[0] |= pack_left_shift_u32(src_p->tick, 0u, 0xffu);
+    dst_p[1] |= pack_right_shift_u32(src_p->tick, 8u, 0xffu);
+    dst_p[2] |= pack_right_shift_u32(src_p->tick, 16u, 0xffu);
+    dst_p[3] |= pack_right_shift_u32(src_p->tick, 24u, 0xffu);
+    dst_p[4] |= pack_left_shift_u8(src_p->driveline_health, 0u, 0xffu);
+    dst_p[5] |= pack_left_shift_u16(src_p->driveline_why, 0u, 0xffu);
+    dst_p[6] |= pack_right_shift_u16(src_p->driveline_why, 8u, 0xffu);
+    dst_p[7] |= pack_left_shift_u8(src_p->driveline_reference_health, 0u, 0xffu);
+    dst_p[8] |= pack_left_shift_u16(src_p->driveline_reference_why, 0u, 0xffu);
+    dst_p[9] |= pack_right_shift_u16(src_p->driveline_reference_why, 8u, 0xffu);
+    memcpy(&driveline_location, &src_p->driveline_location, sizeof(driveline_location));
+    dst_p[10] |= pack_left_shift_u32(driveline_location, 0u, 0xffu);
+    dst_p[11] |= pack_right_shift_u32(driveline_location, 8u, 0xffu);
+    dst_p[12] |= pack_right_shift_u32(driveline_location, 16u, 0xffu);
+    dst_p[13] |= pack_right_shift_u32(driveline_location, 24u, 0xffu);
+    memcpy(&driveline_torsion, &src_p->driveline_torsion, sizeof(driveline_torsion));
+    dst_p[14] |= pack_left_shift_u32(driveline_torsion, 0u, 0xffu);
+    dst_p[15] |= pack_right_shift_u32(driveline_torsion, 8u, 0xffu);
+    dst_p[16] |= pack_right_shift_u32(driveline_torsion, 16u, 0xffu);
+    dst_p[17] |= pack_right_shift_u32(driveline_torsion, 24u, 0xffu);
+    memcpy(&driveline_winding, &src_p->driveline_winding, sizeof(driveline_winding));
+    dst_p[18] |= pack_left_shift_u32(driveline_winding, 0u, 0xffu);
+    dst_p[19] |= pack_right_shift_u32(driveline_winding, 8u, 0xffu);
+    dst_p[20] |= pack_right_shift_u32(driveline_winding, 16u, 0xffu);
+    dst_p[21] |= pack_right_shift_u32(driveline_winding, 24u, 0xffu);
+    memcpy(&driveline_shaft, &src_p->driveline_shaft, sizeof(driveline_shaft));
+    dst_p[22] |= pack_left_shift_u32(driveline_shaft, 0u, 0xffu);
+    dst_p[23] |= pack_right_shift_u32(driveline_shaft, 8u, 0xffu);
+    dst_p[24] |= pack_right_shift_u32(driveline_shaft, 16u, 0xffu);
+    dst_p[25] |= pack_right_shift_u32(driveline_shaft, 24u, 0xffu);
+    memcpy(&driveline_wheel_speed, &src_p->driveline_wheel_speed, sizeof(driveline_wheel_speed));
+    dst_p[26] |= pack_left_shift_u32(driveline_wheel_speed, 0u, 0xffu);
+    dst_p[27] |= pack_right_shift_u32(driveline_wheel_speed, 8u, 0xffu);
+    dst_p[28] |= pack_right_shift_u32(driveline_wheel_speed, 16u, 0xffu);
+    dst_p[29] |= pack_right_shift_u32(driveline_wheel_speed, 24u, 0xffu);
+    memcpy(&driveline_bias, &src_p->driveline_bias, sizeof(driveline_bias));
+    dst_p[30] |= pack_left_shift_u32(driveline_bias, 0u, 0xffu);
+    dst_p[31] |= pack_right_shift_u32(driveline_bias, 8u, 0xffu);
+    dst_p[32] |= pack_right_shift_u32(driveline_bias, 16u, 0xffu);
+    dst_p[33] |= pack_right_shift_u32(driveline_bias, 24u, 0xffu);
+    memcpy(&driveline_moving, &src_p->driveline_moving, sizeof(driveline_moving));
+    dst_p[34] |= pack_left_shift_u32(driveline_moving, 0u, 0xffu);
+    dst_p[35] |= pack_right_shift_u32(driveline_moving, 8u, 0xffu);
+    dst_p[36] |= pack_right_shift_u32(driveline_moving, 16u, 0xffu);
+    dst_p[37] |= pack_right_shift_u32(driveline_moving, 24u, 0xffu);
+    memcpy(&driveline_damping_request, &src_p->driveline_damping_request, sizeof(driveline_damping_request));
+    dst_p[38] |= pack_left_shift_u32(driveline_damping_request, 0u, 0xffu);
+    dst_p[39] |= pack_right_shift_u32(driveline_damping_request, 8u, 0xffu);
+    dst_p[40] |= pack_right_shift_u32(driveline_damping_request, 16u, 0xffu);
+    dst_p[41] |= pack_right_shift_u32(driveline_damping_request, 24u, 0xffu);
+    memcpy(&driveline_reference_location, &src_p->driveline_reference_location, sizeof(driveline_reference_location));
+    dst_p[42] |= pack_left_shift_u32(driveline_reference_location, 0u, 0xffu);
+    dst_p[43] |= pack_right_shift_u32(driveline_reference_location, 8u, 0xffu);
+    dst_p[44] |= pack_right_shift_u32(driveline_reference_location, 16u, 0xffu);
+    dst_p[45] |= pack_right_shift_u32(driveline_reference_location, 24u, 0xffu);
+    memcpy(&driveline_reference_torsion, &src_p->driveline_reference_torsion, sizeof(driveline_reference_torsion));
+    dst_p[46] |= pack_left_shift_u32(driveline_reference_torsion, 0u, 0xffu);
+    dst_p[47] |= pack_right_shift_u32(driveline_reference_torsion, 8u, 0xffu);
+    dst_p[48] |= pack_right_shift_u32(driveline_reference_torsion, 16u, 0xffu);
+    dst_p[49] |= pack_right_shift_u32(driveline_reference_torsion, 24u, 0xffu);
+    memcpy(&driveline_reference_residual_1, &src_p->driveline_reference_residual_1, sizeof(driveline_reference_residual_1));
+    dst_p[50] |= pack_left_shift_u32(driveline_reference_residual_1, 0u, 0xffu);
+    dst_p[51] |= pack_right_shift_u32(driveline_reference_residual_1, 8u, 0xffu);
+    dst_p[52] |= pack_right_shift_u32(driveline_reference_residual_1, 16u, 0xffu);
+    dst_p[53] |= pack_right_shift_u32(driveline_reference_residual_1, 24u, 0xffu);
+    memcpy(&driveline_reference_residual_2, &src_p->driveline_reference_residual_2, sizeof(driveline_reference_residual_2));
+    dst_p[54] |= pack_left_shift_u32(driveline_reference_residual_2, 0u, 0xffu);
+    dst_p[55] |= pack_right_shift_u32(driveline_reference_residual_2, 8u, 0xffu);
+    dst_p[56] |= pack_right_shift_u32(driveline_reference_residual_2, 16u, 0xffu);
+    dst_p[57] |= pack_right_shift_u32(driveline_reference_residual_2, 24u, 0xffu);
+    memcpy(&driveline_reference_residual_3, &src_p->driveline_reference_residual_3, sizeof(driveline_reference_residual_3));
+    dst_p[58] |= pack_left_shift_u32(driveline_reference_residual_3, 0u, 0xffu);
+    dst_p[59] |= pack_right_shift_u32(driveline_reference_residual_3, 8u, 0xffu);
+    dst_p[60] |= pack_right_shift_u32(driveline_reference_residual_3, 16u, 0xffu);
+    dst_p[61] |= pack_right_shift_u32(driveline_reference_residual_3, 24u, 0xffu);
+
+    return (64);
+}
+
+int sd_bus_driveline_unpack(
+    struct sd_bus_driveline_t *dst_p,
+    const uint8_t *src_p,
+    size_t size)
+{
+    uint32_t driveline_bias;
+    uint32_t driveline_damping_request;
+    uint32_t driveline_location;
+    uint32_t driveline_moving;
+    uint32_t driveline_reference_location;
+    uint32_t driveline_reference_residual_1;
+    uint32_t driveline_reference_residual_2;
+    uint32_t driveline_reference_residual_3;
+    uint32_t driveline_reference_torsion;
+    uint32_t driveline_shaft;
+    uint32_t driveline_torsion;
+    uint32_t driveline_wheel_speed;
+    uint32_t driveline_winding;
+
+    if (size < 64u) {
+        return (-EINVAL);
+    }
+
+    dst_p->tick = unpack_right_shift_u32(src_p[0], 0u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[1], 8u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[2], 16u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[3], 24u, 0xffu);
+    dst_p->driveline_health = unpack_right_shift_u8(src_p[4], 0u, 0xffu);
+    dst_p->driveline_why = unpack_right_shift_u16(src_p[5], 0u, 0xffu);
+    dst_p->driveline_why |= unpack_left_shift_u16(src_p[6], 8u, 0xffu);
+    dst_p->driveline_reference_health = unpack_right_shift_u8(src_p[7], 0u, 0xffu);
+    dst_p->driveline_reference_why = unpack_right_shift_u16(src_p[8], 0u, 0xffu);
+    dst_p->driveline_reference_why |= unpack_left_shift_u16(src_p[9], 8u, 0xffu);
+    driveline_location = unpack_right_shift_u32(src_p[10], 0u, 0xffu);
+    driveline_location |= unpack_left_shift_u32(src_p[11], 8u, 0xffu);
+    driveline_location |= unpack_left_shift_u32(src_p[12], 16u, 0xffu);
+    driveline_location |= unpack_left_shift_u32(src_p[13], 24u, 0xffu);
+    memcpy(&dst_p->driveline_location, &driveline_location, sizeof(dst_p->driveline_location));
+    driveline_torsion = unpack_right_shift_u32(src_p[14], 0u, 0xffu);
+    driveline_torsion |= unpack_left_shift_u32(src_p[15], 8u, 0xffu);
+    driveline_torsion |= unpack_left_shift_u32(src_p[16], 16u, 0xffu);
+    driveline_torsion |= unpack_left_shift_u32(src_p[17], 24u, 0xffu);
+    memcpy(&dst_p->driveline_torsion, &driveline_torsion, sizeof(dst_p->driveline_torsion));
+    driveline_winding = unpack_right_shift_u32(src_p[18], 0u, 0xffu);
+    driveline_winding |= unpack_left_shift_u32(src_p[19], 8u, 0xffu);
+    driveline_winding |= unpack_left_shift_u32(src_p[20], 16u, 0xffu);
+    driveline_winding |= unpack_left_shift_u32(src_p[21], 24u, 0xffu);
+    memcpy(&dst_p->driveline_winding, &driveline_winding, sizeof(dst_p->driveline_winding));
+    driveline_shaft = unpack_right_shift_u32(src_p[22], 0u, 0xffu);
+    driveline_shaft |= unpack_left_shift_u32(src_p[23], 8u, 0xffu);
+    driveline_shaft |= unpack_left_shift_u32(src_p[24], 16u, 0xffu);
+    driveline_shaft |= unpack_left_shift_u32(src_p[25], 24u, 0xffu);
+    memcpy(&dst_p->driveline_shaft, &driveline_shaft, sizeof(dst_p->driveline_shaft));
+    driveline_wheel_speed = unpack_right_shift_u32(src_p[26], 0u, 0xffu);
+    driveline_wheel_speed |= unpack_left_shift_u32(src_p[27], 8u, 0xffu);
+    driveline_wheel_speed |= unpack_left_shift_u32(src_p[28], 16u, 0xffu);
+    driveline_wheel_speed |= unpack_left_shift_u32(src_p[29], 24u, 0xffu);
+    memcpy(&dst_p->driveline_wheel_speed, &driveline_wheel_speed, sizeof(dst_p->driveline_wheel_speed));
+    driveline_bias = unpack_right_shift_u32(src_p[30], 0u, 0xffu);
+    driveline_bias |= unpack_left_shift_u32(src_p[31], 8u, 0xffu);
+    driveline_bias |= unpack_left_shift_u32(src_p[32], 16u, 0xffu);
+    driveline_bias |= unpack_left_shift_u32(src_p[33], 24u, 0xffu);
+    memcpy(&dst_p->driveline_bias, &driveline_bias, sizeof(dst_p->driveline_bias));
+    driveline_moving = unpack_right_shift_u32(src_p[34], 0u, 0xffu);
+    driveline_moving |= unpack_left_shift_u32(src_p[35], 8u, 0xffu);
+    driveline_moving |= unpack_left_shift_u32(src_p[36], 16u, 0xffu);
+    driveline_moving |= unpack_left_shift_u32(src_p[37], 24u, 0xffu);
+    memcpy(&dst_p->driveline_moving, &driveline_moving, sizeof(dst_p->driveline_moving));
+    driveline_damping_request = unpack_right_shift_u32(src_p[38], 0u, 0xffu);
+    driveline_damping_request |= unpack_left_shift_u32(src_p[39], 8u, 0xffu);
+    driveline_damping_request |= unpack_left_shift_u32(src_p[40], 16u, 0xffu);
+    driveline_damping_request |= unpack_left_shift_u32(src_p[41], 24u, 0xffu);
+    memcpy(&dst_p->driveline_damping_request, &driveline_damping_request, sizeof(dst_p->driveline_damping_request));
+    driveline_reference_location = unpack_right_shift_u32(src_p[42], 0u, 0xffu);
+    driveline_reference_location |= unpack_left_shift_u32(src_p[43], 8u, 0xffu);
+    driveline_reference_location |= unpack_left_shift_u32(src_p[44], 16u, 0xffu);
+    driveline_reference_location |= unpack_left_shift_u32(src_p[45], 24u, 0xffu);
+    memcpy(&dst_p->driveline_reference_location, &driveline_reference_location, sizeof(dst_p->driveline_reference_location));
+    driveline_reference_torsion = unpack_right_shift_u32(src_p[46], 0u, 0xffu);
+    driveline_reference_torsion |= unpack_left_shift_u32(src_p[47], 8u, 0xffu);
+    driveline_reference_torsion |= unpack_left_shift_u32(src_p[48], 16u, 0xffu);
+    driveline_reference_torsion |= unpack_left_shift_u32(src_p[49], 24u, 0xffu);
+    memcpy(&dst_p->driveline_reference_torsion, &driveline_reference_torsion, sizeof(dst_p->driveline_reference_torsion));
+    driveline_reference_residual_1 = unpack_right_shift_u32(src_p[50], 0u, 0xffu);
+    driveline_reference_residual_1 |= unpack_left_shift_u32(src_p[51], 8u, 0xffu);
+    driveline_reference_residual_1 |= unpack_left_shift_u32(src_p[52], 16u, 0xffu);
+    driveline_reference_residual_1 |= unpack_left_shift_u32(src_p[53], 24u, 0xffu);
+    memcpy(&dst_p->driveline_reference_residual_1, &driveline_reference_residual_1, sizeof(dst_p->driveline_reference_residual_1));
+    driveline_reference_residual_2 = unpack_right_shift_u32(src_p[54], 0u, 0xffu);
+    driveline_reference_residual_2 |= unpack_left_shift_u32(src_p[55], 8u, 0xffu);
+    driveline_reference_residual_2 |= unpack_left_shift_u32(src_p[56], 16u, 0xffu);
+    driveline_reference_residual_2 |= unpack_left_shift_u32(src_p[57], 24u, 0xffu);
+    memcpy(&dst_p->driveline_reference_residual_2, &driveline_reference_residual_2, sizeof(dst_p->driveline_reference_residual_2));
+    driveline_reference_residual_3 = unpack_right_shift_u32(src_p[58], 0u, 0xffu);
+    driveline_reference_residual_3 |= unpack_left_shift_u32(src_p[59], 8u, 0xffu);
+    driveline_reference_residual_3 |= unpack_left_shift_u32(src_p[60], 16u, 0xffu);
+    driveline_reference_residual_3 |= unpack_left_shift_u32(src_p[61], 24u, 0xffu);
+    memcpy(&dst_p->driveline_reference_residual_3, &driveline_reference_residual_3, sizeof(dst_p->driveline_reference_residual_3));
+
+    return (0);
+}
+
+int sd_bus_driveline_init(struct sd_bus_driveline_t *msg_p)
+{
+    if (msg_p == NULL) return -1;
+
+    memset(msg_p, 0, sizeof(struct sd_bus_driveline_t));
+
+    return 0;
+}
+
+uint32_t sd_bus_driveline_tick_encode(double value)
+{
+    return (uint32_t)(cantools_unsigned_from_double(round(value)));
+}
+
+double sd_bus_driveline_tick_decode(uint32_t value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_driveline_tick_is_in_range(uint32_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool sd_bus_driveline_tick_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 4294967295.0));
+}
+
+uint8_t sd_bus_driveline_driveline_health_encode(double value)
+{
+    return (uint8_t)(cantools_unsigned_from_double(round(value)));
+}
+
+double sd_bus_driveline_driveline_health_decode(uint8_t value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_driveline_driveline_health_is_in_range(uint8_t value)
+{
+    return (value <= 2u);
+}
+
+bool sd_bus_driveline_driveline_health_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 2.0));
+}
+
+uint16_t sd_bus_driveline_driveline_why_encode(double value)
+{
+    return (uint16_t)(cantools_unsigned_from_double(round(value)));
+}
+
+double sd_bus_driveline_driveline_why_decode(uint16_t value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_driveline_driveline_why_is_in_range(uint16_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool sd_bus_driveline_driveline_why_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 65535.0));
+}
+
+uint8_t sd_bus_driveline_driveline_reference_health_encode(double value)
+{
+    return (uint8_t)(cantools_unsigned_from_double(round(value)));
+}
+
+double sd_bus_driveline_driveline_reference_health_decode(uint8_t value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_driveline_driveline_reference_health_is_in_range(uint8_t value)
+{
+    return (value <= 2u);
+}
+
+bool sd_bus_driveline_driveline_reference_health_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 2.0));
+}
+
+uint16_t sd_bus_driveline_driveline_reference_why_encode(double value)
+{
+    return (uint16_t)(cantools_unsigned_from_double(round(value)));
+}
+
+double sd_bus_driveline_driveline_reference_why_decode(uint16_t value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_driveline_driveline_reference_why_is_in_range(uint16_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool sd_bus_driveline_driveline_reference_why_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 65535.0));
+}
+
+float sd_bus_driveline_driveline_location_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_driveline_driveline_location_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_driveline_driveline_location_is_in_range(float value)
+{
+    return ((value >= 0.0f) && (value <= 3.0f));
+}
+
+bool sd_bus_driveline_driveline_location_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 3.0));
+}
+
+float sd_bus_driveline_driveline_torsion_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_driveline_driveline_torsion_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_driveline_driveline_torsion_is_in_range(float value)
+{
+    return ((value >= -10.0f) && (value <= 10.0f));
+}
+
+bool sd_bus_driveline_driveline_torsion_is_in_phys_range(double value)
+{
+    return ((value >= -10.0) && (value <= 10.0));
+}
+
+float sd_bus_driveline_driveline_winding_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_driveline_driveline_winding_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_driveline_driveline_winding_is_in_range(float value)
+{
+    return ((value >= -1000.0f) && (value <= 1000.0f));
+}
+
+bool sd_bus_driveline_driveline_winding_is_in_phys_range(double value)
+{
+    return ((value >= -1000.0) && (value <= 1000.0));
+}
+
+float sd_bus_driveline_driveline_shaft_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_driveline_driveline_shaft_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_driveline_driveline_shaft_is_in_range(float value)
+{
+    return ((value >= -20000.0f) && (value <= 20000.0f));
+}
+
+bool sd_bus_driveline_driveline_shaft_is_in_phys_range(double value)
+{
+    return ((value >= -20000.0) && (value <= 20000.0));
+}
+
+float sd_bus_driveline_driveline_wheel_speed_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_driveline_driveline_wheel_speed_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_driveline_driveline_wheel_speed_is_in_range(float value)
+{
+    return ((value >= -1000.0f) && (value <= 1000.0f));
+}
+
+bool sd_bus_driveline_driveline_wheel_speed_is_in_phys_range(double value)
+{
+    return ((value >= -1000.0) && (value <= 1000.0));
+}
+
+float sd_bus_driveline_driveline_bias_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_driveline_driveline_bias_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_driveline_driveline_bias_is_in_range(float value)
+{
+    return ((value >= -20000.0f) && (value <= 20000.0f));
+}
+
+bool sd_bus_driveline_driveline_bias_is_in_phys_range(double value)
+{
+    return ((value >= -20000.0) && (value <= 20000.0));
+}
+
+float sd_bus_driveline_driveline_moving_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_driveline_driveline_moving_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_driveline_driveline_moving_is_in_range(float value)
+{
+    return ((value >= 0.0f) && (value <= 1.0f));
+}
+
+bool sd_bus_driveline_driveline_moving_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 1.0));
+}
+
+float sd_bus_driveline_driveline_damping_request_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_driveline_driveline_damping_request_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_driveline_driveline_damping_request_is_in_range(float value)
+{
+    return ((value >= -2000.0f) && (value <= 2000.0f));
+}
+
+bool sd_bus_driveline_driveline_damping_request_is_in_phys_range(double value)
+{
+    return ((value >= -2000.0) && (value <= 2000.0));
+}
+
+float sd_bus_driveline_driveline_reference_location_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_driveline_driveline_reference_location_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_driveline_driveline_reference_location_is_in_range(float value)
+{
+    return ((value >= 0.0f) && (value <= 3.0f));
+}
+
+bool sd_bus_driveline_driveline_reference_location_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 3.0));
+}
+
+float sd_bus_driveline_driveline_reference_torsion_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_driveline_driveline_reference_torsion_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_driveline_driveline_reference_torsion_is_in_range(float value)
+{
+    return ((value >= -10.0f) && (value <= 10.0f));
+}
+
+bool sd_bus_driveline_driveline_reference_torsion_is_in_phys_range(double value)
+{
+    return ((value >= -10.0) && (value <= 10.0));
+}
+
+float sd_bus_driveline_driveline_reference_residual_1_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_driveline_driveline_reference_residual_1_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_driveline_driveline_reference_residual_1_is_in_range(float value)
+{
+    return ((value >= -20000.0f) && (value <= 20000.0f));
+}
+
+bool sd_bus_driveline_driveline_reference_residual_1_is_in_phys_range(double value)
+{
+    return ((value >= -20000.0) && (value <= 20000.0));
+}
+
+float sd_bus_driveline_driveline_reference_residual_2_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_driveline_driveline_reference_residual_2_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_driveline_driveline_reference_residual_2_is_in_range(float value)
+{
+    return ((value >= -20000.0f) && (value <= 20000.0f));
+}
+
+bool sd_bus_driveline_driveline_reference_residual_2_is_in_phys_range(double value)
+{
+    return ((value >= -20000.0) && (value <= 20000.0));
+}
+
+float sd_bus_driveline_driveline_reference_residual_3_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_driveline_driveline_reference_residual_3_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_driveline_driveline_reference_residual_3_is_in_range(float value)
+{
+    return ((value >= -20000.0f) && (value <= 20000.0f));
+}
+
+bool sd_bus_driveline_driveline_reference_residual_3_is_in_phys_range(double value)
+{
+    return ((value >= -20000.0) && (value <= 20000.0));
+}
+
 int sd_bus_parameter_request_pack(
     uint8_t *dst_p,
     const struct sd_bus_parameter_request_t *src_p,
@@ -8439,6 +9020,107 @@ bool sd_bus_input_vgt_position_value_is_in_range(float value)
 bool sd_bus_input_vgt_position_value_is_in_phys_range(double value)
 {
     return ((value >= -0.1) && (value <= 1.1));
+}
+
+int sd_bus_input_driveline_gear_pack(
+    uint8_t *dst_p,
+    const struct sd_bus_input_driveline_gear_t *src_p,
+    size_t size)
+{
+    uint32_t value;
+
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    memset(&dst_p[0], 0, 8);
+
+    dst_p[0] |= pack_left_shift_u32(src_p->tick, 0u, 0xffu);
+    dst_p[1] |= pack_right_shift_u32(src_p->tick, 8u, 0xffu);
+    dst_p[2] |= pack_right_shift_u32(src_p->tick, 16u, 0xffu);
+    dst_p[3] |= pack_right_shift_u32(src_p->tick, 24u, 0xffu);
+    memcpy(&value, &src_p->value, sizeof(value));
+    dst_p[4] |= pack_left_shift_u32(value, 0u, 0xffu);
+    dst_p[5] |= pack_right_shift_u32(value, 8u, 0xffu);
+    dst_p[6] |= pack_right_shift_u32(value, 16u, 0xffu);
+    dst_p[7] |= pack_right_shift_u32(value, 24u, 0xffu);
+
+    return (8);
+}
+
+int sd_bus_input_driveline_gear_unpack(
+    struct sd_bus_input_driveline_gear_t *dst_p,
+    const uint8_t *src_p,
+    size_t size)
+{
+    uint32_t value;
+
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    dst_p->tick = unpack_right_shift_u32(src_p[0], 0u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[1], 8u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[2], 16u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[3], 24u, 0xffu);
+    value = unpack_right_shift_u32(src_p[4], 0u, 0xffu);
+    value |= unpack_left_shift_u32(src_p[5], 8u, 0xffu);
+    value |= unpack_left_shift_u32(src_p[6], 16u, 0xffu);
+    value |= unpack_left_shift_u32(src_p[7], 24u, 0xffu);
+    memcpy(&dst_p->value, &value, sizeof(dst_p->value));
+
+    return (0);
+}
+
+int sd_bus_input_driveline_gear_init(struct sd_bus_input_driveline_gear_t *msg_p)
+{
+    if (msg_p == NULL) return -1;
+
+    memset(msg_p, 0, sizeof(struct sd_bus_input_driveline_gear_t));
+
+    return 0;
+}
+
+uint32_t sd_bus_input_driveline_gear_tick_encode(double value)
+{
+    return (uint32_t)(cantools_unsigned_from_double(round(value)));
+}
+
+double sd_bus_input_driveline_gear_tick_decode(uint32_t value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_input_driveline_gear_tick_is_in_range(uint32_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool sd_bus_input_driveline_gear_tick_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 4294967295.0));
+}
+
+float sd_bus_input_driveline_gear_value_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_input_driveline_gear_value_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_input_driveline_gear_value_is_in_range(float value)
+{
+    return ((value >= 0.0f) && (value <= 8.0f));
+}
+
+bool sd_bus_input_driveline_gear_value_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 8.0));
 }
 
 int sd_bus_truth_edge_pack(

@@ -60,6 +60,7 @@ extern "C" {
 #define SD_BUS_FIRING_2_FRAME_ID (0xb8u)
 #define SD_BUS_AIRPATH_FRAME_ID (0xb9u)
 #define SD_BUS_TASK_FRAME_ID (0xbau)
+#define SD_BUS_DRIVELINE_FRAME_ID (0xbbu)
 #define SD_BUS_PARAMETER_REQUEST_FRAME_ID (0xc0u)
 #define SD_BUS_PARAMETER_FRAME_ID (0xc1u)
 #define SD_BUS_CLAIM_FRAME_ID (0xc2u)
@@ -81,6 +82,7 @@ extern "C" {
 #define SD_BUS_INPUT_EGR_POSITION_FRAME_ID (0xdeu)
 #define SD_BUS_INPUT_VGT_COMMAND_FRAME_ID (0xdfu)
 #define SD_BUS_INPUT_VGT_POSITION_FRAME_ID (0xe0u)
+#define SD_BUS_INPUT_DRIVELINE_GEAR_FRAME_ID (0xe1u)
 #define SD_BUS_TRUTH_EDGE_FRAME_ID (0xf0u)
 #define SD_BUS_TRUTH_CYCLE_FRAME_ID (0xf1u)
 #define SD_BUS_TRUTH_END_FRAME_ID (0xf2u)
@@ -99,6 +101,7 @@ extern "C" {
 #define SD_BUS_FIRING_2_LENGTH (16u)
 #define SD_BUS_AIRPATH_LENGTH (64u)
 #define SD_BUS_TASK_LENGTH (24u)
+#define SD_BUS_DRIVELINE_LENGTH (64u)
 #define SD_BUS_PARAMETER_REQUEST_LENGTH (8u)
 #define SD_BUS_PARAMETER_LENGTH (8u)
 #define SD_BUS_CLAIM_LENGTH (8u)
@@ -120,6 +123,7 @@ extern "C" {
 #define SD_BUS_INPUT_EGR_POSITION_LENGTH (8u)
 #define SD_BUS_INPUT_VGT_COMMAND_LENGTH (8u)
 #define SD_BUS_INPUT_VGT_POSITION_LENGTH (8u)
+#define SD_BUS_INPUT_DRIVELINE_GEAR_LENGTH (8u)
 #define SD_BUS_TRUTH_EDGE_LENGTH (48u)
 #define SD_BUS_TRUTH_CYCLE_LENGTH (48u)
 #define SD_BUS_TRUTH_END_LENGTH (8u)
@@ -138,6 +142,7 @@ extern "C" {
 #define SD_BUS_FIRING_2_IS_EXTENDED (0)
 #define SD_BUS_AIRPATH_IS_EXTENDED (0)
 #define SD_BUS_TASK_IS_EXTENDED (0)
+#define SD_BUS_DRIVELINE_IS_EXTENDED (0)
 #define SD_BUS_PARAMETER_REQUEST_IS_EXTENDED (0)
 #define SD_BUS_PARAMETER_IS_EXTENDED (0)
 #define SD_BUS_CLAIM_IS_EXTENDED (0)
@@ -159,6 +164,7 @@ extern "C" {
 #define SD_BUS_INPUT_EGR_POSITION_IS_EXTENDED (0)
 #define SD_BUS_INPUT_VGT_COMMAND_IS_EXTENDED (0)
 #define SD_BUS_INPUT_VGT_POSITION_IS_EXTENDED (0)
+#define SD_BUS_INPUT_DRIVELINE_GEAR_IS_EXTENDED (0)
 #define SD_BUS_TRUTH_EDGE_IS_EXTENDED (0)
 #define SD_BUS_TRUTH_CYCLE_IS_EXTENDED (0)
 #define SD_BUS_TRUTH_END_IS_EXTENDED (0)
@@ -183,6 +189,7 @@ extern "C" {
 #define SD_BUS_INPUT_EGR_POSITION_CYCLE_TIME_MS (10u)
 #define SD_BUS_INPUT_VGT_COMMAND_CYCLE_TIME_MS (10u)
 #define SD_BUS_INPUT_VGT_POSITION_CYCLE_TIME_MS (10u)
+#define SD_BUS_INPUT_DRIVELINE_GEAR_CYCLE_TIME_MS (10u)
 
 /* Signal choices. */
 #define SD_BUS_TEETH_EDGE_0_CRANK_CHOICE (0u)
@@ -482,6 +489,14 @@ extern "C" {
 #define SD_BUS_TASK_INPUTS_HEALTH_DEGRADED_CHOICE (1u)
 #define SD_BUS_TASK_INPUTS_HEALTH_INVALID_CHOICE (2u)
 
+#define SD_BUS_DRIVELINE_DRIVELINE_HEALTH_VALID_CHOICE (0u)
+#define SD_BUS_DRIVELINE_DRIVELINE_HEALTH_DEGRADED_CHOICE (1u)
+#define SD_BUS_DRIVELINE_DRIVELINE_HEALTH_INVALID_CHOICE (2u)
+
+#define SD_BUS_DRIVELINE_DRIVELINE_REFERENCE_HEALTH_VALID_CHOICE (0u)
+#define SD_BUS_DRIVELINE_DRIVELINE_REFERENCE_HEALTH_DEGRADED_CHOICE (1u)
+#define SD_BUS_DRIVELINE_DRIVELINE_REFERENCE_HEALTH_INVALID_CHOICE (2u)
+
 #define SD_BUS_PARAMETER_REQUEST_COMMAND_READ_CHOICE (0u)
 #define SD_BUS_PARAMETER_REQUEST_COMMAND_READ_REFERENCE_CHOICE (1u)
 #define SD_BUS_PARAMETER_REQUEST_COMMAND_SET_CHOICE (2u)
@@ -560,6 +575,11 @@ extern "C" {
 #define SD_BUS_PARAMETER_REQUEST_INDEX_AIRPATH_LATE_CHOICE (70u)
 #define SD_BUS_PARAMETER_REQUEST_INDEX_AIRPATH_STUCK_CHOICE (71u)
 #define SD_BUS_PARAMETER_REQUEST_INDEX_AIRPATH_TRACKING_CHOICE (72u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_DRIVELINE_DAMPING_CHOICE (73u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_DRIVELINE_DAMPING_GAIN_CHOICE (74u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_DRIVELINE_DAMPING_LIMIT_CHOICE (75u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_DRIVELINE_DAMPING_RATE_CHOICE (76u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_DRIVELINE_DAMPING_DROP_CHOICE (77u)
 #define SD_BUS_PARAMETER_REQUEST_INDEX_ALL_CHOICE (255u)
 
 #define SD_BUS_PARAMETER_COMMAND_READ_CHOICE (0u)
@@ -640,6 +660,11 @@ extern "C" {
 #define SD_BUS_PARAMETER_INDEX_AIRPATH_LATE_CHOICE (70u)
 #define SD_BUS_PARAMETER_INDEX_AIRPATH_STUCK_CHOICE (71u)
 #define SD_BUS_PARAMETER_INDEX_AIRPATH_TRACKING_CHOICE (72u)
+#define SD_BUS_PARAMETER_INDEX_DRIVELINE_DAMPING_CHOICE (73u)
+#define SD_BUS_PARAMETER_INDEX_DRIVELINE_DAMPING_GAIN_CHOICE (74u)
+#define SD_BUS_PARAMETER_INDEX_DRIVELINE_DAMPING_LIMIT_CHOICE (75u)
+#define SD_BUS_PARAMETER_INDEX_DRIVELINE_DAMPING_RATE_CHOICE (76u)
+#define SD_BUS_PARAMETER_INDEX_DRIVELINE_DAMPING_DROP_CHOICE (77u)
 #define SD_BUS_PARAMETER_INDEX_ALL_CHOICE (255u)
 
 #define SD_BUS_PARAMETER_RESULT_OK_CHOICE (0u)
@@ -662,6 +687,7 @@ extern "C" {
 #define SD_BUS_FIRING_2_NAME "firing_2"
 #define SD_BUS_AIRPATH_NAME "airpath"
 #define SD_BUS_TASK_NAME "task"
+#define SD_BUS_DRIVELINE_NAME "driveline"
 #define SD_BUS_PARAMETER_REQUEST_NAME "parameter_request"
 #define SD_BUS_PARAMETER_NAME "parameter"
 #define SD_BUS_CLAIM_NAME "claim"
@@ -683,6 +709,7 @@ extern "C" {
 #define SD_BUS_INPUT_EGR_POSITION_NAME "input_egr_position"
 #define SD_BUS_INPUT_VGT_COMMAND_NAME "input_vgt_command"
 #define SD_BUS_INPUT_VGT_POSITION_NAME "input_vgt_position"
+#define SD_BUS_INPUT_DRIVELINE_GEAR_NAME "input_driveline_gear"
 #define SD_BUS_TRUTH_EDGE_NAME "truth_edge"
 #define SD_BUS_TRUTH_CYCLE_NAME "truth_cycle"
 #define SD_BUS_TRUTH_END_NAME "truth_end"
@@ -878,6 +905,24 @@ extern "C" {
 #define SD_BUS_TASK_INPUTS_STALE_2_NAME "inputs_stale_2"
 #define SD_BUS_TASK_INPUTS_MISSING_1_NAME "inputs_missing_1"
 #define SD_BUS_TASK_INPUTS_MISSING_2_NAME "inputs_missing_2"
+#define SD_BUS_DRIVELINE_TICK_NAME "tick"
+#define SD_BUS_DRIVELINE_DRIVELINE_HEALTH_NAME "driveline_health"
+#define SD_BUS_DRIVELINE_DRIVELINE_WHY_NAME "driveline_why"
+#define SD_BUS_DRIVELINE_DRIVELINE_REFERENCE_HEALTH_NAME "driveline_reference_health"
+#define SD_BUS_DRIVELINE_DRIVELINE_REFERENCE_WHY_NAME "driveline_reference_why"
+#define SD_BUS_DRIVELINE_DRIVELINE_LOCATION_NAME "driveline_location"
+#define SD_BUS_DRIVELINE_DRIVELINE_TORSION_NAME "driveline_torsion"
+#define SD_BUS_DRIVELINE_DRIVELINE_WINDING_NAME "driveline_winding"
+#define SD_BUS_DRIVELINE_DRIVELINE_SHAFT_NAME "driveline_shaft"
+#define SD_BUS_DRIVELINE_DRIVELINE_WHEEL_SPEED_NAME "driveline_wheel_speed"
+#define SD_BUS_DRIVELINE_DRIVELINE_BIAS_NAME "driveline_bias"
+#define SD_BUS_DRIVELINE_DRIVELINE_MOVING_NAME "driveline_moving"
+#define SD_BUS_DRIVELINE_DRIVELINE_DAMPING_REQUEST_NAME "driveline_damping_request"
+#define SD_BUS_DRIVELINE_DRIVELINE_REFERENCE_LOCATION_NAME "driveline_reference_location"
+#define SD_BUS_DRIVELINE_DRIVELINE_REFERENCE_TORSION_NAME "driveline_reference_torsion"
+#define SD_BUS_DRIVELINE_DRIVELINE_REFERENCE_RESIDUAL_1_NAME "driveline_reference_residual_1"
+#define SD_BUS_DRIVELINE_DRIVELINE_REFERENCE_RESIDUAL_2_NAME "driveline_reference_residual_2"
+#define SD_BUS_DRIVELINE_DRIVELINE_REFERENCE_RESIDUAL_3_NAME "driveline_reference_residual_3"
 #define SD_BUS_PARAMETER_REQUEST_COMMAND_NAME "command"
 #define SD_BUS_PARAMETER_REQUEST_INDEX_NAME "index"
 #define SD_BUS_PARAMETER_REQUEST_VALUE_NAME "value"
@@ -925,6 +970,8 @@ extern "C" {
 #define SD_BUS_INPUT_VGT_COMMAND_VALUE_NAME "value"
 #define SD_BUS_INPUT_VGT_POSITION_TICK_NAME "tick"
 #define SD_BUS_INPUT_VGT_POSITION_VALUE_NAME "value"
+#define SD_BUS_INPUT_DRIVELINE_GEAR_TICK_NAME "tick"
+#define SD_BUS_INPUT_DRIVELINE_GEAR_VALUE_NAME "value"
 #define SD_BUS_TRUTH_EDGE_TIME_S_NAME "time_s"
 #define SD_BUS_TRUTH_EDGE_ANGLE_DEG_NAME "angle_deg"
 #define SD_BUS_TRUTH_EDGE_CRANK_DEG_NAME "crank_deg"
@@ -2743,6 +2790,177 @@ struct sd_bus_task_t {
 };
 
 /**
+ * Signals in message driveline.
+ *
+ * Signals of rate driveline, one row a tick.
+ *
+ * All signal values are as on the CAN bus.
+ */
+struct sd_bus_driveline_t {
+    /**
+     * Capture tick of the event that caused it.
+     *
+     * Range: 0..4294967295 (0..4294967295 tick)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint32_t tick;
+
+    /**
+     * How far the values of driveline may be trusted.
+     *
+     * Range: 0..2 (0..2 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t driveline_health;
+
+    /**
+     * Why not, bits: sd_why_t.
+     *
+     * Range: 0..65535 (0..65535 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint16_t driveline_why;
+
+    /**
+     * How far the values of driveline_reference may be trusted.
+     *
+     * Range: 0..2 (0..2 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t driveline_reference_health;
+
+    /**
+     * Why not, bits: sd_why_t.
+     *
+     * Range: 0..65535 (0..65535 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint16_t driveline_reference_why;
+
+    /**
+     * Where the shaft is: 1 wound up backward and stiff, 2 soft, 3 wound up forward and stiff; 0: not known.
+     *
+     * Range: 0.0..3.0 (0..3 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    float driveline_location;
+
+    /**
+     * Torsion of the shaft, at the wheels.
+     *
+     * Range: -10.0..10.0 (-10..10 rad)
+     * Scale: 1
+     * Offset: 0
+     */
+    float driveline_torsion;
+
+    /**
+     * Rate of the torsion.
+     *
+     * Range: -1000.0..1000.0 (-1000..1000 rad/s)
+     * Scale: 1
+     * Offset: 0
+     */
+    float driveline_winding;
+
+    /**
+     * Torque of the shaft, spring and damping, at the crank.
+     *
+     * Range: -20000.0..20000.0 (-20000..20000 Nm)
+     * Scale: 1
+     * Offset: 0
+     */
+    float driveline_shaft;
+
+    /**
+     * Speed of the driven wheels, as the filter has it.
+     *
+     * Range: -1000.0..1000.0 (-1000..1000 rad/s)
+     * Scale: 1
+     * Offset: 0
+     */
+    float driveline_wheel_speed;
+
+    /**
+     * What the engine's torque is believed to lack, at the crank.
+     *
+     * Range: -20000.0..20000.0 (-20000..20000 Nm)
+     * Scale: 1
+     * Offset: 0
+     */
+    float driveline_bias;
+
+    /**
+     * 1: the shaft winds or unwinds fast, or did within the last quarter of a second. Firings and misfires are judged by it.
+     *
+     * Range: 0.0..1.0 (0..1 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    float driveline_moving;
+
+    /**
+     * Torque at the crank to be added to what the driver wants, so that the swing dies out; 0 unless driveline.damping is 1.
+     *
+     * Range: -2000.0..2000.0 (-2000..2000 Nm)
+     * Scale: 1
+     * Offset: 0
+     */
+    float driveline_damping_request;
+
+    /**
+     * Location by document 003's identification; 0: it rests.
+     *
+     * Range: 0.0..3.0 (0..3 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    float driveline_reference_location;
+
+    /**
+     * Torsion by its continuous observer.
+     *
+     * Range: -10.0..10.0 (-10..10 rad)
+     * Scale: 1
+     * Offset: 0
+     */
+    float driveline_reference_torsion;
+
+    /**
+     * Residual of location n.
+     *
+     * Range: -20000.0..20000.0 (-20000..20000 rpm)
+     * Scale: 1
+     * Offset: 0
+     */
+    float driveline_reference_residual_1;
+
+    /**
+     * Residual of location n.
+     *
+     * Range: -20000.0..20000.0 (-20000..20000 rpm)
+     * Scale: 1
+     * Offset: 0
+     */
+    float driveline_reference_residual_2;
+
+    /**
+     * Residual of location n.
+     *
+     * Range: -20000.0..20000.0 (-20000..20000 rpm)
+     * Scale: 1
+     * Offset: 0
+     */
+    float driveline_reference_residual_3;
+};
+
+/**
  * Signals in message parameter_request.
  *
  * Reads or sets a parameter.
@@ -3310,6 +3528,31 @@ struct sd_bus_input_vgt_position_t {
      * The same as its position sensor reads it.
      *
      * Range: -0.1..1.1 (-0.1..1.1 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    float value;
+};
+
+/**
+ * Signals in message input_driveline_gear.
+ *
+ * Gear that is in with the clutch closed, 1 the first of the engine file; 0: none is, or the clutch is open or slips.
+ *
+ * All signal values are as on the CAN bus.
+ */
+struct sd_bus_input_driveline_gear_t {
+    /**
+     * Range: 0..4294967295 (0..4294967295 tick)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint32_t tick;
+
+    /**
+     * Gear that is in with the clutch closed, 1 the first of the engine file; 0: none is, or the clutch is open or slips.
+     *
+     * Range: 0.0..8.0 (0..8 -)
      * Scale: 1
      * Offset: 0
      */
@@ -11558,6 +11801,763 @@ bool sd_bus_task_inputs_missing_2_is_in_range(float value);
 bool sd_bus_task_inputs_missing_2_is_in_phys_range(double value);
 
 /**
+ * Pack message driveline.
+ *
+ * @param[out] dst_p Buffer to pack the message into.
+ * @param[in] src_p Data to pack.
+ * @param[in] size Size of dst_p.
+ *
+ * @return Size of packed data, or negative error code.
+ */
+int sd_bus_driveline_pack(
+    uint8_t *dst_p,
+    const struct sd_bus_driveline_t *src_p,
+    size_t size);
+
+/**
+ * Unpack message driveline.
+ *
+ * @param[out] dst_p Object to unpack the message into.
+ * @param[in] src_p Message to unpack.
+ * @param[in] size Size of src_p.
+ *
+ * @return zero(0) or negative error code.
+ */
+int sd_bus_driveline_unpack(
+    struct sd_bus_driveline_t *dst_p,
+    const uint8_t *src_p,
+    size_t size);
+
+/**
+ * Init message fields to default values from driveline.
+ *
+ * @param[in] msg_p Message to init.
+ *
+ * @return zero(0) on success or (-1) in case of nullptr argument.
+ */
+int sd_bus_driveline_init(struct sd_bus_driveline_t *msg_p);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint32_t sd_bus_driveline_tick_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_driveline_tick_decode(uint32_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_driveline_tick_is_in_range(uint32_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_driveline_tick_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint8_t sd_bus_driveline_driveline_health_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_driveline_driveline_health_decode(uint8_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_driveline_driveline_health_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_driveline_driveline_health_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint16_t sd_bus_driveline_driveline_why_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_driveline_driveline_why_decode(uint16_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_driveline_driveline_why_is_in_range(uint16_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_driveline_driveline_why_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint8_t sd_bus_driveline_driveline_reference_health_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_driveline_driveline_reference_health_decode(uint8_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_driveline_driveline_reference_health_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_driveline_driveline_reference_health_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint16_t sd_bus_driveline_driveline_reference_why_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_driveline_driveline_reference_why_decode(uint16_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_driveline_driveline_reference_why_is_in_range(uint16_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_driveline_driveline_reference_why_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_driveline_driveline_location_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_driveline_driveline_location_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_driveline_driveline_location_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_driveline_driveline_location_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_driveline_driveline_torsion_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_driveline_driveline_torsion_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_driveline_driveline_torsion_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_driveline_driveline_torsion_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_driveline_driveline_winding_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_driveline_driveline_winding_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_driveline_driveline_winding_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_driveline_driveline_winding_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_driveline_driveline_shaft_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_driveline_driveline_shaft_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_driveline_driveline_shaft_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_driveline_driveline_shaft_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_driveline_driveline_wheel_speed_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_driveline_driveline_wheel_speed_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_driveline_driveline_wheel_speed_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_driveline_driveline_wheel_speed_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_driveline_driveline_bias_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_driveline_driveline_bias_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_driveline_driveline_bias_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_driveline_driveline_bias_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_driveline_driveline_moving_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_driveline_driveline_moving_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_driveline_driveline_moving_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_driveline_driveline_moving_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_driveline_driveline_damping_request_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_driveline_driveline_damping_request_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_driveline_driveline_damping_request_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_driveline_driveline_damping_request_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_driveline_driveline_reference_location_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_driveline_driveline_reference_location_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_driveline_driveline_reference_location_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_driveline_driveline_reference_location_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_driveline_driveline_reference_torsion_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_driveline_driveline_reference_torsion_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_driveline_driveline_reference_torsion_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_driveline_driveline_reference_torsion_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_driveline_driveline_reference_residual_1_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_driveline_driveline_reference_residual_1_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_driveline_driveline_reference_residual_1_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_driveline_driveline_reference_residual_1_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_driveline_driveline_reference_residual_2_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_driveline_driveline_reference_residual_2_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_driveline_driveline_reference_residual_2_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_driveline_driveline_reference_residual_2_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_driveline_driveline_reference_residual_3_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_driveline_driveline_reference_residual_3_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_driveline_driveline_reference_residual_3_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_driveline_driveline_reference_residual_3_is_in_phys_range(double value);
+
+/**
  * Pack message parameter_request.
  *
  * @param[out] dst_p Buffer to pack the message into.
@@ -14213,6 +15213,123 @@ bool sd_bus_input_vgt_position_value_is_in_range(float value);
  * @return true if in range, false otherwise.
  */
 bool sd_bus_input_vgt_position_value_is_in_phys_range(double value);
+
+/**
+ * Pack message input_driveline_gear.
+ *
+ * @param[out] dst_p Buffer to pack the message into.
+ * @param[in] src_p Data to pack.
+ * @param[in] size Size of dst_p.
+ *
+ * @return Size of packed data, or negative error code.
+ */
+int sd_bus_input_driveline_gear_pack(
+    uint8_t *dst_p,
+    const struct sd_bus_input_driveline_gear_t *src_p,
+    size_t size);
+
+/**
+ * Unpack message input_driveline_gear.
+ *
+ * @param[out] dst_p Object to unpack the message into.
+ * @param[in] src_p Message to unpack.
+ * @param[in] size Size of src_p.
+ *
+ * @return zero(0) or negative error code.
+ */
+int sd_bus_input_driveline_gear_unpack(
+    struct sd_bus_input_driveline_gear_t *dst_p,
+    const uint8_t *src_p,
+    size_t size);
+
+/**
+ * Init message fields to default values from input_driveline_gear.
+ *
+ * @param[in] msg_p Message to init.
+ *
+ * @return zero(0) on success or (-1) in case of nullptr argument.
+ */
+int sd_bus_input_driveline_gear_init(struct sd_bus_input_driveline_gear_t *msg_p);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint32_t sd_bus_input_driveline_gear_tick_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_input_driveline_gear_tick_decode(uint32_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_driveline_gear_tick_is_in_range(uint32_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_driveline_gear_tick_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_input_driveline_gear_value_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_input_driveline_gear_value_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_driveline_gear_value_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_input_driveline_gear_value_is_in_phys_range(double value);
 
 /**
  * Pack message truth_edge.

@@ -372,8 +372,48 @@ static inline void sd_bus_task_to_row(sd_row_t *row, const struct sd_bus_task_t 
     sd_row_put(row, 108, m->inputs_missing_2);
 }
 
+static inline void sd_bus_driveline_from_row(struct sd_bus_driveline_t *m, const sd_row_t *row) {
+    m->tick = (uint32_t)row->tick;
+    m->driveline_health = (uint8_t)row->health[SD_OWNER_DRIVELINE];
+    m->driveline_why = (uint16_t)row->why[SD_OWNER_DRIVELINE];
+    m->driveline_reference_health = (uint8_t)row->health[SD_OWNER_DRIVELINE_REFERENCE];
+    m->driveline_reference_why = (uint16_t)row->why[SD_OWNER_DRIVELINE_REFERENCE];
+    m->driveline_location = row->value[109];
+    m->driveline_torsion = row->value[110];
+    m->driveline_winding = row->value[111];
+    m->driveline_shaft = row->value[112];
+    m->driveline_wheel_speed = row->value[113];
+    m->driveline_bias = row->value[114];
+    m->driveline_moving = row->value[115];
+    m->driveline_damping_request = row->value[116];
+    m->driveline_reference_location = row->value[117];
+    m->driveline_reference_torsion = row->value[118];
+    m->driveline_reference_residual_1 = row->value[119];
+    m->driveline_reference_residual_2 = row->value[120];
+    m->driveline_reference_residual_3 = row->value[121];
+}
+
+static inline void sd_bus_driveline_to_row(sd_row_t *row, const struct sd_bus_driveline_t *m) {
+    sd_row_begin(row, (uint32_t)m->tick, SD_RATE_DRIVELINE);
+    sd_row_status(row, SD_OWNER_DRIVELINE, (uint8_t)m->driveline_health, (uint16_t)m->driveline_why);
+    sd_row_status(row, SD_OWNER_DRIVELINE_REFERENCE, (uint8_t)m->driveline_reference_health, (uint16_t)m->driveline_reference_why);
+    sd_row_put(row, 109, m->driveline_location);
+    sd_row_put(row, 110, m->driveline_torsion);
+    sd_row_put(row, 111, m->driveline_winding);
+    sd_row_put(row, 112, m->driveline_shaft);
+    sd_row_put(row, 113, m->driveline_wheel_speed);
+    sd_row_put(row, 114, m->driveline_bias);
+    sd_row_put(row, 115, m->driveline_moving);
+    sd_row_put(row, 116, m->driveline_damping_request);
+    sd_row_put(row, 117, m->driveline_reference_location);
+    sd_row_put(row, 118, m->driveline_reference_torsion);
+    sd_row_put(row, 119, m->driveline_reference_residual_1);
+    sd_row_put(row, 120, m->driveline_reference_residual_2);
+    sd_row_put(row, 121, m->driveline_reference_residual_3);
+}
+
 #define SD_BUS_INPUTS_FIRST 0xd0u
-#define SD_BUS_INPUTS_END   0xe1u /* the identifier after the last input's */
+#define SD_BUS_INPUTS_END   0xe2u /* the identifier after the last input's */
 #define SD_BUS_ROW_FRAMES   6u /* of the longest row */
 #define SD_BUS_WHEELS       14u /* whose edges a teeth frame can carry */
 
@@ -446,6 +486,12 @@ static inline uint32_t sd_bus_row_pack(const sd_row_t *row, uint32_t part, uint3
         *id = SD_BUS_TASK_FRAME_ID;
         return (uint32_t)sd_bus_task_pack(bytes, &m, 64);
     }
+    if ((row->rate == SD_RATE_DRIVELINE) && (at++ == part)) {
+        struct sd_bus_driveline_t m;
+        sd_bus_driveline_from_row(&m, row);
+        *id = SD_BUS_DRIVELINE_FRAME_ID;
+        return (uint32_t)sd_bus_driveline_pack(bytes, &m, 64);
+    }
     return 0;
 }
 
@@ -515,6 +561,12 @@ static inline int sd_bus_row_unpack(sd_row_t *row, uint32_t id, const uint8_t *b
         struct sd_bus_task_t m;
         if ((size != SD_BUS_TASK_LENGTH) || (sd_bus_task_unpack(&m, bytes, size) != 0)) { return -1; }
         sd_bus_task_to_row(row, &m);
+        return 1;
+    }
+    if (id == SD_BUS_DRIVELINE_FRAME_ID) {
+        struct sd_bus_driveline_t m;
+        if ((size != SD_BUS_DRIVELINE_LENGTH) || (sd_bus_driveline_unpack(&m, bytes, size) != 0)) { return -1; }
+        sd_bus_driveline_to_row(row, &m);
         return 1;
     }
     return 0;

@@ -7,6 +7,7 @@
 #include "sixdeg_firing_t.h"
 #include "sixdeg_airpath_t.h"
 #include "sixdeg_task_t.h"
+#include "sixdeg_driveline_t.h"
 #include "sixdeg_outputs_t.h"
 #include "sd_row.h"
 
@@ -308,6 +309,46 @@ static inline void sd_lcm_task_to_row(sd_row_t *row, const sixdeg_task_t *m) {
     sd_row_put(row, 108, m->inputs_missing_2);
 }
 
+static inline void sd_lcm_driveline_from_row(sixdeg_driveline_t *m, const sd_row_t *row) {
+    m->tick = (int32_t)row->tick;
+    m->driveline_health = (int8_t)row->health[SD_OWNER_DRIVELINE];
+    m->driveline_why = (int16_t)row->why[SD_OWNER_DRIVELINE];
+    m->driveline_reference_health = (int8_t)row->health[SD_OWNER_DRIVELINE_REFERENCE];
+    m->driveline_reference_why = (int16_t)row->why[SD_OWNER_DRIVELINE_REFERENCE];
+    m->driveline_location = row->value[109];
+    m->driveline_torsion = row->value[110];
+    m->driveline_winding = row->value[111];
+    m->driveline_shaft = row->value[112];
+    m->driveline_wheel_speed = row->value[113];
+    m->driveline_bias = row->value[114];
+    m->driveline_moving = row->value[115];
+    m->driveline_damping_request = row->value[116];
+    m->driveline_reference_location = row->value[117];
+    m->driveline_reference_torsion = row->value[118];
+    m->driveline_reference_residual_1 = row->value[119];
+    m->driveline_reference_residual_2 = row->value[120];
+    m->driveline_reference_residual_3 = row->value[121];
+}
+
+static inline void sd_lcm_driveline_to_row(sd_row_t *row, const sixdeg_driveline_t *m) {
+    sd_row_begin(row, (uint32_t)m->tick, SD_RATE_DRIVELINE);
+    sd_row_status(row, SD_OWNER_DRIVELINE, (uint8_t)m->driveline_health, (uint16_t)m->driveline_why);
+    sd_row_status(row, SD_OWNER_DRIVELINE_REFERENCE, (uint8_t)m->driveline_reference_health, (uint16_t)m->driveline_reference_why);
+    sd_row_put(row, 109, m->driveline_location);
+    sd_row_put(row, 110, m->driveline_torsion);
+    sd_row_put(row, 111, m->driveline_winding);
+    sd_row_put(row, 112, m->driveline_shaft);
+    sd_row_put(row, 113, m->driveline_wheel_speed);
+    sd_row_put(row, 114, m->driveline_bias);
+    sd_row_put(row, 115, m->driveline_moving);
+    sd_row_put(row, 116, m->driveline_damping_request);
+    sd_row_put(row, 117, m->driveline_reference_location);
+    sd_row_put(row, 118, m->driveline_reference_torsion);
+    sd_row_put(row, 119, m->driveline_reference_residual_1);
+    sd_row_put(row, 120, m->driveline_reference_residual_2);
+    sd_row_put(row, 121, m->driveline_reference_residual_3);
+}
+
 #define SD_LCM_ROWS 512 /* of a rate in one message; beyond it a message goes early */
 
 /* What goes out with the next message. */
@@ -317,6 +358,7 @@ typedef struct sd_lcm_rows {
     sixdeg_firing_t firing[SD_LCM_ROWS];
     sixdeg_airpath_t airpath[SD_LCM_ROWS];
     sixdeg_task_t task[SD_LCM_ROWS];
+    sixdeg_driveline_t driveline[SD_LCM_ROWS];
     int32_t count[SD_RATE_COUNT];
     int32_t places; /* Rows in all. */
 } sd_lcm_rows_t;
@@ -344,6 +386,10 @@ static inline int sd_lcm_rows_add(sd_lcm_rows_t *self, const sd_row_t *row) {
     if (row->rate == SD_RATE_TASK) {
         sd_lcm_task_from_row(&self->task[at], row);
         self->task[at].place = self->places;
+    }
+    if (row->rate == SD_RATE_DRIVELINE) {
+        sd_lcm_driveline_from_row(&self->driveline[at], row);
+        self->driveline[at].place = self->places;
     }
     self->places++;
     return 1;
@@ -374,6 +420,8 @@ static inline void sd_lcm_rows_to_message(sixdeg_outputs_t *m, sd_lcm_rows_t *se
     m->airpath = self->airpath;
     m->tasks = self->count[SD_RATE_TASK];
     m->task = self->task;
+    m->drivelines = self->count[SD_RATE_DRIVELINE];
+    m->driveline = self->driveline;
 }
 
 /* 1: *row is the next one of the message by its place; taken[], zero to begin, counts those handed out of each rate. 0: that was all. */
@@ -400,11 +448,16 @@ static inline int sd_lcm_rows_next(sd_row_t *row, const sixdeg_outputs_t *m, int
         place = m->task[taken[SD_RATE_TASK]].place;
         next = SD_RATE_TASK;
     }
+    if ((taken[SD_RATE_DRIVELINE] < m->drivelines) && ((next == SD_RATE_COUNT) || (m->driveline[taken[SD_RATE_DRIVELINE]].place < place))) {
+        place = m->driveline[taken[SD_RATE_DRIVELINE]].place;
+        next = SD_RATE_DRIVELINE;
+    }
     if (next == SD_RATE_EDGE) { sd_lcm_edge_to_row(row, &m->edge[taken[SD_RATE_EDGE]]); }
     if (next == SD_RATE_CYCLE) { sd_lcm_cycle_to_row(row, &m->cycle[taken[SD_RATE_CYCLE]]); }
     if (next == SD_RATE_FIRING) { sd_lcm_firing_to_row(row, &m->firing[taken[SD_RATE_FIRING]]); }
     if (next == SD_RATE_AIRPATH) { sd_lcm_airpath_to_row(row, &m->airpath[taken[SD_RATE_AIRPATH]]); }
     if (next == SD_RATE_TASK) { sd_lcm_task_to_row(row, &m->task[taken[SD_RATE_TASK]]); }
+    if (next == SD_RATE_DRIVELINE) { sd_lcm_driveline_to_row(row, &m->driveline[taken[SD_RATE_DRIVELINE]]); }
     if (next == SD_RATE_COUNT) { return 0; }
     taken[next]++;
     return 1;

@@ -23,7 +23,8 @@ uint64_t __sixdeg_outputs_t_hash_recursive(const __lcm_hash_ptr *p)
     cp.v = (void*)__sixdeg_outputs_t_get_hash;
     (void) cp;
 
-    uint64_t hash = (uint64_t)0x9ffc9e0f793d8d1bLL
+    uint64_t hash = (uint64_t)0x37b8b4e8e84fc9bcLL
+         + __int32_t_hash_recursive(&cp)
          + __int32_t_hash_recursive(&cp)
          + __int32_t_hash_recursive(&cp)
          + __int32_t_hash_recursive(&cp)
@@ -39,6 +40,7 @@ uint64_t __sixdeg_outputs_t_hash_recursive(const __lcm_hash_ptr *p)
          + __sixdeg_firing_t_hash_recursive(&cp)
          + __sixdeg_airpath_t_hash_recursive(&cp)
          + __sixdeg_task_t_hash_recursive(&cp)
+         + __sixdeg_driveline_t_hash_recursive(&cp)
         ;
 
     return (hash<<1) + ((hash>>63)&1);
@@ -76,6 +78,9 @@ int __sixdeg_outputs_t_encode_array(void *buf, int offset, int maxlen, const six
         thislen = __int32_t_encode_array(buf, offset + pos, maxlen - pos, &(p[element].tasks), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
+        thislen = __int32_t_encode_array(buf, offset + pos, maxlen - pos, &(p[element].drivelines), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
         thislen = __int32_t_encode_array(buf, offset + pos, maxlen - pos, &(p[element].done), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
@@ -104,6 +109,9 @@ int __sixdeg_outputs_t_encode_array(void *buf, int offset, int maxlen, const six
         if (thislen < 0) return thislen; else pos += thislen;
 
         thislen = __sixdeg_task_t_encode_array(buf, offset + pos, maxlen - pos, p[element].task, p[element].tasks);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __sixdeg_driveline_t_encode_array(buf, offset + pos, maxlen - pos, p[element].driveline, p[element].drivelines);
         if (thislen < 0) return thislen; else pos += thislen;
 
     }
@@ -139,6 +147,8 @@ int __sixdeg_outputs_t_encoded_array_size(const sixdeg_outputs_t *p, int element
 
         size += __int32_t_encoded_array_size(&(p[element].tasks), 1);
 
+        size += __int32_t_encoded_array_size(&(p[element].drivelines), 1);
+
         size += __int32_t_encoded_array_size(&(p[element].done), 1);
 
         size += __int32_t_encoded_array_size(&(p[element].tick), 1);
@@ -158,6 +168,8 @@ int __sixdeg_outputs_t_encoded_array_size(const sixdeg_outputs_t *p, int element
         size += __sixdeg_airpath_t_encoded_array_size(p[element].airpath, p[element].airpaths);
 
         size += __sixdeg_task_t_encoded_array_size(p[element].task, p[element].tasks);
+
+        size += __sixdeg_driveline_t_encoded_array_size(p[element].driveline, p[element].drivelines);
 
     }
     return size;
@@ -187,6 +199,9 @@ int __sixdeg_outputs_t_decode_array(const void *buf, int offset, int maxlen, six
         if (thislen < 0) return thislen; else pos += thislen;
 
         thislen = __int32_t_decode_array(buf, offset + pos, maxlen - pos, &(p[element].tasks), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __int32_t_decode_array(buf, offset + pos, maxlen - pos, &(p[element].drivelines), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
         thislen = __int32_t_decode_array(buf, offset + pos, maxlen - pos, &(p[element].done), 1);
@@ -224,6 +239,10 @@ int __sixdeg_outputs_t_decode_array(const void *buf, int offset, int maxlen, six
         thislen = __sixdeg_task_t_decode_array(buf, offset + pos, maxlen - pos, p[element].task, p[element].tasks);
         if (thislen < 0) return thislen; else pos += thislen;
 
+        p[element].driveline = (sixdeg_driveline_t*) lcm_malloc(sizeof(sixdeg_driveline_t) * p[element].drivelines);
+        thislen = __sixdeg_driveline_t_decode_array(buf, offset + pos, maxlen - pos, p[element].driveline, p[element].drivelines);
+        if (thislen < 0) return thislen; else pos += thislen;
+
     }
     return pos;
 }
@@ -242,6 +261,8 @@ int __sixdeg_outputs_t_decode_array_cleanup(sixdeg_outputs_t *p, int elements)
         __int32_t_decode_array_cleanup(&(p[element].airpaths), 1);
 
         __int32_t_decode_array_cleanup(&(p[element].tasks), 1);
+
+        __int32_t_decode_array_cleanup(&(p[element].drivelines), 1);
 
         __int32_t_decode_array_cleanup(&(p[element].done), 1);
 
@@ -267,6 +288,9 @@ int __sixdeg_outputs_t_decode_array_cleanup(sixdeg_outputs_t *p, int elements)
 
         __sixdeg_task_t_decode_array_cleanup(p[element].task, p[element].tasks);
         if (p[element].task) free(p[element].task);
+
+        __sixdeg_driveline_t_decode_array_cleanup(p[element].driveline, p[element].drivelines);
+        if (p[element].driveline) free(p[element].driveline);
 
     }
     return 0;
@@ -308,6 +332,8 @@ int __sixdeg_outputs_t_clone_array(const sixdeg_outputs_t *p, sixdeg_outputs_t *
 
         __int32_t_clone_array(&(p[element].tasks), &(q[element].tasks), 1);
 
+        __int32_t_clone_array(&(p[element].drivelines), &(q[element].drivelines), 1);
+
         __int32_t_clone_array(&(p[element].done), &(q[element].done), 1);
 
         __int32_t_clone_array(&(p[element].tick), &(q[element].tick), 1);
@@ -332,6 +358,9 @@ int __sixdeg_outputs_t_clone_array(const sixdeg_outputs_t *p, sixdeg_outputs_t *
 
         q[element].task = (sixdeg_task_t*) lcm_malloc(sizeof(sixdeg_task_t) * q[element].tasks);
         __sixdeg_task_t_clone_array(p[element].task, q[element].task, p[element].tasks);
+
+        q[element].driveline = (sixdeg_driveline_t*) lcm_malloc(sizeof(sixdeg_driveline_t) * q[element].drivelines);
+        __sixdeg_driveline_t_clone_array(p[element].driveline, q[element].driveline, p[element].drivelines);
 
     }
     return 0;

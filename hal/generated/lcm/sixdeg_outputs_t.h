@@ -21,6 +21,7 @@ extern "C" {
 #include "sixdeg_firing_t.h"
 #include "sixdeg_airpath_t.h"
 #include "sixdeg_task_t.h"
+#include "sixdeg_driveline_t.h"
 /// SIXDEG_OUTPUTS: what the ecu says, at the latest at each clock event.
 typedef struct _sixdeg_outputs_t sixdeg_outputs_t;
 struct _sixdeg_outputs_t
@@ -30,6 +31,7 @@ struct _sixdeg_outputs_t
     int32_t    firings;
     int32_t    airpaths;
     int32_t    tasks;
+    int32_t    drivelines;
     int32_t    done;
     int32_t    tick;
     int32_t    session;
@@ -40,6 +42,7 @@ struct _sixdeg_outputs_t
     sixdeg_firing_t *firing;
     sixdeg_airpath_t *airpath;
     sixdeg_task_t *task;
+    sixdeg_driveline_t *driveline;
 };
 
 /**

@@ -22,19 +22,20 @@ Matrix3d solved(const Matrix3d &a, const Matrix3d &b) { return linalg::solve(a, 
 
 /// Over h, with E and u held and y straight: blocks of one exponential.
 sd_driveline_map_t sampled(const Matrix3d &a, const LocationModel &model, const Vector3d &gain, double h) {
-    MatrixXd g(3, 3);
-    g << model.e, model.b, gain;
-    MatrixXd all = MatrixXd::Zero(9, 9);
+    MatrixXd g(3, 4);
+    g << model.e, model.b, gain, model.d;
+    MatrixXd all = MatrixXd::Zero(11, 11);
     all.block(0, 0, 3, 3) = a * h;
-    all.block(0, 3, 3, 3) = g * h;
-    all.block(3, 6, 3, 3) = Matrix3d::Identity();
+    all.block(0, 3, 3, 4) = g * h;
+    all.block(3, 7, 4, 4) = MatrixXd::Identity(4, 4);
     const MatrixXd e = linalg::exponential(all);
-    const MatrixXd held = e.block(0, 3, 3, 3), risen = e.block(0, 6, 3, 3); // for v = 1, and for v = t / h
+    const MatrixXd held = e.block(0, 3, 3, 4), risen = e.block(0, 7, 3, 4); // for v = 1, and for v = t / h
     sd_driveline_map_t map;
     for (int i = 0; i < 3; ++i) {
         for (int j = 0; j < 3; ++j) map.by_state[i][j] = float(e(i, j));
         map.constant[i] = float(held(i, 0));
         map.by_torque[i] = float(held(i, 1));
+        map.by_road[i] = float(held(i, 3));
         map.by_speed[0][i] = float(held(i, 2) - risen(i, 2));
         map.by_speed[1][i] = float(risen(i, 2));
     }
@@ -53,6 +54,7 @@ LocationModel location_model(const Driveline &d, double ratio, double equilibriu
     // What the spring gives at the equilibrium's torsion by this location's law, less what it gives there in truth.
     m.e = shaft * (d.spring_nm(equilibrium_rad, location) - d.spring_nm(equilibrium_rad));
     m.b = Vector3d(0, 1 / je, 0);
+    m.d = Vector3d(0, 0, -1 / jv);
     m.c = RowVector3d(0, kRpmPerRadps, 0);
     return m;
 }
@@ -74,6 +76,7 @@ sd_driveline_bank_t hybrid_tables(const Driveline &driveline, double ratio, cons
     bank.hold_s = float(b.hold_s);
     bank.calm_s = float(b.calm_s);
     bank.settle_s = float(b.settle_s);
+    bank.ratio = b.at_rest ? float(ratio) : 0;
     for (Location q = 1; q <= 3; ++q) {
         const LocationModel m = location_model(driveline, ratio, b.equilibrium_rad, q);
         const Vector3d l = observer_gain(m, b.residual_poles), g = observer_gain(m, b.observer_poles);

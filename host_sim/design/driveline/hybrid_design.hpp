@@ -10,10 +10,11 @@
 
 namespace sixdeg {
 
-/// A location about an equilibrium: x' = A x + E + B u, y = C x, x = (torsion, crank speed, wheel speed), y in rpm.
+/// A location about an equilibrium: x' = A x + E + B u + D d, y = C x, x = (torsion, crank speed, wheel speed), y in rpm, d the road's
+/// resistance at the wheels.
 struct LocationModel {
     Eigen::Matrix3d a;
-    Eigen::Vector3d e, b;
+    Eigen::Vector3d e, b, d;
     Eigen::RowVector3d c;
 };
 LocationModel location_model(const Driveline &driveline, double ratio, double equilibrium_rad, Location location);
@@ -25,6 +26,7 @@ struct HybridBelief {
     double equilibrium_rad = 0.025;
     Eigen::Vector3d residual_poles{-60, -70, -80}, observer_poles{-12, -15, -18};
     double threshold_rpm = 0.02, period_s = 1e-3, hold_s = 0.06, calm_s = 0.01, settle_s = 0.5;
+    bool at_rest = false; ///< The equilibrium is that of rest: equilibrium_rad is 0, and speeds and torques are plain ones.
 };
 /// Tables for steps of period_s: u held over a step, y straight.
 sd_driveline_bank_t hybrid_tables(const Driveline &driveline, double ratio, const HybridBelief &belief);

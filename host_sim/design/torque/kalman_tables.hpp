@@ -22,6 +22,7 @@ struct KnownTorque {
     std::vector<TorqueOverAngle> basis;   ///< One for each coefficient but the constant.
     std::vector<TorqueOverAngle> motored_per_bar; ///< Of each entry of firing_order, Nm per bar of intake pressure.
     std::vector<TorqueOverAngle> motored;         ///< The part that does not scale with it.
+    TorqueOverAngle exponent; ///< What a larger exponent of compression adds to all of them, Nm per bar; empty: it is not learned.
     std::vector<TorqueOverAngle> shape; ///< How the pulse of each entry of firing_order bends; empty: it keeps its shape.
     bool firings = true;                  ///< basis[i] is the pulse of firing_order[i].
 };
@@ -53,6 +54,9 @@ std::pair<Eigen::MatrixXd, Eigen::MatrixXd> interval_tables(const EngineFile &en
 
 /// Throws InputError naming the engine file and `wheel` where the tables do not fit in the firmware's pool.
 KalmanTables kalman_tables(const EngineFile &engine, const KnownTorque &torque, const KalmanTune &tune);
+
+/// All of them together.
+TorqueOverAngle sum_of(const std::vector<TorqueOverAngle> &torques);
 
 /// cos and sin of harmonics 1 to n of the cycle: the Fourier basis.
 std::vector<TorqueOverAngle> fourier_basis(int harmonics);

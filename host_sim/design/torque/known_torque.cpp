@@ -4,6 +4,7 @@
 #include <cmath>
 #include <memory>
 
+#include "design/crank/crank_modes.hpp"
 #include "design/torque/pulse.hpp"
 
 namespace sixdeg {
@@ -11,17 +12,19 @@ namespace sixdeg {
 std::optional<KnownTorque> known_torque(const EngineFile &engine, const sd_parameters_t &parameters) {
     if (engine.pulses.empty()) return std::nullopt;
     struct Tables : CylinderPulse {
-        std::vector<double> bend;
+        std::vector<double> bend, exponent;
     };
     const bool learns = parameters.firing_harmonics == 0 && parameters.firing_shape_walk_nm > 0 && !engine.torsion;
     const auto pulses = std::make_shared<std::vector<Tables>>();
     std::vector<Tables> own; // with a charge as large as the others'
     for (std::size_t lane = 0; lane < std::size_t(engine.cylinders()); ++lane) {
         const std::size_t like = like_cylinder(engine, lane);
-        Tables tables = like < lane ? own[like] : Tables{cylinder_pulse(engine, lane), {}};
+        Tables tables = like < lane ? own[like] : Tables{cylinder_pulse(engine, lane), {}, {}};
         if (learns && like == lane) tables.bend = pulse_bend(engine, lane, tables);
+        if (like == lane) tables.exponent = motored_over_exponent(engine, lane);
         own.push_back(tables);
-        for (double &torque : tables.motored_per_bar) torque *= engine.trapped_factor(lane);
+        for (auto *table : {&tables.motored_per_bar, &tables.exponent})
+            for (double &torque : *table) torque *= engine.trapped_factor(lane);
         pulses->push_back(std::move(tables));
     }
     const auto tdc = [degrees = engine.firing_tdc_deg](std::size_t lane) { return degrees[lane] * M_PI / 180; };
@@ -34,6 +37,8 @@ std::optional<KnownTorque> known_torque(const EngineFile &engine, const sd_param
     KnownTorque known;
     known.motored_per_bar = each(&CylinderPulse::motored_per_bar);
     known.motored = each(&CylinderPulse::motored_rest);
+    // A crank with modes learns their frequency from the same teeth, and would need the twist that this torque holds.
+    if (crank_modes(engine, SD_KALMAN_MODES_MAX).empty()) known.exponent = sum_of(each(&Tables::exponent));
     known.firings = parameters.firing_harmonics == 0;
     if (learns) known.shape = each(&Tables::bend);
     known.basis = known.firings ? each(&CylinderPulse::combustion) : fourier_basis(int(parameters.firing_harmonics));

@@ -54,7 +54,7 @@ struct FineStep {
 
 /// What is in the cylinder, and around it.
 struct Charge {
-    double intake_pa, exhaust_pa, heat_j, kelvin_per_joule, wall;
+    double intake_pa, exhaust_pa, heat_j, kelvin_per_joule, wall, exponent;
 };
 
 /// Everything that depends on angle only is computed once, for as many charges as are wanted.
@@ -83,7 +83,8 @@ class Cylinder {
         const double intake = at.intake_bar * 1e5, closed = volume(closing()), piston_mps = engine_.stroke_m * at.speed_radps / M_PI;
         const double air = intake * closed / (kGasConstant * at.charge_k), kelvin = at.charge_k / (intake * closed);
         const double wall = at.wall_factor * 130 * std::pow(1e-5, 0.8) * std::pow(kelvin, -0.4) * std::pow(piston_mps + 1.4, 0.8);
-        return {intake, at.exhaust_bar * 1e5, fired ? at.equivalence_ratio * air * kHeatPerAir : 0, kelvin, wall / at.speed_radps};
+        return {intake, at.exhaust_bar * 1e5, fired ? at.equivalence_ratio * air * kHeatPerAir : 0, kelvin, wall / at.speed_radps,
+                at.exponent};
     }
 
     static void advance(const FineStep &step, const Charge &charge, double &p) {
@@ -105,7 +106,7 @@ class Cylinder {
   private:
     static double slope(const Place &at, const Charge &charge, double p) {
         if (!at.shut) return kExchangePerRad * (charge.exhaust_pa - p);
-        const double t = charge.kelvin_per_joule * p * at.volume, gamma = gamma_at(t);
+        const double t = charge.kelvin_per_joule * p * at.volume, gamma = gamma_at(t) + charge.exponent;
         const double loss = charge.wall * at.wall * std::pow(p, 0.4) * (t - kWallK);
         return ((gamma - 1) * (charge.heat_j * at.burn - loss) - gamma * p * at.volume_slope) / at.volume;
     }
@@ -224,6 +225,17 @@ std::vector<double> pulse_bend(const EngineFile &engine, std::size_t lane, const
     auto bend = combustion(cycle, doubled_loss, cycle.torque(doubled_loss, false));
     for (std::size_t k = 0; k < bend.size(); ++k) bend[k] -= pulse.combustion[k];
     return bend;
+}
+
+std::vector<double> motored_over_exponent(const EngineFile &engine, std::size_t lane) {
+    constexpr double kChange = 0.02;
+    const Cycle cycle(engine, lane);
+    PulseConditions more, less;
+    more.exponent = kChange, less.exponent = -kChange;
+    const auto high = pulse_of(cycle, more).motored_per_bar, low = pulse_of(cycle, less).motored_per_bar;
+    std::vector<double> slope(high.size());
+    for (std::size_t k = 0; k < slope.size(); ++k) slope[k] = (high[k] - low[k]) / (2 * kChange);
+    return slope;
 }
 
 std::size_t like_cylinder(const EngineFile &engine, std::size_t lane) {

@@ -31,6 +31,7 @@ struct PulseConditions {
     double wall_factor = 1;         ///< On the wall loss.
     double charge_k = 340;          ///< When the intake valve closes.
     double exhaust_bar = 1.1;       ///< Behind the open exhaust valve.
+    double exponent = 0;            ///< Added to gamma.
 };
 
 /// Entry `lane` of firing_order, with the engine file's belief about its compression.
@@ -38,6 +39,9 @@ CylinderPulse cylinder_pulse(const EngineFile &engine, std::size_t lane, const P
 
 /// What twice the wall loss adds to `combustion`, whose mean stays 1.
 std::vector<double> pulse_bend(const EngineFile &engine, std::size_t lane, const CylinderPulse &pulse);
+
+/// What a gamma that is larger by 1 would add to `motored_per_bar`, from small changes.
+std::vector<double> motored_over_exponent(const EngineFile &engine, std::size_t lane);
 
 /// The first entry of firing_order under several conditions; cheaper than one by one.
 std::vector<CylinderPulse> cylinder_pulses(const EngineFile &engine, const std::vector<PulseConditions> &conditions);

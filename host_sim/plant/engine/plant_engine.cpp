@@ -9,7 +9,8 @@ namespace sixdeg {
 namespace {
 
 // Tables and fields that belong to read_engine.
-constexpr const char *kSharedTables[] = {"cylinders", "valves", "combustion", "crank", "wheel", "cam", "timer", "exhaust", "uego", "dual_mass", "torsion", "airpath"};
+constexpr const char *kSharedTables[] = {"cylinders", "valves", "combustion", "crank", "wheel", "cam", "timer", "exhaust", "uego", "driveline", "dual_mass", "torsion",
+                                         "airpath"};
 
 void read_air(TomlFile &file, PlantEngine &engine) {
     const auto pressure = file.numbers("plant.air.intake_pressure_bar", {0.1, 5, "bar"});

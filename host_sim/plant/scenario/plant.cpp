@@ -72,6 +72,7 @@ Plant::Plant(const Scenario &scenario, std::uint64_t seed)
         if (scenario.exhaust_sensors)
             exhaust_pressure_.emplace(*scenario.exhaust_sensors, RandomStream(seed, stream::kExhaustPressure));
     }
+    if (scenario.vehicle) car_.emplace(*scenario.vehicle, RandomStream(seed, stream::kVehicleWheel));
     if (scenario.air_path) {
         const EngineFile &shared = scenario.engine.shared;
         air_path_.emplace(*scenario.engine.air_path, scenario.engine.displacement_m3(), shared.compression_ratio, *scenario.air_path, seed);
@@ -106,7 +107,9 @@ void Plant::pre_roll() {
     next_control_rad_ = model_.truth().angle_rad + SpeedControl::kCycleRad;
     if (scenario_.cycles > 0)
         end_angle_rad_ = model_.truth().angle_rad + double(scenario_.cycles) * SpeedControl::kCycleRad;
+    if (car_) car_->start(speed, brake_nm_);
     refresh_speed_and_load();
+    if (car_) model_.set_load(car_->crank_load_nm(), 0);
     sensor_ = sensor();
     wheel_.seek(sensor_.angle_deg);
     next_cam_deg_ = scenario_.engine.shared.cam_edge_deg;
@@ -160,6 +163,7 @@ void Plant::advance() {
     const StepTruth &before = model_.truth_before(), &now = model_.truth();
     if (model_.events_begin() != model_.events_end()) handle_events();
     if (exhaust_) step_exhaust(now.time_s - before.time_s);
+    if (car_) step_car();
     if (air_path_) air_path_->advance(now.time_s, air_drive(commanded_fuel_kg_));
     if (torsion_.enabled()) torsion_.step(model_, now.time_s - before.time_s);
     const SensorPoint from = sensor_;
@@ -183,6 +187,24 @@ void Plant::advance_stop() {
         wheel_.seek(from.angle_deg);
     }
     backward_ ? find_backward_edges(model_.truth(), from) : find_edges(model_.truth(), from);
+}
+
+// What the engine feels of the car until the next step, and of a rough road, which shakes the crank's end of it.
+void Plant::step_car() {
+    const StepTruth &before = model_.truth_before(), &now = model_.truth();
+    std::optional<double> brake;
+    if (scenario_.speed_mode == SpeedMode::dyno) brake = brake_nm_;
+    else if (scenario_.load_given || scenario_.speed_mode == SpeedMode::governor) brake = load_nm_.at(now.time_s);
+    car_->step(before.time_s, before.speed_radps, now.time_s, now.speed_radps, brake);
+    const Profile::Segment road = road_.segment(now.time_s);
+    model_.set_load(car_->crank_load_nm() + road.at(now.time_s), car_->load_slope_nmps() + road.slope);
+}
+
+bool Plant::next_wheel_edge(double time_s, double &edge_s) {
+    if (!car_ || car_->wheel_edges().empty() || car_->wheel_edges().front().time_s >= time_s) return false;
+    edge_s = car_->wheel_edges().front().time_s;
+    car_->wheel_edges().pop_front();
+    return true;
 }
 
 /// The mean speed, not the crank's own: a mean-value model has no use for what happens within a firing.
@@ -259,7 +281,7 @@ void Plant::refresh_speed_and_load() {
         slope += load.slope;
         refresh_at_s_ = std::min(refresh_at_s_, load.x1);
     }
-    model_.set_load(torque, slope);
+    if (!car_) model_.set_load(torque, slope);
 }
 
 // Once a cycle: mean speed, demand, and whichever of brake and fuel holds the speed.
@@ -269,10 +291,12 @@ void Plant::control() {
     const PlantEngine &engine = scenario_.engine;
     const double middle = scenario_.speed_radps.at(now - lasted / 2),
                  next = scenario_.speed_radps.at(now + lasted / 2);
-    const double inertia = model_.tables().inertia[0] +
+    const double inertia = model_.tables().inertia[0] + (car_ ? car_->inertia_at_crank_kgm2() : 0) +
                            engine.driveline_inertia_kgm2 * (engine.dual_mass ? 1 : 0) +
                            (engine.dual_mass ? engine.dual_mass->secondary_inertia_kgm2 : 0);
-    const double error_j = inertia / 2 * (mean * mean - middle * middle);
+    // With a car behind it, its speed is held and not that of a crank that swings against it.
+    const double held = car_ ? car_->crank_radps_of_wheels() : mean, wanted_radps = car_ ? scenario_.speed_radps.at(now) : middle;
+    const double error_j = inertia / 2 * (held * held - wanted_radps * wanted_radps);
     const double ramp_nm = inertia / 2 * (next * next - middle * middle) / SpeedControl::kCycleRad;
     mean_speed_ = mean;
     model_.set_mean_speed(mean);

@@ -56,6 +56,10 @@ class Plant {
         return air_path_ && air_path_->next(time_s, readings, &truth);
     }
 
+    /// Next edge of a driven wheel that passed before time_s. False if none waits; none ever without scenario.vehicle.
+    bool next_wheel_edge(double time_s, double &edge_s);
+    const CarBehind *car() const { return car_ ? &*car_ : nullptr; }
+
     /// The crank at the end of the last step taken; up to a tooth ahead of the last edge handed out. Holds
     /// its last value once the engine has stalled.
     const StepTruth &truth() const { return model_.truth(); }
@@ -93,6 +97,7 @@ class Plant {
     void set_charge(const Event &event);
     void control();
     void refresh_speed_and_load();
+    void step_car();
     void advance_stop();
     void find_edges(const StepTruth &before, const SensorPoint &from);
     void find_backward_edges(const StepTruth &before, const SensorPoint &from);
@@ -109,6 +114,7 @@ class Plant {
     SpeedControl control_;
     RoughRoad road_;
     CrankElasticity torsion_;
+    std::optional<CarBehind> car_;
     WheelEdges wheel_;
     Pickup pickup_;
     std::optional<exhaust::ExhaustModel> exhaust_;

@@ -166,6 +166,34 @@ void read_encoder(TomlFile &file, Scenario &s) {
     e.cam_drop_rate = file.number_or("encoder.cam.drop_rate", {0, 1, ""}, 0);
 }
 
+void read_vehicle(TomlFile &file, Scenario &s) {
+    if (!file.has("vehicle")) return;
+    if (!s.engine.shared.driveline) file.fail("vehicle", "needs an engine file with [driveline]");
+    if (s.speed_mode == SpeedMode::prescribed) file.fail("vehicle", "is not for speed.mode \"prescribed\", where torques act on nothing");
+    const DrivelineFile &d = *s.engine.shared.driveline;
+    VehicleSetup v;
+    v.car = d.car;
+    const double stiffness = 1 + file.number_or("vehicle.stiffness_percent", {-50, 50, "%"}, 0) / 100;
+    v.car.soft_nmprad *= stiffness;
+    v.car.stiff_nmprad *= stiffness;
+    v.car.damping_nms *= 1 + file.number_or("vehicle.damping_percent", {-90, 200, "%"}, 0) / 100;
+    v.car.kink_rad *= 1 + file.number_or("vehicle.kink_percent", {-50, 50, "%"}, 0) / 100;
+    const long gears = long(d.car.ratios.size());
+    v.gear = std::size_t(file.integer_or("vehicle.gear", 1, gears, 1) - 1);
+    for (std::size_t i = 0; i < file.array_size("vehicle.shift"); ++i) {
+        const std::string at = fmt::format("vehicle.shift[{}].", i);
+        v.shifts.push_back({file.number(at + "at_s", {0, kLongest, "s"}), std::size_t(file.integer(at + "gear", 1, gears) - 1)});
+    }
+    std::stable_sort(v.shifts.begin(), v.shifts.end(), [](const GearShift &a, const GearShift &b) { return a.at_s < b.at_s; });
+    if (file.has("vehicle.clutch_open_s")) v.open_s = file.numbers("vehicle.clutch_open_s", {0, kLongest, "s"});
+    if (v.open_s.size() % 2 != 0) file.fail("vehicle.clutch_open_s", "is not a list of pairs: from, to, from, to");
+    v.slope_nm = read_profile(file, "vehicle", "time_s", "slope_nm", {-1e4, 1e4, "N m"}, {0, kLongest, "s"}, 0);
+    v.tell_gear = file.boolean_or("vehicle.tell_gear", true);
+    v.wheel_teeth = d.wheel_teeth;
+    v.wheel_jitter_rad = kRadPerDeg * file.number_or("vehicle.wheel_jitter_deg", {0, 2, "deg"}, 0);
+    s.vehicle = v;
+}
+
 void read_balance(TomlFile &file, Scenario &s) {
     if (file.has("control.balance_on_s")) s.balance_on_s = file.numbers("control.balance_on_s", {0, kLongest, "s"});
     if (s.balance_on_s.size() % 2 != 0) file.fail("control.balance_on_s", "is not a list of pairs: from, to, from, to");
@@ -220,6 +248,7 @@ Scenario read_scenario(TomlFile &file, const std::filesystem::path &folder) {
     read_elastic(file, s);
     read_cylinders(file, s);
     read_misfires(file, s);
+    read_vehicle(file, s);
     read_encoder(file, s);
     read_uego(file, s);
     read_exhaust_sensors(file, s);

@@ -12,6 +12,7 @@
 #include "plant/exhaust/pressure_sensor.hpp"
 #include "plant/exhaust/uego.hpp"
 #include "plant/sensors/pickup.hpp"
+#include "plant/vehicle/car_behind.hpp"
 
 namespace sixdeg {
 
@@ -71,6 +72,8 @@ struct Scenario {
     std::vector<int> continuous;        ///< Physical cylinders that never burn properly.
     double misfire_rate = 0;            ///< Probability for each combustion.
     double misfire_burned_fraction = 0; ///< Of random and continuous ones.
+
+    std::optional<VehicleSetup> vehicle; ///< The car of engine.shared.driveline; none: what turns with the crank is rigid.
 
     EncoderFaults encoder;
     std::vector<double> balance_on_s; ///< Pairs from, to: the firmware may trim the fuel.

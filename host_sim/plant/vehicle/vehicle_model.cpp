@@ -38,6 +38,18 @@ void VehicleModel::start_rolling(double speed_radps, double shaft_nm) {
     start(at);
 }
 
+void VehicleModel::drive(double speed_radps, double slope_radps2) {
+    driven_ = true;
+    driven_slope_ = slope_radps2;
+    state_.speed_radps = speed_radps;
+    if (!slips_) state_.gearbox_radps = speed_radps;
+}
+
+double VehicleModel::crank_load_nm() const {
+    // While it slips the gearbox's input does not turn with the crank, though the engine counts it in.
+    return slips_ ? slip_sign_ * capacity_nm_ - gearbox_kgm2_ * driven_slope_ : ratio() * shaft_nm();
+}
+
 void VehicleModel::set_gear(std::size_t gear) {
     const double wheels = ratio() * state_.gearbox_radps;
     gear_ = gear;
@@ -56,15 +68,19 @@ VehicleState VehicleModel::slope(const VehicleState &at) const {
     const double gearbox = slips_ ? at.gearbox_radps : at.speed_radps;
     const double winding = ratio() * gearbox - at.wheel_radps;
     const double shaft = driveline_.spring_nm(at.twist_rad, location_) + driveline_.damping_nms * winding;
-    const double engine = torque_nm_(at.time_s, at.angle_rad) - driveline_.engine_viscous_nms * at.speed_radps;
     VehicleState slope;
     slope.angle_rad = at.speed_radps;
+    const double engine = driven_ ? 0 : torque_nm_(at.time_s, at.angle_rad) - driveline_.engine_viscous_nms * at.speed_radps;
     if (slips_) {
         const double clutch = slip_sign_ * capacity_nm_;
         slope.speed_radps = (engine - clutch) / (driveline_.engine_inertia_kgm2 - gearbox_kgm2_);
         slope.gearbox_radps = (clutch - ratio() * shaft) / gearbox_kgm2_;
     } else {
-        slope.speed_radps = slope.gearbox_radps = (engine - ratio() * shaft) / driveline_.engine_inertia_kgm2;
+        slope.gearbox_radps = slope.speed_radps = (engine - ratio() * shaft) / driveline_.engine_inertia_kgm2;
+    }
+    if (driven_) {
+        slope.speed_radps = driven_slope_;
+        if (!slips_) slope.gearbox_radps = driven_slope_;
     }
     slope.twist_rad = winding;
     slope.wheel_radps = (shaft - driveline_.road_nm(at.wheel_radps) - extra_nm_) / driveline_.vehicle_inertia_kgm2;
@@ -85,6 +101,7 @@ VehicleState VehicleModel::advanced(double h) const {
 double VehicleModel::held_nm(const VehicleState &at) const {
     const double winding = ratio() * at.speed_radps - at.wheel_radps;
     const double shaft = driveline_.spring_nm(at.twist_rad, location_) + driveline_.damping_nms * winding;
+    if (driven_) return gearbox_kgm2_ * driven_slope_ + ratio() * shaft;
     const double engine = torque_nm_(at.time_s, at.angle_rad) - driveline_.engine_viscous_nms * at.speed_radps;
     const double free = driveline_.engine_inertia_kgm2 - gearbox_kgm2_;
     return engine - free * (engine - ratio() * shaft) / driveline_.engine_inertia_kgm2;

@@ -47,6 +47,8 @@ class VehicleModel {
     void set_clutch(double capacity_nm) { capacity_nm_ = capacity_nm; }
     /// Another gear, while the clutch slips: the synchroniser takes the gearbox to the speed that keeps the shaft's movement.
     void set_gear(std::size_t gear);
+    /// The crank turns so from now on, whatever the torques: its engine is simulated elsewhere, and takes crank_load_nm().
+    void drive(double speed_radps, double slope_radps2);
     /// Torque beside the road's resistance, N m at the wheels: a slope, the brakes.
     void set_extra_load(double load_nm) { extra_nm_ = load_nm; }
 
@@ -60,6 +62,9 @@ class VehicleModel {
     std::size_t gear() const { return gear_; }
     double ratio() const { return driveline_.ratios[gear_]; }
     double shaft_nm() const;                                                ///< Spring and damping.
+    double road_nm() const { return driveline_.road_nm(state_.wheel_radps); }                 ///< At the wheels, without the extra.
+    /// What the engine feels of all this, N m at the crank, when the gearbox's input is part of its inertia.
+    double crank_load_nm() const;
     double load_nm() const { return driveline_.road_nm(state_.wheel_radps) + extra_nm_; }
     const std::vector<LocationChange> &changes() const { return changes_; } ///< Since the start.
     int clutch_events() const { return clutch_events_; }                    ///< How often it began to slip or to hold.
@@ -79,7 +84,8 @@ class VehicleModel {
     double capacity_nm_ = 1e9, extra_nm_ = 0;
     std::size_t gear_ = 0;
     Location location_ = 2;
-    bool slips_ = false;
+    bool slips_ = false, driven_ = false;
+    double driven_slope_ = 0;
     double slip_sign_ = 1;
     int clutch_events_ = 0;
     VehicleState state_, before_;

@@ -59,7 +59,7 @@ FigureSix run_figure_six(const FigureSixCase &c) {
         if (c.jitter_deg < 0) speed = car.state().speed_radps;
         sd_driveline_hybrid_out_t out;
         // The step of the torque falls on the end of a step of the observer.
-        sd_driveline_hybrid_step(&observer, &bank, until > kStepAtS + 1e-9 ? float(kStepNm) : 0.0f,
+        sd_driveline_hybrid_step(&observer, &bank, until > kStepAtS + 1e-9 ? float(kStepNm) : 0.0f, 0.0f,
                                  float((speed - kSpeedRadps) / kRadpsPerRpm), &out);
         if (out.location != found) figure.found.push_back({until, found, out.location});
         found = out.location;

@@ -44,7 +44,7 @@ static uint32_t count_bank(uint32_t not_counted, uint32_t step) {
     sd_driveline_hybrid_out_t out;
     budget_class(not_counted);
     for (uint32_t k = 0; k < 200u; k++) {
-        sd_driveline_hybrid_step(&observer, &bank, 0.0f, (float)(k & 7u), &out);
+        sd_driveline_hybrid_step(&observer, &bank, 0.0f, 0.0f, (float)(k & 7u), &out);
         kept = out.x[0];
         budget_class(step);
     }

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The torque observer in q31: any state, tables and gains in range, any tooth. */
+/* options: -eva-slevel 100 */
 /* kernel: firmware/torque/sd_fourier_q31.c */
 #include "any_q31.h"
 #include "sd_fourier.h"

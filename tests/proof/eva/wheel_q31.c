@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Document 000's observers on the toothed wheel in q31: any state, tables in range, any tooth and firing. */
-/* options: -eva-ilevel 256 */
+/* options: -eva-ilevel 256 -eva-slevel 100 */
 /* kernel: firmware/misfire/sd_switched_q31.c firmware/misfire/sd_switched_wheel_q31.c */
 #include "any_q31.h"
 #include "sd_switched_wheel.h"

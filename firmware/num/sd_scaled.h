@@ -93,7 +93,7 @@ static inline uint32_t sd_scaled_size(sd_scaled_t a) { return (uint32_t)((a.mant
 /* The product of two such mantissas has 61 or 62 bits. */
 static inline sd_scaled_t sd_scaled_mul(sd_scaled_t a, sd_scaled_t b) {
     const uint32_t high = (uint32_t)(((uint64_t)sd_scaled_size(a) * sd_scaled_size(b)) >> 30);
-    const int32_t two = (int32_t)(high >> 31), to = (int32_t)(high >> two);
+    const int32_t two = (high >= 0x80000000u) ? 1 : 0, to = (int32_t)(high >> two);
     if (to == 0) { return SD_SCALED_ZERO; }
     return (sd_scaled_t){ ((a.mantissa ^ b.mantissa) < 0) ? -to : to, a.exponent + b.exponent - 1 + two };
 }
@@ -117,7 +117,7 @@ static inline sd_scaled_t sd_scaled_add(sd_scaled_t a, sd_scaled_t b) {
     if (b.mantissa == 0) { return a; }
     const sd_scaled_t large = (a.exponent >= b.exponent) ? a : b, small = (a.exponent >= b.exponent) ? b : a;
     const int32_t apart = large.exponent - small.exponent;
-    if (apart > 31) { return large; }
+    if ((apart < 0) || (apart > 31)) { return large; } /* it never is below 0 */
     return sd_scaled_make((int64_t)large.mantissa * ((int64_t)1 << 31) + (((int64_t)small.mantissa * ((int64_t)1 << 31)) >> apart),
                           large.exponent - 62);
 }
@@ -160,7 +160,7 @@ static inline float sd_scaled_to_float(sd_scaled_t a) {
     if ((rest > 64u) || ((rest == 64u) && ((m & 1u) != 0u))) { m++; } /* to 2^24, it runs into the exponent as it should */
     const int32_t e = a.exponent + 126;
     if (e <= 0) { return 0.0f; }
-    if (e >= 255) { return sd_of_bits(sign | 0x7f7fffffu); }
+    if ((e > 254) || ((e == 254) && (m > 0xffffffu))) { return sd_of_bits(sign | 0x7f7fffffu); }
     return sd_of_bits(sign | (((uint32_t)e << 23) + (m - 0x800000u)));
 }
 /// A whole number as a float, and a share of one in q31.

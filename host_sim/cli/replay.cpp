@@ -55,13 +55,16 @@ std::vector<std::string> list_assumptions(const Inputs &inputs) {
     const EngineFile &engine = inputs.engine;
     std::vector<std::string> list;
     if (!inputs.engine_given) {
-        list.push_back(fmt::format("no engine file: a four-cylinder with constant inertia {:g} kg m2 is assumed, so torque is in proportion only", engine.inertia_kgm2));
+        list.push_back(
+            fmt::format("no engine file: a four-cylinder with constant inertia {:g} kg m2 is assumed, so torque is in proportion only",
+                        engine.inertia_kgm2));
     } else {
         for (const std::string &field : engine.guessed) list.push_back("engine: " + field + " is a guess");
         list.push_back(fmt::format("torque is in proportion to the inertia, {:g} kg m2 in the engine file", engine.inertia_kgm2));
     }
     if (!inputs.phase_told()) list.push_back("no cam edge: which revolution of the cycle comes first is arbitrary, cylinders are invalid");
-    else if (!inputs.has(SD_INPUT_AIR_INTAKE_PRESSURE)) list.push_back("no intake pressure in the recording, 1 bar is taken: only differences between cylinders count");
+    else if (!inputs.has(SD_INPUT_AIR_INTAKE_PRESSURE))
+        list.push_back("no intake pressure in the recording, 1 bar is taken: only differences between cylinders count");
     if (!inputs.has(SD_INPUT_FUEL_INJECTED)) list.push_back("no injected fuel: misfires are not judged; --fuel gives it");
     return list;
 }
@@ -81,6 +84,10 @@ Constraints constraints_of(const ReplayOptions &options, const TextLayout &layou
     if (!options.cam.empty()) known.cam_column = column_named(options.cam, layout, options.file + ": --cam");
     if (!options.threshold.empty()) known.threshold = number_option(options.threshold, "--threshold");
     if (inputs.engine_given && !known.wheel) known.engine_wheel = inputs.engine.wheel;
+    if (inputs.engine_given && inputs.engine.has_cam) {
+        const double turns = (inputs.engine.cam_edge_deg - inputs.engine.position_0_deg) / 360;
+        known.cam_place_rev = turns - std::floor(turns);
+    }
     if (inputs.engine_given && !known.edge) known.edge = inputs.engine.falling_edge ? Edge::falling : Edge::rising;
     return known;
 }
@@ -103,6 +110,14 @@ void read_engine_and_tune(const ReplayOptions &options, Inputs &inputs) {
     protect_input(options.tune);
 }
 
+void set_parity(Inputs &inputs, int parity) {
+    inputs.parity = parity;
+    inputs.found.guess.cam.reset();
+    // Without a cam of the engine's any place will do; not beside the mark, where the tooth may be missing.
+    if (!inputs.engine.has_cam) inputs.engine.cam_edge_deg = std::fmod(inputs.engine.position_0_deg + 90, 720);
+    inputs.engine.has_cam = true;
+}
+
 Inputs read_inputs(const ReplayOptions &options) {
     Inputs inputs;
     const TextLayout layout = RowReader(std::filesystem::path(options.file)).layout();
@@ -115,13 +130,7 @@ Inputs read_inputs(const ReplayOptions &options) {
     for (const SensorSource &sensor : inputs.sensors)
         if (!sensor.file.empty()) inputs.files[sensor.file] = sha256_of_file(sensor.file);
     if (!options.learned.empty()) inputs.learned = read_learned_page(options.learned, inputs.files);
-    if (!options.parity.empty()) {
-        inputs.parity = options.parity == "second" ? 1 : 0;
-        inputs.found.guess.cam.reset();
-        // Without a cam of the engine's any place will do; not beside the mark, where the tooth may be missing.
-        if (!inputs.engine.has_cam) inputs.engine.cam_edge_deg = std::fmod(inputs.engine.position_0_deg + 90, 720);
-        inputs.engine.has_cam = true;
-    }
+    if (!options.parity.empty()) set_parity(inputs, options.parity == "second" ? 1 : 0);
     inputs.notes = notes_of(inputs.found);
     return inputs;
 }
@@ -131,7 +140,9 @@ std::optional<sd_calibration_t> page_for(Inputs &inputs) {
     const bool free = inputs.tune.torque_harmonics == 0;
     const float usual = resolve(inputs.engine, inputs.tune).torque_harmonics;
     if (inputs.engine.wheel.positions % 2) {
-        inputs.notes.push_back(fmt::format("the torque observers take even numbers of positions only, the wheel has {}: angle and speed alone", inputs.engine.wheel.positions));
+        inputs.notes.push_back(
+            fmt::format("the torque observers take even numbers of positions only, the wheel has {}: angle and speed alone",
+                        inputs.engine.wheel.positions));
         return std::nullopt;
     }
     std::optional<InputError> first;
@@ -139,7 +150,9 @@ std::optional<sd_calibration_t> page_for(Inputs &inputs) {
         if (free) inputs.tune.torque_harmonics = harmonics;
         try {
             const sd_calibration_t page = calibrate(inputs.engine, inputs.tune, inputs.tune_name);
-            if (harmonics < usual) inputs.notes.push_back(fmt::format("the torque observer has {:g} harmonics instead of {:g}: no more converge on {}", harmonics, usual, describe(inputs.engine.wheel)));
+            if (harmonics < usual)
+                inputs.notes.push_back(fmt::format("the torque observer has {:g} harmonics instead of {:g}: no more converge on {}",
+                                                   harmonics, usual, describe(inputs.engine.wheel)));
             return page;
         } catch (const InputError &error) {
             if (!free) throw;
@@ -147,7 +160,8 @@ std::optional<sd_calibration_t> page_for(Inputs &inputs) {
         }
     }
     if (inputs.engine_given) throw *first;
-    inputs.notes.push_back(fmt::format("the torque observer converges with no harmonics on {}: angle and speed alone", describe(inputs.engine.wheel)));
+    inputs.notes.push_back(
+        fmt::format("the torque observer converges with no harmonics on {}: angle and speed alone", describe(inputs.engine.wheel)));
     return std::nullopt;
 }
 
@@ -183,7 +197,10 @@ Json summarise(const Inputs &inputs, const ReplayResult &result) {
     summary["guess"] = guess_json(inputs);
     summary["decoder"] = decoder_json(result);
     summary["misfire"] = misfire_json(result, inputs.engine.firing_order);
-    summary["engine"] = {{"name", inputs.engine.name}, {"guessed", inputs.engine.guessed}};
+    summary["engine"] = {{"name", inputs.engine.name}, {"guessed", inputs.engine.guessed}, {"firing_order", inputs.engine.firing_order}};
+    summary["inputs"] = {{"intake", inputs.has(SD_INPUT_AIR_INTAKE_PRESSURE)}, {"fuel", inputs.has(SD_INPUT_FUEL_INJECTED)},
+                         {"lambda", inputs.has(SD_INPUT_EXHAUST_LAMBDA)}, {"phase", inputs.phase_told()},
+                         {"learned", inputs.learned.has_value()}};
     summary["parameters"] = parameters_json(inputs.tune);
     summary["files"] = inputs.files;
     summary["notes"] = inputs.notes;
@@ -194,16 +211,23 @@ Json summarise(const Inputs &inputs, const ReplayResult &result) {
 void print_misfires(const ReplayResult &result) {
     for (std::size_t i = 0; i < result.misfires.size(); ++i) {
         const MisfireCounts &counts = result.misfires[i];
-        if (counts.judged) fmt::print("cylinder {}: {} misfires and {} partial burns in {} firings judged\n", i + 1, counts.misfires, counts.partial, counts.judged);
+        if (counts.judged)
+            fmt::print("cylinder {}: {} misfires and {} partial burns in {} firings judged\n", i + 1, counts.misfires, counts.partial,
+                       counts.judged);
     }
 }
 
 void run(const ReplayOptions &options) {
     if (!options.truth.empty()) throw InputError(options.file, "--truth", "a recording has none; allowed beside an event log");
-    if (!options.load.empty()) throw InputError(options.file, "--load", "no block of the firmware takes a load; leave it out");
     Inputs inputs = read_inputs(options);
+    if (inputs.engine_given && !inputs.parity && !inputs.found.guess.cam) {
+        const ParityFound found = find_parity(options.file, inputs.found.guess, inputs.engine, double(inputs.tune.crank_stall_s));
+        if (found.parity) set_parity(inputs, *found.parity);
+        inputs.notes.push_back(found.note);
+    }
     const std::optional<sd_calibration_t> page = page_for(inputs);
-    ReplayOutput out(options, inputs.engine.firing_order, double(inputs.tune.afr_stoichiometric));
+    ReplayOutput out(options, inputs.engine.firing_order, double(inputs.tune.afr_stoichiometric),
+                     CycleWork(inputs.engine.wheel.positions, inputs.engine_given ? inputs.engine.inertia_kgm2 : 0));
     const ReplayResult result = run_recording(options, inputs, out.sink(), page);
     for (std::string &note : cam_notes(inputs.found, inputs.engine, result)) inputs.notes.push_back(std::move(note));
     const std::optional<std::string> failure = why_not_followed(inputs.found, result);
@@ -224,16 +248,19 @@ void run(const ReplayOptions &options) {
 void add_replay(Command &app) {
     auto options = std::make_shared<ReplayOptions>();
     Command command = app.add("replay", "a recording of crank edges, or an event log, through the firmware");
-    command.option("FILE", options->file, "edge list, sampled voltages or edge times (docs/recordings.md), or an event log (docs/log.md)").required();
+    command.option("FILE", options->file, "edge list, sampled voltages or edge times (docs/recordings.md), or an event log (docs/log.md)")
+        .required();
     command.option("--wheel", options->wheel, "like 60-2, 36-2-1 or 24+1; guessed otherwise");
     command.option("--edge", options->edge, "falling or rising; guessed otherwise");
     command.option("--column", options->column, "of the crank signal, number from 0 or name; guessed otherwise");
     command.option("--threshold", options->threshold, "of the crank signal, in its own unit; found otherwise");
     command.option("--cam", options->cam, "column of the cam signal, number or name; guessed otherwise");
-    command.option("--parity", options->parity, "without a cam: which revolution of the cycle the first one in sync is, first or second").one_of({"first", "second"});
+    command.option("--parity", options->parity, "without a cam: which revolution of the cycle the first one in sync is, first or second")
+        .one_of({"first", "second"});
     command.option("--intake", options->intake, "intake pressure in bar: a number, a column (name or column:N), or FILE or FILE:COLUMN");
     command.option("--fuel", options->fuel, "injected fuel, mg a stroke and cylinder; as --intake");
     command.option("--lambda", options->lambda, "air to fuel over stoichiometric; as --intake");
+    command.option("--load", options->load, "torque that the engine works against, N m, added to the work of a cycle; as --intake");
     command.option("--engine", options->engine, "engine file (docs/files.md)");
     command.option("--tune", options->tune, "tune file");
     command.settings(options->set, "key=value, over the tune file");

@@ -28,7 +28,7 @@ void print_counts(const ReplayResult &result);
 /// The three tables of a replay, where the options want them: on their way to the disk, or nowhere.
 class ReplayOutput {
   public:
-    ReplayOutput(const ReplayOptions &options, const std::vector<int> &firing_order, double stoichiometric);
+    ReplayOutput(const ReplayOptions &options, const std::vector<int> &firing_order, double stoichiometric, const CycleWork &work);
     ReplaySink &sink() { return tables_ ? static_cast<ReplaySink &>(*tables_) : nowhere_; }
     /// The summary beside them; everything appears at once.
     void commit(const nlohmann::ordered_json &summary);
@@ -49,6 +49,13 @@ struct FoundRecording {
 };
 /// Reads the file, a stretch after the other, until one shows the wheel. Throws InputError.
 FoundRecording find_recording(const std::string &file, const Constraints &known);
+
+/// Of a recording without a cam: which revolution in sync begins the cycle, 0 or 1, where the teeth tell, and a sentence on it.
+struct ParityFound {
+    std::optional<int> parity;
+    std::string note;
+};
+ParityFound find_parity(const std::string &file, const Guess &guess, const EngineFile &engine, double stall_s);
 
 /// --intake and its like. Throws InputError naming the option.
 std::vector<SensorSource> sensor_sources(const ReplayOptions &options, const TextLayout &layout, double stoichiometric);

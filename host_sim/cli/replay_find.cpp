@@ -14,13 +14,17 @@ constexpr std::size_t kStretchCells = std::size_t(3) << 20; // 24 MB; whoever re
 constexpr double kFarDeg = 45, kOffDeg = 10; // The decoder takes a cam edge so far from its place; half a usual tooth is nothing.
 constexpr double kMovedDeg = 12;
 
-const char *unit_name(double unit_s) { return unit_s == 1 ? "s" : unit_s == 1e-3 ? "ms" : unit_s == 1e-6 ? "us" : unit_s == 1e-9 ? "ns" : "rows"; }
+const char *unit_name(double unit_s) {
+    return unit_s == 1 ? "s" : unit_s == 1e-3 ? "ms" : unit_s == 1e-6 ? "us" : unit_s == 1e-9 ? "ns" : "rows";
+}
 
 std::vector<std::string> two_level_columns(const Recording &stretch, const Guess &guess) {
     std::vector<std::string> labels;
     for (int column = 0; column <= stretch.last_column(); ++column) {
-        if (column == guess.column || (guess.cam && column == guess.cam->column) || !stretch.layout.is_signal(std::size_t(column))) continue;
-        if (stretch.bad_cells[std::size_t(column)].line == 0 && column_kind(stretch, column) == ColumnKind::level) labels.push_back(column_label(stretch, column));
+        if (column == guess.column || (guess.cam && column == guess.cam->column) || !stretch.layout.is_signal(std::size_t(column)))
+            continue;
+        if (stretch.bad_cells[std::size_t(column)].line == 0 && column_kind(stretch, column) == ColumnKind::level)
+            labels.push_back(column_label(stretch, column));
     }
     return labels;
 }
@@ -57,14 +61,18 @@ std::vector<std::string> notes_of(const FoundRecording &found) {
     std::vector<std::string> notes;
     if (!guess.runner_up.empty()) notes.push_back("next best reading: " + guess.runner_up);
     if (guess.tooth_added) notes.push_back("the added tooth and the one behind it are left out: decoded as " + describe(guess.wheel));
-    if (guess.unit_guessed) notes.push_back(fmt::format("the header names no unit of time: {} is taken, seconds would be no engine's", unit_name(guess.unit_s)));
+    if (guess.unit_guessed)
+        notes.push_back(
+            fmt::format("the header names no unit of time: {} is taken, seconds would be no engine's", unit_name(guess.unit_s)));
     else if (guess.unit_s != 1) notes.push_back(fmt::format("time is in {}, as the header says", unit_name(guess.unit_s)));
     if (found.layout.is_interval) notes.push_back("the rows hold intervals from edge to edge; times are their sums");
-    if (guess.rpm > 20000 || (guess.rpm < 10 && guess.rpm > 0)) notes.push_back(fmt::format("{:.4g} rpm is no engine's speed: is the unit of time wrong?", guess.rpm));
+    if (guess.rpm > 20000 || (guess.rpm < 10 && guess.rpm > 0))
+        notes.push_back(fmt::format("{:.4g} rpm is no engine's speed: is the unit of time wrong?", guess.rpm));
     if (found.origin_s != 0) notes.push_back(fmt::format("time is shifted: 0 s here is {:.6f} s in the file", found.origin_s));
     if (!guess.is_edge_times && !guess.slicing.is_level) {
-        notes.push_back(guess.slicing.follow ? fmt::format("threshold half-way within every {} rows: the voltage drifts", guess.slicing.follow)
-                                             : fmt::format("threshold {:.4g}, {}", guess.slicing.threshold, guess.slicing.name));
+        notes.push_back(guess.slicing.follow
+                            ? fmt::format("threshold half-way within every {} rows: the voltage drifts", guess.slicing.follow)
+                            : fmt::format("threshold {:.4g}, {}", guess.slicing.threshold, guess.slicing.name));
     }
     if (guess.weak_tooth) notes.push_back("a tooth of each revolution is weak: half-way between the levels it would be missed");
     return notes;
@@ -87,22 +95,31 @@ double cam_place_deg(const CamGuess &cam, const EngineFile &engine) {
 std::vector<std::string> cam_notes(const FoundRecording &found, const EngineFile &engine, const ReplayResult &result) {
     std::vector<std::string> notes;
     if (!found.guess.cam) {
-        if (!found.two_level.empty()) notes.push_back(fmt::format("{} has no edge that comes once in two revolutions, so it tells no phase", fmt::join(found.two_level, ", ")));
+        if (!found.two_level.empty())
+            notes.push_back(
+                fmt::format("{} has no edge that comes once in two revolutions, so it tells no phase", fmt::join(found.two_level, ", ")));
         return notes;
     }
     const CamGuess &cam = *found.guess.cam;
-    if (cam.teeth > 1) notes.push_back(fmt::format("the cam in column {} has {} edges a cycle; the one that no other is opposite to tells the phase", cam.column, cam.teeth));
-    if (cam.moved_rev * 360 > kMovedDeg) notes.push_back(fmt::format("the cam moves: its edge wanders by {:.0f} deg of crank", cam.moved_rev * 360));
+    if (cam.teeth > 1)
+        notes.push_back(fmt::format("the cam in column {} has {} edges a cycle; the one that no other is opposite to tells the phase",
+                                    cam.column, cam.teeth));
+    if (cam.moved_rev * 360 > kMovedDeg)
+        notes.push_back(fmt::format("the cam moves: its edge wanders by {:.0f} deg of crank", cam.moved_rev * 360));
     if (!engine.has_cam) return notes;
     const double place = cam_place_deg(cam, engine), off = std::remainder(place - engine.cam_edge_deg, 360);
     if (std::abs(off) > kOffDeg) {
-        notes.push_back(fmt::format("cam.edge_deg is {:g} in the engine file, the recording has the edge at {:.0f} or {:.0f} deg{}", engine.cam_edge_deg, place,
-                                    place + 360, std::abs(off) > kFarDeg ? ": too far off, its edges are rejected" : ""));
+        notes.push_back(fmt::format("cam.edge_deg is {:g} in the engine file, the recording has the edge at {:.0f} or {:.0f} deg{}",
+                                    engine.cam_edge_deg, place, place + 360,
+                                    std::abs(off) > kFarDeg ? ": too far off, its edges are rejected" : ""));
     }
     const std::size_t rejected = result.counts.cam_rejected;
-    if (rejected > 0) notes.push_back(fmt::format("{} of {} cam edges were rejected{}", rejected, result.cam_edges, rejected * 5 > result.cam_edges ? "; the angle may be 360 deg off" : ""));
+    if (rejected > 0)
+        notes.push_back(fmt::format("{} of {} cam edges were rejected{}", rejected, result.cam_edges,
+                                    rejected * 5 > result.cam_edges ? "; the angle may be 360 deg off" : ""));
     if (result.phased_s < 0.5 * result.synced_s)
-        notes.push_back(fmt::format("the phase was known for {:.0f} % of the time in sync: cylinders are mostly invalid", result.synced_s > 0 ? 100 * result.phased_s / result.synced_s : 0));
+        notes.push_back(fmt::format("the phase was known for {:.0f} % of the time in sync: cylinders are mostly invalid",
+                                    result.synced_s > 0 ? 100 * result.phased_s / result.synced_s : 0));
     return notes;
 }
 
@@ -110,11 +127,18 @@ std::optional<std::string> why_not_followed(const FoundRecording &found, const R
     if (result.first_sync_edge && result.synced_s >= 0.5 * result.turned_s) return std::nullopt;
     const double turns = found.guess.wheel.teeth() > 0 ? double(result.edges) / found.guess.wheel.teeth() : 0;
     std::string why;
-    if (turns < 5) why = fmt::format("the recording is short, {:.1f} revolutions, and two passes of the marks go by before the angle is known", turns);
-    else if (found.guess.rpm > 20000 || found.guess.rpm < 10) why = fmt::format("{:.4g} rpm is no engine's speed: is the unit of time wrong?", found.guess.rpm);
-    else if (found.guess.consistent_revolutions < 0.5 * turns) why = fmt::format("only {} of {:.0f} revolutions have their marks where they belong: edges are missing, added or uneven", found.guess.consistent_revolutions, turns);
-    else why = fmt::format("{} losses of sync, {} teeth missing and {} edges left out", result.counts.sync_losses, result.counts.coasted, result.counts.spurious);
-    return result.first_sync_edge ? fmt::format("synced for {:.0f} % of the time only: {}", 100 * result.synced_s / result.turned_s, why) : "never synced: " + why;
+    if (turns < 5)
+        why = fmt::format("the recording is short, {:.1f} revolutions, and two passes of the marks go by before the angle is known", turns);
+    else if (found.guess.rpm > 20000 || found.guess.rpm < 10)
+        why = fmt::format("{:.4g} rpm is no engine's speed: is the unit of time wrong?", found.guess.rpm);
+    else if (found.guess.consistent_revolutions < 0.5 * turns)
+        why = fmt::format("only {} of {:.0f} revolutions have their marks where they belong: edges are missing, added or uneven",
+                          found.guess.consistent_revolutions, turns);
+    else
+        why = fmt::format("{} losses of sync, {} teeth missing and {} edges left out", result.counts.sync_losses, result.counts.coasted,
+                          result.counts.spurious);
+    return result.first_sync_edge ? fmt::format("synced for {:.0f} % of the time only: {}", 100 * result.synced_s / result.turned_s, why)
+                                  : "never synced: " + why;
 }
 
 } // namespace sixdeg

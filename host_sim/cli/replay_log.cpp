@@ -29,7 +29,7 @@ void refuse_options_of_recordings(const ReplayOptions &options) {
     refuse(!options.column.empty(), "--column");
     refuse(!options.threshold.empty(), "--threshold");
     refuse(!(options.cam + options.parity).empty(), "--cam, --parity");
-    refuse(!(options.intake + options.fuel + options.lambda).empty(), "--intake, --fuel, --lambda");
+    refuse(!(options.intake + options.fuel + options.lambda + options.load).empty(), "--intake, --fuel, --lambda, --load");
     refuse(!(options.learned + options.learn).empty(), "--learned, --learn");
 }
 
@@ -70,14 +70,17 @@ void write_beside_truth(const ReplayOptions &options, const Json &about, const L
 }
 
 void write_tables(const ReplayOptions &options, const sd_calibration_t &page, const LogReplay &replayed, const Json &summary) {
-    ReplayOutput out(options, {page.firing_order, page.firing_order + page.cylinders}, double(page.parameters.afr_stoichiometric));
+    ReplayOutput out(options, {page.firing_order, page.firing_order + page.cylinders}, double(page.parameters.afr_stoichiometric),
+                     CycleWork(page.positions, 0));
     std::size_t i = 0;
     // A cycle takes its cylinders from the firings before it, so rows go in order of time.
     std::size_t firing = 0, cycle = 0;
     for (const ToothRow &row : replayed.teeth) {
         out.sink().tooth(i++, row);
-        for (; firing < replayed.firings.size() && replayed.firings[firing].t_s <= row.t_s; ++firing) out.sink().firing(firing, replayed.firings[firing]);
-        for (; cycle < replayed.cycles.size() && replayed.cycles[cycle].t_s <= row.t_s; ++cycle) out.sink().cycle(cycle, replayed.cycles[cycle]);
+        for (; firing < replayed.firings.size() && replayed.firings[firing].t_s <= row.t_s; ++firing)
+            out.sink().firing(firing, replayed.firings[firing]);
+        for (; cycle < replayed.cycles.size() && replayed.cycles[cycle].t_s <= row.t_s; ++cycle)
+            out.sink().cycle(cycle, replayed.cycles[cycle]);
     }
     out.commit(summary);
 }

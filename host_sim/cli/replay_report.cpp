@@ -48,14 +48,16 @@ void print_counts(const ReplayResult &result) {
     fmt::print("{} edges, {} whole revolutions, sync at edge {}, {} losses, {} faults coasted through\n", result.edges,
                result.revolutions, result.first_sync_edge ? std::to_string(*result.first_sync_edge) : std::string("none"),
                result.counts.sync_losses, result.counts.coasted + result.counts.spurious);
-    if (result.rpm_last) fmt::print("{:.1f} rpm in the last revolution followed, which ended at {:.3f} s\n", *result.rpm_last, result.rpm_last_s);
+    if (result.rpm_last)
+        fmt::print("{:.1f} rpm in the last revolution followed, which ended at {:.3f} s\n", *result.rpm_last, result.rpm_last_s);
 }
 
-ReplayOutput::ReplayOutput(const ReplayOptions &options, const std::vector<int> &firing_order, double stoichiometric) : options_(options) {
+ReplayOutput::ReplayOutput(const ReplayOptions &options, const std::vector<int> &firing_order, double stoichiometric,
+                           const CycleWork &work) : options_(options) {
     if (options.out.empty()) return;
     folder_.emplace(options.out);
     std::ostream &teeth = folder_->stream("teeth.csv"), &cycles = folder_->stream("cycles.csv"), &firings = folder_->stream("firings.csv");
-    tables_.emplace(teeth, cycles, firings, firing_order, stoichiometric);
+    tables_.emplace(teeth, cycles, firings, firing_order, stoichiometric, work);
 }
 
 void ReplayOutput::commit(const Json &summary) {

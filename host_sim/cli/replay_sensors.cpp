@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// sixdeg replay --intake, --fuel, --lambda: a constant, a column of the recording, or another file.
+// sixdeg replay --intake, --fuel, --lambda, --load: a constant, a column of the recording, or another file.
 #include <charconv>
 #include <filesystem>
 #include <fmt/format.h>
@@ -12,12 +12,14 @@ namespace {
 
 struct Sensor {
     const char *option;
-    sd_input_t input;
+    int input; ///< sd_input_t, or kLoadInput
     const std::string ReplayOptions::*text;
 };
 constexpr Sensor kSensors[] = {{"--intake", SD_INPUT_AIR_INTAKE_PRESSURE, &ReplayOptions::intake},
                                {"--fuel", SD_INPUT_FUEL_INJECTED, &ReplayOptions::fuel},
-                               {"--lambda", SD_INPUT_EXHAUST_LAMBDA, &ReplayOptions::lambda}};
+                               {"--lambda", SD_INPUT_EXHAUST_LAMBDA, &ReplayOptions::lambda},
+                               {"--load", kLoadInput, &ReplayOptions::load}};
+constexpr double kLoadMost_nm = 20000;
 
 std::string lower(const std::string &text) {
     std::string out;
@@ -26,7 +28,7 @@ std::string lower(const std::string &text) {
 }
 
 /// From the unit that a header names to that of the sensor.
-double scale_of(const std::string &name, sd_input_t input, double stoichiometric) {
+double scale_of(const std::string &name, int input, double stoichiometric) {
     const std::string text = lower(name);
     const auto has = [&](const char *word) { return text.find(word) != std::string::npos; };
     if (input == SD_INPUT_AIR_INTAKE_PRESSURE) return has("kpa") ? 0.01 : has("mbar") || has("hpa") ? 0.001 : has("psi") ? 0.0689476 : 1;
@@ -64,9 +66,13 @@ SensorSource from_file(const std::string &text, const Sensor &sensor, double sto
 }
 
 SensorSource constant(double value, const Sensor &sensor) {
-    const sd_input_info_t &info = sd_input_infos[sensor.input];
-    if (!(value >= double(info.low) && value <= double(info.high)))
-        throw InputError(sensor.option, "", fmt::format("{:g} is outside [{:g}, {:g}] {}", value, info.low, info.high, info.unit));
+    const bool load = sensor.input == kLoadInput;
+    const double low = load ? -kLoadMost_nm : double(sd_input_infos[sensor.input].low);
+    const double high = load ? kLoadMost_nm : double(sd_input_infos[sensor.input].high);
+    if (!(value >= low && value <= high)) {
+        throw InputError(sensor.option, "",
+                         fmt::format("{:g} is outside [{:g}, {:g}] {}", value, low, high, load ? "Nm" : sd_input_infos[sensor.input].unit));
+    }
     SensorSource source;
     source.input = sensor.input;
     source.constant = value;
@@ -76,7 +82,8 @@ SensorSource constant(double value, const Sensor &sensor) {
 bool is_file(const std::string &text) {
     std::error_code ec;
     const auto colon = text.rfind(':');
-    return std::filesystem::is_regular_file(text, ec) || (colon != std::string::npos && std::filesystem::is_regular_file(text.substr(0, colon), ec));
+    return std::filesystem::is_regular_file(text, ec) ||
+           (colon != std::string::npos && std::filesystem::is_regular_file(text.substr(0, colon), ec));
 }
 
 } // namespace
@@ -89,7 +96,8 @@ int column_named(const std::string &text, const TextLayout &layout, const std::s
     if (error == std::errc{} && end == text.data() + text.size() && column >= 0 && column < int(layout.names.size())) return column;
     std::string names;
     for (const std::string &name : layout.names) names += (names.empty() ? "" : ", ") + name;
-    throw InputError(from, "", fmt::format("'{}' is no column: 0 to {}, or a name of the header ({})", text, layout.names.size() - 1, names));
+    throw InputError(from, "",
+                     fmt::format("'{}' is no column: 0 to {}, or a name of the header ({})", text, layout.names.size() - 1, names));
 }
 
 std::vector<SensorSource> sensor_sources(const ReplayOptions &options, const TextLayout &layout, double stoichiometric) {

@@ -20,7 +20,7 @@ constexpr double kStandstill_s = 0.5; // Longer between two edges, and the engin
 /// What both kinds of replay do with an event.
 template <typename Bench> class Replayer {
   public:
-    Replayer(const ReplayPlan &plan, Bench &bench, ReplaySink &sink) : plan_(plan), bench_(bench), rows_(sink) {}
+    Replayer(const ReplayPlan &plan, Bench &bench, ReplaySink &sink) : plan_(plan), bench_(bench), sink_(sink), rows_(sink) {}
 
     ReplayResult run() {
         RecordedEvent event{};
@@ -31,7 +31,10 @@ template <typename Bench> class Replayer {
   private:
     void take(const RecordedEvent &event) {
         switch (event.kind) {
-        case RecordedEvent::reading: bench_.show(sd_input_t(event.input), event.value); return;
+        case RecordedEvent::reading:
+            if (event.input == kLoadInput) sink_.load(event.value);
+            else bench_.show(sd_input_t(event.input), event.value);
+            return;
         case RecordedEvent::cam_edge:
             if (is_telling_cam_edge()) cam_edge(event.t_s);
             return;
@@ -64,9 +67,10 @@ template <typename Bench> class Replayer {
     void count_parity(double t_s) {
         const sd_signals_t &s = bench_.said().signals();
         if (!is_placed(s)) {
-            if (s.crank_edge_class == SD_EDGE_UNSYNCED) revolution_ = -1;
+            if (s.crank_edge_class == SD_EDGE_UNSYNCED) parity_lost_ = revolution_ >= 0;
             return;
         }
+        if (parity_lost_) return;
         const int tooth = int(s.crank_tooth), place = plan_.parity_position % plan_.positions;
         if (last_tooth_ > tooth || revolution_ < 0) revolution_ = revolution_ < 0 ? *plan_.parity : revolution_ + 1;
         const bool passes = last_tooth_ <= tooth ? last_tooth_ < place && place <= tooth : place <= tooth;
@@ -76,8 +80,10 @@ template <typename Bench> class Replayer {
 
     const ReplayPlan &plan_;
     Bench &bench_;
+    ReplaySink &sink_;
     ReplayRows rows_;
     int revolution_ = -1, last_tooth_ = -1;
+    bool parity_lost_ = false;
 };
 
 } // namespace
@@ -91,7 +97,8 @@ void ReplayRows::edge(double t_s, bool cycle_ended, const EcuSaid &said, bool fi
         count_misfires(row.signals);
         sink_.firing(result_.firings++, {t_s, row.signals, row.firing_health, said.health(SD_OWNER_MISFIRE), said.health(SD_OWNER_AFR)});
     }
-    if (cycle_ended) sink_.cycle(result_.cycles++, {t_s, row.signals, said.health(SD_OWNER_CYLINDER), row.firing_health, said.health(SD_OWNER_AFR)});
+    if (cycle_ended)
+        sink_.cycle(result_.cycles++, {t_s, row.signals, said.health(SD_OWNER_CYLINDER), row.firing_health, said.health(SD_OWNER_AFR)});
     result_.last = row.signals;
 }
 
@@ -151,7 +158,10 @@ CrankAlone::CrankAlone(const std::string &name, const EngineFile &engine, double
     for (std::size_t i = 0; fits && i < engine.wheel.missing.size(); ++i) config.missing[i] = std::uint8_t(engine.wheel.missing[i]);
     config.stall_ticks = std::uint32_t(stall_s * engine.tick_hz);
     fits = fits && sd_crank_init(&crank_, &config) == SD_OK;
-    if (!fits) throw InputError(name, describe(engine.wheel), "is the wheel, and the decoder does not take it: marks are 1 to 3 missing teeth, at most 4 of them, at least 4 teeth apart");
+    if (!fits)
+        throw InputError(
+            name, describe(engine.wheel),
+            "is the wheel, and the decoder does not take it: marks are 1 to 3 missing teeth, at most 4 of them, at least 4 teeth apart");
 }
 
 void CrankAlone::say(sd_signal_t signal, double value, std::uint32_t tick, std::uint8_t health) {

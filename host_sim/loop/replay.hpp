@@ -41,6 +41,7 @@ struct ReplaySink {
     virtual void tooth(std::size_t, const ToothRow &) {}
     virtual void cycle(std::size_t, const CycleRow &) {}
     virtual void firing(std::size_t, const FiringRow &) {}
+    virtual void load(double /*nm*/) {} ///< The torque that the engine works against, from now on.
 };
 
 /// Verdicts of the misfire monitor on one cylinder.
@@ -101,13 +102,17 @@ class CrankAlone : public EcuFeed {
     EcuSaid said_;
 };
 
+/// Stands for a load among the inputs; the ecu has none, so it goes to the sink.
+constexpr int kLoadInput = -1;
+
 /// How recorded events reach the ecu.
 struct ReplayPlan {
-    /// The next event in order of time; false at the end. `input` of a reading is an sd_input_t.
+    /// The next event in order of time; false at the end. `input` of a reading is an sd_input_t, or kLoadInput.
     std::function<bool(RecordedEvent &)> next;
     /// Of a cam with several teeth: only edges within 0.06 of a revolution of this position tell; nothing: all do.
     std::optional<double> cam_position;
-    /// Without a cam: the first whole revolution in sync counts as the cycle's first (0) or second (1).
+    /// Without a cam: the first whole revolution in sync counts as the cycle's first (0) or second (1); no phase any more once the angle
+    /// was lost.
     std::optional<int> parity;
     int positions = 60, parity_position = 0; ///< Of the wheel; where the cam edge belongs, [0, 2 positions).
     const sd_pattern_sums_t *learned = nullptr; ///< Tooth pattern to begin with.

@@ -2,6 +2,7 @@
 #include "loop/replay_tables.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <fmt/format.h>
 #include <iterator>
 
@@ -22,16 +23,21 @@ void write(std::ostream &out, const fmt::memory_buffer &text) { out.write(text.d
 
 } // namespace
 
-ReplayTables::ReplayTables(std::ostream &teeth, std::ostream &cycles, std::ostream &firings, std::vector<int> firing_order, double stoichiometric)
-    : teeth_(teeth), cycles_(cycles), firings_(firings), firing_order_(std::move(firing_order)), stoichiometric_(stoichiometric) {
+ReplayTables::ReplayTables(std::ostream &teeth, std::ostream &cycles, std::ostream &firings, std::vector<int> firing_order,
+                           double stoichiometric, const CycleWork &work)
+    : teeth_(teeth), cycles_(cycles), firings_(firings), firing_order_(std::move(firing_order)), stoichiometric_(stoichiometric),
+      work_(work) {
     teeth_ << "edge,t_s,class,tooth,angle_deg,rpm,accel,torque_nm,health,torque_health,fourier_nm,fourier_health\n";
     cycles_ << "cycle,t_s,cylinder,rpm,torque_nm,sd_nm,health,fourier_nm,fourier_sd_nm,fourier_health\n";
-    firings_ << "firing,t_s,cylinder,torque_nm,sd_nm,mean_nm,mean_sd_nm,health,misfire_index,misfire_limit,verdict,lambda,lambda_health\n";
+    firings_ << "firing,t_s,cylinder,torque_nm,sd_nm,mean_nm,mean_sd_nm,health,misfire_index,misfire_limit,verdict,lambda,lambda_health,"
+                "work_j,work_sd_j\n";
 }
 
 void ReplayTables::tooth(std::size_t index, const ToothRow &row) {
     const sd_signals_t &s = row.signals;
-    const bool placed = is_placed(s), filter = placed && row.firing_health != SD_INVALID, fourier = placed && row.torque_health != SD_INVALID;
+    work_.tooth(row);
+    const bool placed = is_placed(s), filter = placed && row.firing_health != SD_INVALID,
+               fourier = placed && row.torque_health != SD_INVALID;
     fmt::memory_buffer text;
     fmt::format_to(std::back_inserter(text), "{},{:.9f},{}", index, row.t_s, class_name(s.crank_edge_class));
     put(text, placed, double(s.crank_tooth), 0);
@@ -39,7 +45,8 @@ void ReplayTables::tooth(std::size_t index, const ToothRow &row) {
     put(text, placed, double(s.crank_speed_rpm), 3);
     put(text, placed, double(s.crank_acceleration_radps2), 2);
     put(text, filter, double(s.firing_waveform_nm), 3);
-    fmt::format_to(std::back_inserter(text), ",{},{}", health_name(row.crank_health), health_name(placed ? row.firing_health : std::uint8_t(SD_INVALID)));
+    fmt::format_to(std::back_inserter(text), ",{},{}", health_name(row.crank_health),
+                   health_name(placed ? row.firing_health : std::uint8_t(SD_INVALID)));
     put(text, fourier, double(s.torque_mass_nm), 3);
     fmt::format_to(std::back_inserter(text), ",{}\n", health_name(row.torque_health));
     write(teeth_, text);
@@ -53,8 +60,9 @@ void ReplayTables::cycle(std::size_t index, const CycleRow &row) {
         fmt::format_to(std::back_inserter(text), "{},{:.9f},{},{:.3f}", index, row.t_s, number, row.signals.cycle_speed_rpm);
         put(text, known, cylinder.mean_nm, 3);
         put(text, known, cylinder.mean_sd_nm, 3);
-        fmt::format_to(std::back_inserter(text), ",{},{:.3f},{:.3f},{}\n", health_name(cylinder.health), row.signals.cycle_cylinder_torque_nm[number - 1],
-                       row.signals.cycle_cylinder_sd_nm[number - 1], health_name(row.cylinder_health));
+        fmt::format_to(std::back_inserter(text), ",{},{:.3f},{:.3f},{}\n", health_name(cylinder.health),
+                       row.signals.cycle_cylinder_torque_nm[number - 1], row.signals.cycle_cylinder_sd_nm[number - 1],
+                       health_name(row.cylinder_health));
         write(cycles_, text);
     }
 }
@@ -78,7 +86,11 @@ void ReplayTables::firing(std::size_t index, const FiringRow &row) {
     put(text, judged, double(s.misfire_limit), 4);
     fmt::format_to(std::back_inserter(text), ",{}", judged ? verdict_name(s.misfire_verdict) : "not judged");
     put(text, mixture, mixture ? ((1 + stoichiometric_) / burned - 1) / stoichiometric_ : 0, 4);
-    fmt::format_to(std::back_inserter(text), ",{}\n", health_name(row.afr_health));
+    fmt::format_to(std::back_inserter(text), ",{}", health_name(row.afr_health));
+    const auto work = work_.last();
+    put(text, work.has_value(), work ? work->first + load_nm_ * 4 * M_PI : 0, 3);
+    put(text, work.has_value(), work ? work->second : 0, 3);
+    text.push_back('\n');
     write(firings_, text);
 }
 

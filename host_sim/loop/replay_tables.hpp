@@ -5,6 +5,7 @@
 #include <ostream>
 #include <vector>
 
+#include "loop/cycle_work.hpp"
 #include "loop/replay.hpp"
 
 namespace sixdeg {
@@ -12,10 +13,12 @@ namespace sixdeg {
 class ReplayTables : public ReplaySink {
   public:
     /// The streams outlive the tables. `firing_order`: physical cylinder numbers; `stoichiometric`: air to fuel, for lambda.
-    ReplayTables(std::ostream &teeth, std::ostream &cycles, std::ostream &firings, std::vector<int> firing_order, double stoichiometric);
+    ReplayTables(std::ostream &teeth, std::ostream &cycles, std::ostream &firings, std::vector<int> firing_order, double stoichiometric,
+                 const CycleWork &work);
     void tooth(std::size_t index, const ToothRow &row) override;
     void cycle(std::size_t index, const CycleRow &row) override;
     void firing(std::size_t index, const FiringRow &row) override;
+    void load(double nm) override { load_nm_ = nm; }
 
   private:
     struct Cylinder {
@@ -24,7 +27,8 @@ class ReplayTables : public ReplaySink {
     };
     std::ostream &teeth_, &cycles_, &firings_;
     std::vector<int> firing_order_;
-    double stoichiometric_;
+    double stoichiometric_, load_nm_ = 0;
+    CycleWork work_;
     std::array<Cylinder, 8> cylinders_{}; ///< The last firing of each, by physical number.
 };
 

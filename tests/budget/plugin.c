@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /* A QEMU plugin that counts the instructions of every function, callees included, by class of event (docs/budget.md).
  *
- *   -plugin libbudget_plugin.so,symbols=NM.txt,groups=GROUPS.txt,out=FILE.csv
+ *   -plugin libbudget_plugin.so,symbols=NM.txt,groups=GROUPS.txt,cycles=CYCLES.txt,out=FILE.csv
  *
- * NM.txt is what `nm -S` says of the image, GROUPS.txt has lines "group function". A group counts while any of its functions
- * is under way, so a function that calls another one of its group counts once. An event ends with a call of budget_class_N,
- * which says what class it was. Written for the plugin interface 1 of QEMU 7.2, whose header Debian does not package. */
+ * NM.txt is what `nm -S` says of the image, GROUPS.txt has lines "group function". A group counts while any of its functions is
+ * under way, so a function that calls another one of its group counts once. An event ends with a call of budget_class_N, which
+ * says what class it was. CYCLES.txt has lines "address slow more-when-it-branches quick more" in cycles of a model (cycles.py)
+ * for all that is executed; without it all are 0. Written for the plugin interface 1 of QEMU 7.2, whose header Debian does not
+ * package. */
 #include <stdbool.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -31,10 +33,10 @@ enum { CLASSES = 24, ITEMS_MAX = 4096, DEPTH_MAX = 256, CODE_BYTES = 4 << 20, NA
 /* A function or a group of them. */
 typedef struct item {
     char name[NAME_MAX_BYTES];
-    uint64_t started; /* Count when the outermost call began. */
+    uint64_t started, started_slow, started_quick; /* Counts when the outermost call began. */
     int open;         /* Calls under way. */
-    uint64_t event_calls, event_count; /* In the event under way. */
-    struct { uint64_t events, calls, total, most; } of[CLASSES];
+    uint64_t event_calls, event_count, event_slow, event_quick; /* In the event under way. */
+    struct { uint64_t events, calls, total, most, slow, most_slow, quick, most_quick; } of[CLASSES];
 } item_t;
 
 typedef struct function {
@@ -47,6 +49,7 @@ typedef struct instruction {
     uint32_t pc, after;
     bool is_call;
     int entry, within; /* Function that begins here, function it is of; NONE. */
+    struct costs { uint8_t slow, slow_branch, quick, quick_branch; } costs; /* Of the model; branch: when the next one is elsewhere. */
 } instruction_t;
 
 static item_t items[ITEMS_MAX];
@@ -55,7 +58,9 @@ static int item_count, group_count, function_count;
 static instruction_t *code[CODE_BYTES / 2];
 static struct { int function; uint32_t back; } stack[DEPTH_MAX];
 static int depth;
-static uint64_t executed;
+static uint64_t executed, slow, quick;
+static bool has_cycles;
+static struct costs costs[CODE_BYTES / 2];
 static const instruction_t *before;
 static char out_name[512];
 
@@ -64,14 +69,17 @@ static char out_name[512];
 static void open_item(int index) {
     if (index == NONE) { return; }
     item_t *item = &items[index];
-    if (item->open++ == 0) { item->started = executed; }
+    if (item->open++ == 0) { item->started = executed, item->started_slow = slow, item->started_quick = quick; }
     item->event_calls++;
 }
 
 static void close_item(int index) {
     if (index == NONE) { return; }
     item_t *item = &items[index];
-    if (--item->open == 0) { item->event_count += executed - item->started; }
+    if (--item->open > 0) { return; }
+    item->event_count += executed - item->started;
+    item->event_slow += slow - item->started_slow;
+    item->event_quick += quick - item->started_quick;
 }
 
 static void enter(int function, uint32_t back) {
@@ -99,6 +107,10 @@ static void return_to(uint32_t pc) {
     }
 }
 
+static void raise_to(uint64_t *most, uint64_t count) {
+    if (count > *most) { *most = count; }
+}
+
 static void end_event(int event_class) {
     for (int i = 0; i < item_count; i++) {
         item_t *item = &items[i];
@@ -106,8 +118,12 @@ static void end_event(int event_class) {
         item->of[event_class].events++;
         item->of[event_class].calls += item->event_calls;
         item->of[event_class].total += item->event_count;
-        if (item->event_count > item->of[event_class].most) { item->of[event_class].most = item->event_count; }
-        item->event_calls = item->event_count = 0;
+        item->of[event_class].slow += item->event_slow;
+        item->of[event_class].quick += item->event_quick;
+        raise_to(&item->of[event_class].most, item->event_count);
+        raise_to(&item->of[event_class].most_slow, item->event_slow);
+        raise_to(&item->of[event_class].most_quick, item->event_quick);
+        item->event_calls = item->event_count = item->event_slow = item->event_quick = 0;
     }
 }
 
@@ -117,6 +133,8 @@ static void on_instruction(unsigned cpu, void *user) {
     (void)cpu;
     const instruction_t *now = user;
     if (before != NULL && now->pc != before->after) {
+        slow += before->costs.slow_branch;
+        quick += before->costs.quick_branch;
         return_to(now->pc);
         const bool begins = now->entry != NONE;
         if (before->is_call) { enter(now->entry, before->after); }
@@ -124,6 +142,8 @@ static void on_instruction(unsigned cpu, void *user) {
         if (begins && functions[now->entry].event_class != NONE) { end_event(functions[now->entry].event_class); }
     }
     executed++;
+    slow += now->costs.slow;
+    quick += now->costs.quick;
     before = now;
 }
 
@@ -150,8 +170,10 @@ static instruction_t *instruction_of(const struct qemu_plugin_insn *insn) {
     if (code[pc / 2] == NULL) {
         const size_t size = qemu_plugin_insn_size(insn);
         const int within = function_at(pc);
+        if (has_cycles && costs[pc / 2].slow == 0) { fprintf(stderr, "budget plugin: no cycles for what stands at %x\n", pc); exit(1); }
         instruction_t *made = calloc(1, sizeof *made);
         *made = (instruction_t){ .pc = pc, .after = pc + (uint32_t)size, .is_call = calls(qemu_plugin_insn_data(insn), size),
+                                 .costs = costs[pc / 2],
                                  .within = within, .entry = (within != NONE && functions[within].first == pc) ? within : NONE };
         code[pc / 2] = made;
     }
@@ -198,6 +220,21 @@ static void read_groups(const char *name) {
     group_count = item_count;
 }
 
+static void read_cycles(const char *name) {
+    if (name == NULL) { return; }
+    FILE *file = open_file(name, "r");
+    unsigned address, of[4];
+    while (fscanf(file, "%x %u %u %u %u", &address, &of[0], &of[1], &of[2], &of[3]) == 5) {
+        if (address >= CODE_BYTES || (of[0] | of[1] | of[2] | of[3]) > UINT8_MAX) {
+            fprintf(stderr, "budget plugin: cycles of %x\n", address);
+            exit(1);
+        }
+        costs[address / 2] = (struct costs){ (uint8_t)of[0], (uint8_t)of[1], (uint8_t)of[2], (uint8_t)of[3] };
+    }
+    fclose(file);
+    has_cycles = true;
+}
+
 static int group_of(const char *function) {
     for (int i = 0; i < member_count; i++) {
         if (strcmp(members[i].function, function) == 0) { return members[i].group; }
@@ -225,13 +262,15 @@ static void read_symbols(const char *name) {
 static void write_counts(plugin_id_t id, void *user) {
     (void)id, (void)user;
     FILE *file = open_file(out_name, "w");
-    fprintf(file, "kind,name,class,events,calls,total,most\n");
+    fprintf(file, "kind,name,class,events,calls,total,most,slow,most_slow,quick,most_quick\n");
     for (int i = 0; i < item_count; i++) {
         for (int c = 0; c < CLASSES; c++) {
             if (items[i].of[c].events == 0) { continue; }
-            fprintf(file, "%s,%s,%d,%llu,%llu,%llu,%llu\n", (i < group_count) ? "group" : "function", items[i].name, c,
+            fprintf(file, "%s,%s,%d,%llu,%llu,%llu,%llu,%llu,%llu,%llu,%llu\n", (i < group_count) ? "group" : "function", items[i].name, c,
                     (unsigned long long)items[i].of[c].events, (unsigned long long)items[i].of[c].calls,
-                    (unsigned long long)items[i].of[c].total, (unsigned long long)items[i].of[c].most);
+                    (unsigned long long)items[i].of[c].total, (unsigned long long)items[i].of[c].most,
+                    (unsigned long long)items[i].of[c].slow, (unsigned long long)items[i].of[c].most_slow,
+                    (unsigned long long)items[i].of[c].quick, (unsigned long long)items[i].of[c].most_quick);
         }
     }
     fclose(file);
@@ -239,14 +278,16 @@ static void write_counts(plugin_id_t id, void *user) {
 
 EXPORT int qemu_plugin_install(plugin_id_t id, const void *info, int count, char **arguments) {
     (void)info;
-    const char *symbols = NULL, *groups = NULL;
+    const char *symbols = NULL, *groups = NULL, *model = NULL;
     for (int i = 0; i < count; i++) {
         if (strncmp(arguments[i], "symbols=", 8) == 0) { symbols = arguments[i] + 8; }
         if (strncmp(arguments[i], "groups=", 7) == 0) { groups = arguments[i] + 7; }
+        if (strncmp(arguments[i], "cycles=", 7) == 0) { model = arguments[i] + 7; }
         if (strncmp(arguments[i], "out=", 4) == 0) { snprintf(out_name, sizeof out_name, "%s", arguments[i] + 4); }
     }
     read_groups(groups);
     read_symbols(symbols);
+    read_cycles(model);
     qemu_plugin_register_vcpu_tb_trans_cb(id, on_translation);
     qemu_plugin_register_atexit_cb(id, write_counts, NULL);
     return 0;

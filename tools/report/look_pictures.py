@@ -20,7 +20,8 @@ def differences(of_cylinders):
     figure, axes = axes_of("Cylinder contributions: torque less the mean of all", "cylinder", "N m")
     places = range(len(of_cylinders))
     axes.bar(places, [v[0] for v in of_cylinders.values()], width=0.55, color=BLUE)
-    axes.errorbar(places, [v[0] for v in of_cylinders.values()], yerr=[3 * v[1] for v in of_cylinders.values()], fmt="none", ecolor=ORANGE, capsize=6)
+    axes.errorbar(places, [v[0] for v in of_cylinders.values()], yerr=[3 * v[1] for v in of_cylinders.values()], fmt="none",
+                  ecolor=ORANGE, capsize=6)
     axes.axhline(0, color=INK, linewidth=0.8)
     axes.set_xticks(places, [str(c) for c in of_cylinders])
     axes.grid(axis="x", visible=False)

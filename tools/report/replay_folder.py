@@ -19,9 +19,10 @@ class Teeth:
         table = Table(folder, "teeth.csv", self.NUMBERS + ("class", "health", "fourier_nm"))
         self.t_s, self.tooth, self.angle_deg, self.rpm, self.torque_nm = (table.numbers(n) for n in self.NUMBERS)
         self.kind, self.health = table.texts("class"), table.texts("health")
+        self.fourier_nm = table.numbers("fourier_nm")
         self.torque_source = "the filter on tooth times"
         if not np.isfinite(self.torque_nm).any():  # no engine file, or the filter is off
-            self.torque_nm, self.torque_source = table.numbers("fourier_nm"), "the Fourier observer"
+            self.torque_nm, self.torque_source = self.fourier_nm, "the Fourier observer"
         if self.t_s.size == 0:
             raise BadFolder(f"{table.path}: holds no edges")
 

@@ -37,26 +37,45 @@ def _cycles(angle_deg):
     return list(zip(bounds[:-1], bounds[1:]))
 
 
-def torque(teeth):
-    """Torque over crank angle, the last cycles over one another; the newest is dark."""
-    known = np.isfinite(teeth.torque_nm) & np.isfinite(teeth.angle_deg) & (teeth.kind == "tooth")
+def _last_cycles(teeth, torque_nm):
+    """(angle, torque) of the last whole cycles, the newest first, and the angle they span; nothing without one."""
+    known = np.isfinite(torque_nm) & np.isfinite(teeth.angle_deg) & (teeth.kind == "tooth")
     if not known.any():
-        return None
-    angle_deg, torque_nm = teeth.angle_deg[known], teeth.torque_nm[known]
+        return [], 0
+    angle_deg, torque_nm = teeth.angle_deg[known], torque_nm[known]
     span_deg = 720 if angle_deg.max() > 360 else 360
     # The first and last are cut off somewhere on the way.
     whole = [(a, b) for a, b in _cycles(angle_deg) if angle_deg[b - 1] - angle_deg[a] > 0.9 * span_deg][-LAST_CYCLES:]
-    if not whole:
-        return None
-    name = "cycles" if span_deg == 720 else "revolutions"
-    figure, axes = axes_of(f"Torque at the crank, last {len(whole)} {name}", "crank angle, deg", "torque, N m")
-    for age, (a, b) in enumerate(reversed(whole)):
-        axes.plot(angle_deg[a:b], torque_nm[a:b], color=BLUE if age == 0 else GREY, linewidth=1.6 if age == 0 else 0.7,
-                  zorder=3 if age == 0 else 2)
+    return [(angle_deg[a:b], torque_nm[a:b]) for a, b in reversed(whole)], span_deg
+
+
+def _over_one_another(cycles, span_deg, title, unit):
+    figure, axes = axes_of(f"{title}, last {len(cycles)} {'cycles' if span_deg == 720 else 'revolutions'}", "crank angle, deg", unit)
+    for age, (angle_deg, values) in enumerate(cycles):
+        axes.plot(angle_deg, values, color=BLUE if age == 0 else GREY, linewidth=1.6 if age == 0 else 0.7, zorder=3 if age == 0 else 2)
     axes.axhline(0, color=INK, linewidth=0.6)
     axes.set_xlim(0, span_deg)
     axes.set_xticks(range(0, span_deg + 1, 90))
     return png(figure)
+
+
+def torque(teeth):
+    """Torque over crank angle, the last cycles over one another; the newest is dark."""
+    cycles, span_deg = _last_cycles(teeth, teeth.torque_nm)
+    return _over_one_another(cycles, span_deg, "Torque at the crank", "torque, N m") if cycles else None
+
+
+def torque_swing(teeth, with_scale):
+    """The Fourier observer's torque less the mean of each cycle; of the mean swing where the scale is not known."""
+    cycles, span_deg = _last_cycles(teeth, teeth.fourier_nm)
+    if not cycles:
+        return None
+    cycles = [(angle_deg, values - values.mean()) for angle_deg, values in cycles]
+    if with_scale:
+        return _over_one_another(cycles, span_deg, "Swing of the torque", "torque less its mean, N m")
+    swing = np.mean([np.ptp(values) for _, values in cycles]) or 1
+    shares = [(angle_deg, 100 * values / swing) for angle_deg, values in cycles]
+    return _over_one_another(shares, span_deg, "Swing of the torque", "torque less its mean, % of its swing")
 
 
 def mark(teeth):

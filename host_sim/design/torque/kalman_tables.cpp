@@ -7,11 +7,9 @@
 
 #include "design/calibration.hpp"
 #include "design/crank/crank_modes.hpp"
+#include "design/torque/late_in_fuel_cut.hpp"
 #include "design/torque/model_error.hpp"
 #include "common/error.hpp"
-extern "C" {
-#include "sd_pattern.h"
-}
 
 namespace sixdeg {
 namespace {
@@ -54,13 +52,6 @@ int position_after(const EngineFile &engine, std::size_t firing, double deg) {
     const double off = (engine.firing_tdc_deg[firing] + deg - engine.position_0_deg) / 360 * engine.wheel.positions;
     const int k = int(std::ceil(off - 1e-9)) % cycle;
     return k < 0 ? k + cycle : k;
-}
-
-/// The constant inertia that takes as long over the interval before tooth k. Its difference from J in the middle is a
-/// few parts in 1e5, which at 3000 rpm is as much energy as 0.4 Nm give in a firing interval.
-double interval_inertia(const EngineFile &engine, int k) {
-    const auto root = [&](double s) { return std::sqrt(turning_inertia_kgm2(engine, tooth_angle(engine, k - 1 + s))); };
-    return std::pow((root(0) + 4 * root(0.5) + root(1)) / 6, 2);
 }
 
 /// Modes do not go with the Fourier basis, which does not know whose torque it is.
@@ -154,7 +145,7 @@ void fill_gains(const std::vector<PeriodicGains> &gains, int k, const sd_kalman_
 
 void fill_row(const EngineFile &engine, const KnownTorque &torque, const std::vector<CrankMode> &modes, int k, const sd_kalman_tables_t &t,
               sd_kalman_word_t *word) {
-    word[SD_ROW_INTERVAL].value = float(2 / interval_inertia(engine, k));
+    word[SD_ROW_INTERVAL].value = float(2 / interval_inertia_kgm2(engine, k));
     word[SD_ROW_TOOTH].value = float(2 / turning_inertia_kgm2(engine, tooth_angle(engine, k)));
     Interval known;
     for (const TorqueOverAngle &motored : torque.motored) {
@@ -193,45 +184,6 @@ void fill_positions(const EngineFile &engine, const KnownTorque &torque, sd_kalm
     }
 }
 
-/// How late a torque that acts for a cycle makes the teeth, rad over J_mean w^2, from tooth 0 on: [2 N].
-std::vector<double> late_over_cycle(const EngineFile &engine, const TorqueOverAngle &torque) {
-    const auto [mean, moment] = interval_tables(engine, {torque});
-    const double pitch = 2 * M_PI / engine.wheel.positions, inertia = mean_inertia_kgm2(engine);
-    std::vector<double> late{0};
-    double energy = 0;
-    for (int k = 1; k < mean.rows(); ++k) {
-        late.push_back(late.back() - pitch * inertia / interval_inertia(engine, k) * (energy + pitch * moment(k, 0)));
-        energy += pitch * mean(k, 0);
-    }
-    return late;
-}
-
-/// The same as sd_pattern.h reads it from a cycle in fuel cut, where constant torque and speed are not known: mean of both revolutions,
-/// trend a1 k + a2 k^2 from their difference and mean of all teeth taken out.
-void fill_late(const EngineFile &engine, const KnownTorque &torque, sd_kalman_tables_t &t) {
-    const auto late = late_over_cycle(engine, torque.exponent);
-    const int n = t.positions;
-    double count = 0, k_sum = 0, kk = 0, d = 0, kd = 0;
-    const auto each_tooth = [&](auto what) {
-        for (int k = 0; k < n; ++k)
-            if (t.pool[k * t.row_words + SD_ROW_AT].at.tooth) what(k);
-    };
-    each_tooth([&](int k) {
-        const double at = k - n / 2.0, apart = late[std::size_t(k + n)] - late[std::size_t(k)];
-        count += 1, k_sum += at, kk += at * at, d += apart, kd += at * apart;
-    });
-    const double slope = (count * kd - k_sum * d) / (count * kk - k_sum * k_sum), a2 = slope / (2 * n);
-    const double a1 = (d - slope * k_sum) / count / n - 2 * n * a2;
-    const auto without_trend = [&](int k) { return late[std::size_t(k)] - a1 * k - a2 * k * k; };
-    double mean = 0;
-    each_tooth([&](int k) { mean += (without_trend(k) + without_trend(k + n)) / 2 / count; });
-    const double scale = mean_inertia_kgm2(engine) * std::pow(double(SD_PATTERN_REFERENCE_RADPS), 2);
-    each_tooth([&](int k) {
-        const double value = ((without_trend(k) + without_trend(k + n)) / 2 - mean) / scale;
-        for (int row : {k, k + n}) t.pool[row * t.row_words + SD_ROW_LATE].value = float(value);
-    });
-}
-
 void fill_pool(const EngineFile &engine, const KnownTorque &torque, const std::vector<PeriodicGains> &gains, sd_kalman_tables_t &t) {
     const auto modes = modes_of(engine, torque);
     set_scales(gains, t);
@@ -241,7 +193,10 @@ void fill_pool(const EngineFile &engine, const KnownTorque &torque, const std::v
         fill_row(engine, torque, modes, k, t, word);
         fill_gains(gains, k, t, word + t.gains_at);
     }
-    if (torque.exponent) fill_late(engine, torque, t);
+    if (torque.exponent) {
+        const auto late = late_in_fuel_cut(engine, torque.exponent);
+        for (int k = 0; k < 2 * t.positions; ++k) t.pool[k * t.row_words + SD_ROW_LATE].value = float(late[std::size_t(k % t.positions)]);
+    }
 }
 
 /// Takes over how many words a row has; false when the pool has no room for all rows.
@@ -339,9 +294,14 @@ void state_doubts(const EngineFile &engine, const KnownTorque &torque, const Mod
 
 } // namespace
 
+double interval_inertia_kgm2(const EngineFile &engine, int k) {
+    const auto root = [&](double s) { return std::sqrt(turning_inertia_kgm2(engine, tooth_angle(engine, k - 1 + s))); };
+    return std::pow((root(0) + 4 * root(0.5) + root(1)) / 6, 2);
+}
+
 double mean_inertia_kgm2(const EngineFile &engine) {
     double sum = 0;
-    for (int k = 0; k < engine.wheel.positions; ++k) sum += interval_inertia(engine, k);
+    for (int k = 0; k < engine.wheel.positions; ++k) sum += interval_inertia_kgm2(engine, k);
     return sum / engine.wheel.positions;
 }
 
@@ -383,7 +343,7 @@ ModelAt::ModelAt(const EngineFile &engine, const KnownTorque &torque)
     still_.positions = n;
     still_.present.assign(std::size_t(n), true);
     for (int k : engine.wheel.missing) still_.present[std::size_t(k)] = false;
-    for (int k = 0; k < n; ++k) still_.inertia_ratio.push_back(interval_inertia(engine, k) / inertia_kgm2_);
+    for (int k = 0; k < n; ++k) still_.inertia_ratio.push_back(interval_inertia_kgm2(engine, k) / inertia_kgm2_);
     still_.mean = Eigen::MatrixXd::Constant(2 * n, m, 1);
     still_.moment = Eigen::MatrixXd::Constant(2 * n, m, 0.5);
     const auto [mean_of, moment_of] = interval_tables(engine, basis);

@@ -43,6 +43,9 @@ struct KalmanTables {
     double radius_between = 0;        ///< Largest cycle radius a quarter, half and three quarters of the way between two speeds of a set.
 };
 
+/// The constant inertia that takes as long over the interval before tooth k. Its difference from J in the middle is a
+/// few parts in 1e5, which at 3000 rpm is as much energy as 0.4 Nm give in a firing interval.
+double interval_inertia_kgm2(const EngineFile &engine, int k);
 /// J_mean of all that turns: what normalised torques are over, times speed squared.
 double mean_inertia_kgm2(const EngineFile &engine);
 /// Basis and inertia over the wheel's teeth and the crank's modes at a speed, without gains.

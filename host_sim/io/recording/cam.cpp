@@ -80,7 +80,9 @@ std::vector<Place> places_of(const std::vector<double> &turned) {
         Place *nearest = nullptr;
         for (Place &place : places) {
             const double last = place.turned.back() - std::floor(place.turned.back());
-            if (circular_distance(in, last) < kApart_rev / 2 && (!nearest || circular_distance(in, last) < circular_distance(in, nearest->rev))) nearest = &place;
+            if (circular_distance(in, last) < kApart_rev / 2 &&
+                (!nearest || circular_distance(in, last) < circular_distance(in, nearest->rev)))
+                nearest = &place;
         }
         if (!nearest) nearest = &places.emplace_back(Place{in, {}, 0, 0});
         nearest->turned.push_back(rev);
@@ -111,23 +113,39 @@ bool tells_phase(const Place &place, int revolutions) {
 struct Candidate {
     CamGuess cam;
     double spread_rev;
+    bool named = false; ///< Where the engine has its telling edge.
+
+    bool is_better_than(const Candidate &other) const { return named != other.named ? named : spread_rev < 0.5 * other.spread_rev; }
 };
 
-std::optional<Candidate> candidate(const CamGuess &edges, const Phase &phase) {
-    Candidate found{edges, 0};
+/// A place of the revolution, as angle, where its teeth are counted evenly.
+double by_teeth(const Wheel &wheel, double place_rev) {
+    const double position = place_rev * wheel.positions;
+    const auto missing = std::lower_bound(wheel.missing.begin(), wheel.missing.end(), position) - wheel.missing.begin();
+    return std::min((position - double(missing)) / wheel.teeth(), 1.0);
+}
+
+std::optional<Candidate> candidate(const CamGuess &edges, const Phase &phase, std::optional<double> place_rev) {
+    Candidate found{edges, 0, false};
     std::vector<double> turned;
     for (double time : found.cam.time) {
         if (const auto rev = phase.at(time)) turned.push_back(*rev);
     }
     std::vector<Place> places = places_of(turned);
     // A stray edge now and then makes a place of its own.
-    places.erase(std::remove_if(places.begin(), places.end(), [&](const Place &p) { return double(p.turned.size()) < 0.2 * phase.revolutions() / 2; }), places.end());
+    places.erase(std::remove_if(places.begin(), places.end(),
+                                [&](const Place &p) { return double(p.turned.size()) < 0.2 * phase.revolutions() / 2; }),
+                 places.end());
     if (places.size() > kTeethMax) return {};
     const Place *best = nullptr;
     for (const Place &place : places) {
         bool alone = tells_phase(place, phase.revolutions());
         for (const Place &other : places) alone &= &other == &place || circular_distance(other.rev, place.rev) > kApart_rev;
-        if (alone && (!best || place.spread_rev < 0.8 * best->spread_rev)) best = &place;
+        if (!alone) continue;
+        const bool named = place_rev && circular_distance(place.rev, *place_rev) < kApart_rev / 2;
+        if (!best || named || place.spread_rev < 0.8 * best->spread_rev) best = &place;
+        found.named |= named;
+        if (named) break;
     }
     if (!best) return {};
     double per_cycle = 0;
@@ -141,12 +159,15 @@ std::optional<Candidate> candidate(const CamGuess &edges, const Phase &phase) {
 
 } // namespace
 
-std::optional<CamGuess> guess_cam(const Recording &recording, const Guess &crank, const Fit &fit, int turns, std::optional<int> wanted) {
+std::optional<CamGuess> guess_cam(const Recording &recording, const Guess &crank, const Fit &fit, int turns, std::optional<int> wanted,
+                                   std::optional<double> place_rev) {
     if (recording.is_edge_times() || fit.consistent < 4 * turns || fit.turns.empty()) return {};
     const Phase phase(crank, fit, turns);
+    if (place_rev) place_rev = by_teeth(crank.wheel, *place_rev);
     std::optional<Candidate> best;
     for (int column = 0; column <= recording.last_column(); ++column) {
-        if (column == crank.column || !recording.layout.is_signal(std::size_t(column)) || recording.bad_cells[std::size_t(column)].line) continue;
+        if (column == crank.column || !recording.layout.is_signal(std::size_t(column)) || recording.bad_cells[std::size_t(column)].line)
+            continue;
         if (wanted ? column != *wanted : !is_two_level(recording, column)) continue;
         const auto ways = slicings(recording, column);
         if (ways.empty()) continue;
@@ -154,8 +175,8 @@ std::optional<CamGuess> guess_cam(const Recording &recording, const Guess &crank
         for (std::size_t i = 0; i < recording.rows(); ++i) finder.row(recording.time[i], recording.columns[std::size_t(column)][i]);
         for (Edge edge : {Edge::rising, Edge::falling}) {
             CamGuess edges{column, edge, ways.front(), 0, 1, 0, edge == Edge::rising ? finder.rising : finder.falling};
-            auto found = candidate(edges, phase);
-            if (found && (!best || found->spread_rev < 0.5 * best->spread_rev)) best = std::move(found);
+            auto found = candidate(edges, phase, place_rev);
+            if (found && (!best || found->is_better_than(*best))) best = std::move(found);
         }
     }
     if (!best) return {};

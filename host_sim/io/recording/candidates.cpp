@@ -14,6 +14,9 @@ namespace {
 constexpr int kConsistentMin = 2;
 constexpr double kShareMin = 0.3; // Of the revolutions that the edges could make; faults break some.
 constexpr double kNoisyShareMin = 0.6, kNoisy = 0.1; // More where edges are so uneven: chance explains some.
+constexpr int kNoisyConsistentMin = 3;
+constexpr double kLeastMark = 1.25, kLeastMeasured = 1.5, kWellKnown = 0.15; // Spacings.
+constexpr int kAddedPositions[] = {12, 24, 36}; // Wheels with a tooth added that are made.
 constexpr int kRunMin = 5;        // Or so many in a row, wherever they are: chance does not do that.
 // A recording contradicts a wheel that it was said to be when another explains so many times as many edges.
 constexpr double kContradicts = 1.5;
@@ -21,7 +24,7 @@ constexpr double kContradicts = 1.5;
 constexpr double kRougher = 1.5, kRoughAnyway = 0.05, kBesideMin = 0.6, kBesideMax = 1.3;
 
 bool is_plausible(const Candidate &candidate, const Fit &fit) {
-    if (fit.turn.empty() || fit.consistent < kConsistentMin) return false;
+    if (fit.turn.empty() || fit.consistent < (candidate.roughness > kNoisy ? kNoisyConsistentMin : kConsistentMin)) return false;
     // An incomplete revolution at either end does not count against it.
     const int possible = std::max(1, int(candidate.time.size() - 1) / fit.teeth - 1);
     return fit.consistent >= (candidate.roughness > kNoisy ? kNoisyShareMin : kShareMin) * possible || fit.longest_run >= kRunMin;
@@ -75,23 +78,33 @@ Candidate judged(int column, Edge edge, const Slicing &slicing, int way, std::ve
     return candidate;
 }
 
+/// What is as wide as a tooth in most revolutions is no mark; beside its neighbours, or where speed changes much there, beside the speed.
+bool has_marks(const Fit &fit) {
+    if (std::all_of(fit.turn.begin(), fit.turn.end(), [](const Mark &mark) { return mark.width > kLeastMark; })) return true;
+    const std::vector<WheelName> names = wheels_of(fit);
+    return fit.turn.size() == 1 && !names.empty() && names.front().sd < kWellKnown && names.front().width > kLeastMeasured;
+}
+
 Candidate *best_of(std::vector<Candidate> &tried) {
     Candidate *best = nullptr;
     for (Candidate &candidate : tried) {
-        if (is_plausible(candidate, candidate.fit) && (!best || is_better(candidate, *best))) best = &candidate;
+        if (is_plausible(candidate, candidate.fit) && has_marks(candidate.fit) && (!best || is_better(candidate, *best))) best = &candidate;
     }
     return best;
 }
 
 [[noreturn]] void contradict(const Recording &recording, const Constraints &constraints, const Candidate &best) {
     const bool engine = constraints.engine_wheel && !constraints.wheel;
+    const std::vector<WheelName> names = wheels_of(best.fit);
+    const std::string shown = names.empty() ? "marks of no wheel" : describe(names.front().wheel);
     throw InputError(recording.path, column_label(recording, best.column),
-                     fmt::format("shows {} ({} revolutions, mark of {:.1f} spacings), not the {} of {}", describe(wheels_of(best.fit.turn).front().wheel),
-                                 best.fit.consistent, best.fit.turn.back().width, wanted_name(constraints), engine ? "the engine file" : "--wheel"));
+                     fmt::format("shows {} ({} revolutions, mark of {:.1f} spacings), not the {} of {}",
+                                 shown, best.fit.consistent, best.fit.turn.back().width,
+                                 wanted_name(constraints), engine ? "the engine file" : "--wheel"));
 }
 
 bool has_name(const Candidate &candidate, const WheelText &text) {
-    for (const WheelName &name : wheels_of(candidate.fit.turn)) {
+    for (const WheelName &name : wheels_of(candidate.fit)) {
         if (is_named(name.wheel, text)) return true;
         for (int times : {2, 3, 4})
             if (is_named(repeated(name.wheel, times), text)) return true;
@@ -168,9 +181,12 @@ Candidate *choose(const Recording &recording, const Constraints &constraints, st
 const Candidate *choose_added(const std::vector<Candidate> &tried) {
     const Candidate *best = nullptr;
     for (const Candidate &candidate : tried) {
-        if (candidate.added.turn.size() != 1 || candidate.added.teeth < 13 || !is_plausible(candidate, candidate.added)) continue;
+        const auto *const end = std::end(kAddedPositions);
+        if (std::find(std::begin(kAddedPositions), end, candidate.added.teeth - 1) == end) continue;
+        if (candidate.added.turn.size() != 1 || !is_plausible(candidate, candidate.added)) continue;
         const double gain = best ? candidate.added.explained - best->added.explained : 1;
-        if (!best || gain > best->added.teeth || (gain > -best->added.teeth && candidate.roughness < 0.9 * best->roughness)) best = &candidate;
+        if (!best || gain > best->added.teeth || (gain > -best->added.teeth && candidate.roughness < 0.9 * best->roughness))
+            best = &candidate;
     }
     return best;
 }

@@ -60,7 +60,8 @@ Levels levels(const Recording &recording, int column) {
     std::vector<double> sorted = value;
     Levels found{quantile(sorted, 0.001), quantile(sorted, 0.999), 0};
     sorted.clear();
-    for (std::size_t i = 1; i + 1 < value.size() && sorted.size() < 200000; ++i) sorted.push_back(std::abs(value[i] - (value[i - 1] + value[i + 1]) / 2));
+    for (std::size_t i = 1; i + 1 < value.size() && sorted.size() < 200000; ++i)
+        sorted.push_back(std::abs(value[i] - (value[i - 1] + value[i + 1]) / 2));
     if (!sorted.empty()) found.noise = quantile(sorted, 0.5);
     return found;
 }

@@ -38,7 +38,9 @@ std::string describe_attempt(const Recording &recording, const Candidate &candid
         attempts += (attempts.empty() ? "" : "; ") + describe_attempt(recording, candidate);
     }
     if (attempts.empty()) attempts = "no column has edges";
-    const std::string wheel = constraints.wheel ? wanted_name(constraints) : constraints.engine_wheel ? describe(*constraints.engine_wheel) : "toothed";
+    const std::string wheel = constraints.wheel          ? wanted_name(constraints)
+                              : constraints.engine_wheel ? describe(*constraints.engine_wheel)
+                                                         : "toothed";
     throw InputError(recording.path, "",
                      fmt::format("no {} wheel found ({}); too few edges, or say more: --wheel 60-2, "
                                  "--edge falling or rising, --column N, --threshold V",
@@ -47,8 +49,9 @@ std::string describe_attempt(const Recording &recording, const Candidate &candid
 
 void check_enough(const Recording &recording, const Candidate &candidate, const Wheel &wheel) {
     if (int(candidate.time.size()) > wheel.teeth()) return;
-    throw InputError(recording.path, column_label(recording, candidate.column),
-                     fmt::format("has {} edges, too few: one revolution of {} needs {}", candidate.time.size(), describe(wheel), wheel.teeth() + 1));
+    throw InputError(
+        recording.path, column_label(recording, candidate.column),
+        fmt::format("has {} edges, too few: one revolution of {} needs {}", candidate.time.size(), describe(wheel), wheel.teeth() + 1));
 }
 
 void choose_unit(const Recording &recording, Guess &found) {
@@ -73,7 +76,8 @@ Wheel choose_wheel(const Constraints &constraints, const Candidate &best, const 
         for (const WheelName &name : names) {
             if (is_named(name.wheel, *constraints.wheel)) return name.wheel;
             for (int times : {2, 3, 4})
-                if (name.wheel.positions * times <= 120 && is_named(repeated(name.wheel, times), *constraints.wheel)) return repeated(name.wheel, times);
+                if (name.wheel.positions * times <= 120 && is_named(repeated(name.wheel, times), *constraints.wheel))
+                    return repeated(name.wheel, times);
         }
         if (const auto wanted = wanted_wheel(constraints)) return *wanted;
     }
@@ -87,41 +91,43 @@ void check_repetition(const Recording &recording, const Constraints &constraints
     if (times.empty()) return;
     std::vector<std::string> names{fmt::format("{} at {:.0f} rpm", describe(found.wheel), found.rpm)};
     for (int count : times) {
-        if (const auto cam = guess_cam(recording, found, fit, count, constraints.cam_column)) {
+        if (const auto cam = guess_cam(recording, found, fit, count, constraints.cam_column, constraints.cam_place_rev)) {
             found.wheel = repeated(found.wheel, count), found.rpm /= count, found.cam = cam;
             return;
         }
         names.push_back(fmt::format("{} at {:.0f} rpm", describe(repeated(found.wheel, count)), found.rpm / count));
     }
     if (found.cam) return; // one pulse every second mark: there is one mark a revolution
-    throw InputError(recording.path, column_label(recording, found.column),
-                     fmt::format("the marks repeat, and nothing tells how often a revolution: {}; say --wheel, or give --engine or a cam signal",
-                                 fmt::join(names, ", or ")));
+    throw InputError(
+        recording.path, column_label(recording, found.column),
+        fmt::format("the marks repeat, and nothing tells how often a revolution: {}; say --wheel, or give --engine or a cam signal",
+                    fmt::join(names, ", or ")));
 }
 
 /// Two wheels with as many teeth, and marks that are known too poorly to choose: refused rather than read wrongly.
 void check_clear(const Recording &recording, const Constraints &constraints, const Candidate &best, const std::vector<WheelName> &names) {
     if (constraints.wheel || constraints.engine_wheel || names.size() < 2) return;
-    double sd = 0;
-    for (const Mark &mark : best.fit.turn) sd = std::max(sd, mark.sd);
+    const double sd = std::max(names[0].sd, names[1].sd);
     // Three missing teeth are rare, and a slow stretch at the mark looks like one more.
     const bool is_rare = missing_runs(names[0].wheel).back() == 3, coarse = names[0].wheel.positions < kCoarse;
     if (names[1].doubt - names[0].doubt > std::clamp(kUnclearSds * sd, is_rare ? coarse ? kUnclear : kRare : 0, kUnclear)) return;
     throw InputError(recording.path, column_label(recording, best.column),
                      fmt::format("has a mark of {:.1f} +- {:.1f} spacings in {} revolutions, too little to tell {} from {}; say --wheel",
-                                 best.fit.turn.back().width, sd, best.fit.consistent, describe(names[0].wheel), describe(names[1].wheel)));
+                                 names[0].width, sd, best.fit.consistent, describe(names[0].wheel), describe(names[1].wheel)));
 }
 
 std::string name_runner_up(const Recording &recording, const Candidate &best, const Candidate *other, const Guess &found,
                            const std::vector<WheelName> &names) {
-    if (other && !other->fit.turn.empty()) {
-        return fmt::format("{} in {}{}, {} against {} edges explained", describe(wheels_of(other->fit.turn).front().wheel),
+    const std::vector<WheelName> others = other ? wheels_of(other->fit) : std::vector<WheelName>{};
+    if (!others.empty()) {
+        return fmt::format("{} in {}{}, {} against {} edges explained", describe(others.front().wheel),
                            column_label(recording, other->column), recording.is_edge_times() ? "" : " " + to_string(other->edge),
                            std::lround(other->fit.score), std::lround(best.fit.score));
     }
     for (const WheelName &name : names) {
         if (name.wheel.positions == found.wheel.positions || found.wheel.positions % name.wheel.positions == 0) continue;
-        return fmt::format("{}, whose mark would measure {} spacings, not {:.1f}", describe(name.wheel), missing_runs(name.wheel).back() + 1, best.fit.turn.back().width);
+        return fmt::format("{}, whose mark would measure {} spacings, not {:.1f}", describe(name.wheel),
+                           missing_runs(name.wheel).back() + 1, best.fit.turn.back().width);
     }
     return "";
 }
@@ -154,7 +160,7 @@ Guess guess(const Recording &recording, const Constraints &constraints) {
         return added_tooth_guess(recording, *added);
     if (!best) fail(recording, constraints, tried);
     Guess result;
-    const std::vector<WheelName> names = best->fit.turn.empty() ? std::vector<WheelName>{} : wheels_of(best->fit.turn);
+    const std::vector<WheelName> names = wheels_of(best->fit);
     result.gap_ratio = best->fit.gap_ratio;
     if (names.empty() && !wanted_wheel(constraints)) fail(recording, constraints, tried);
     result.wheel = names.empty() ? *wanted_wheel(constraints) : choose_wheel(constraints, *best, names);
@@ -170,7 +176,7 @@ Guess guess(const Recording &recording, const Constraints &constraints) {
     if (!names.empty()) {
         check_clear(recording, constraints, *best, names);
         result.runner_up = name_runner_up(recording, *best, runner_up(tried, *best), result, names);
-        result.cam = guess_cam(recording, result, best->fit, 1, constraints.cam_column);
+        result.cam = guess_cam(recording, result, best->fit, 1, constraints.cam_column, constraints.cam_place_rev);
         check_repetition(recording, constraints, result, best->fit);
     }
     return result;
@@ -181,7 +187,9 @@ std::string wheel_name(const Guess &guess) {
 }
 
 std::string describe(const Guess &guess) {
-    const std::string gap = guess.tooth_added ? "a tooth added" : guess.gap_ratio > 0 ? fmt::format("gap ratio {:.1f}", guess.gap_ratio) : "no gap measured";
+    const std::string gap = guess.tooth_added     ? "a tooth added"
+                            : guess.gap_ratio > 0 ? fmt::format("gap ratio {:.1f}", guess.gap_ratio)
+                                                  : "no gap measured";
     return fmt::format("{}, {}, {}", wheel_name(guess), guess.is_edge_times ? "edge times" : to_string(guess.edge), gap);
 }
 

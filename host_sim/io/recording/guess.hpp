@@ -19,6 +19,7 @@ struct Constraints {
     std::optional<int> column;
     std::optional<double> threshold;    ///< In the column's unit.
     std::optional<int> cam_column;
+    std::optional<double> cam_place_rev; ///< Of the engine's telling cam edge, [0, 1) from position 0.
 };
 
 /// A column with pulses that tell the two revolutions of a four-stroke cycle apart.

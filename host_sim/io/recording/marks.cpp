@@ -14,6 +14,8 @@ namespace {
 // looked for with higher floors as well; where teeth beside the mark are wide, a lower one finds it.
 constexpr double kFloors[] = {1.6, 2.1, 2.6, 1.35};
 constexpr double kRatioMax = 4.5;
+// Three missing of twelve, where the crank is slowest.
+constexpr double kWideFloor = 2.6, kWideMax = 7;
 // How far the tooth interval around a mark is looked at; less than half the teeth of the smallest wheel.
 constexpr std::size_t kNeighbourhood = 4;
 // The other edge of a wide tooth falls inside the gap and splits it in two. An unequal split still looks like
@@ -30,6 +32,11 @@ constexpr double kBendDoubts = 1.5;
 // Of the intervals' logarithms: what counts when a revolution is sought by likeness, and how many are looked at.
 constexpr double kLeastPeak = 0.3;
 constexpr std::size_t kLikenessMax = 20000, kLikely = 3;
+
+/// The interval over the mean of its neighbours.
+double standing_out(const std::vector<double> &interval_s, std::size_t i) {
+    return 2 * interval_s[i] / std::max(interval_s[i - 1] + interval_s[i + 1], 1e-12);
+}
 
 /// The tooth interval around a mark, free of the intervals next to it.
 double pitch_around(const std::vector<double> &interval_s, std::size_t mark) {
@@ -162,8 +169,7 @@ Fit with_lesser_marks(const std::vector<double> &interval_s, Fit fit) {
     for (int tooth = 2; tooth + 1 < fit.teeth; ++tooth) {
         std::vector<double> ratio;
         for (std::size_t k : fit.turns) {
-            const std::size_t i = fit.marks[k - 1] + std::size_t(tooth);
-            ratio.push_back(2 * interval_s[i] / std::max(interval_s[i - 1] + interval_s[i + 1], 1e-12));
+            ratio.push_back(standing_out(interval_s, fit.marks[k - 1] + std::size_t(tooth)));
         }
         std::sort(ratio.begin(), ratio.end());
         if (ratio[ratio.size() / 2] < least || ratio[ratio.size() / 4] < kNearlyAlways) continue;
@@ -178,6 +184,37 @@ Fit with_lesser_marks(const std::vector<double> &interval_s, Fit fit) {
     Fit finer = judge(interval_s, marks, count, fit.teeth);
     if (is_even(finer.turn)) return fit_marks(interval_s, marks, nullptr); // every second mark had been taken
     return finer.turns.size() + 1 >= fit.turns.size() / 2 && !finer.turns.empty() ? finer : fit;
+}
+
+/// Where marks are hard to see, those of every second or third revolution may come out best. Then there are others at even distances.
+Fit without_multiples(const std::vector<double> &interval_s, Fit fit) {
+    if (fit.turn.size() != 1 || fit.turns.empty()) return fit;
+    for (int times = fit.teeth / kTeethMin; times > 1; --times) {
+        if (fit.teeth % times) continue;
+        const std::size_t part = std::size_t(fit.teeth / times);
+        std::vector<double> ratio;
+        std::vector<std::size_t> marks;
+        for (std::size_t k : fit.turns) {
+            for (std::size_t i = fit.marks[k - 1]; i <= fit.marks[k]; i += part) {
+                if (i != fit.marks[k - 1] && i != fit.marks[k]) ratio.push_back(standing_out(interval_s, i));
+                if (marks.empty() || i > marks.back()) marks.push_back(i);
+            }
+        }
+        std::sort(ratio.begin(), ratio.end());
+        if (ratio[ratio.size() / 2] < kLesserMark || ratio[ratio.size() / 4] < kNearlyAlways) continue;
+        Fit single = judge(interval_s, marks, 1, int(part));
+        if (!single.turns.empty()) return single;
+    }
+    return fit;
+}
+
+void add_revolution(const std::vector<double> &interval_s, Fit &fit) {
+    if (fit.turns.empty()) return;
+    const std::size_t count = fit.turn.size(), first = fit.turns.front();
+    std::vector<std::size_t> before, ends, mark;
+    for (std::size_t k : fit.turns) before.push_back(fit.marks[k - count]), ends.push_back(fit.marks[k]);
+    for (std::size_t j = 1; j <= count; ++j) mark.push_back(fit.marks[first - count + j] - fit.marks[first - count] - 1);
+    fit.usual = revolution_of(interval_s, before, ends, mark);
 }
 
 /// The numbers of teeth that the distances over `count` marks speak for, the commonest first.
@@ -241,12 +278,12 @@ std::vector<double> intervals(const std::vector<double> &time_s) {
     return interval_s;
 }
 
-std::vector<std::size_t> find_marks(const std::vector<double> &interval_s, double floor) {
+std::vector<std::size_t> find_marks(const std::vector<double> &interval_s, double floor, double most) {
     std::vector<std::size_t> marks;
     for (std::size_t i = 1; i + 1 < interval_s.size(); ++i) {
         const double before = interval_s[i - 1], here = interval_s[i], after = interval_s[i + 1];
         if (before <= 0 || after <= 0) continue; // two edges at one time
-        if (here >= floor * std::max(before, after) && here <= kRatioMax * (before + after) / 2)
+        if (here >= floor * std::max(before, after) && here <= most * (before + after) / 2)
             marks.push_back(i);
     }
     return marks;
@@ -286,9 +323,12 @@ Fit fit_wheel(const std::vector<double> &interval_s, const Wheel *wheel) {
         if (fit.score > needed * best.score || best.marks.empty()) best = std::move(fit);
     };
     for (double floor : kFloors) consider(find_marks(interval_s, floor), floor < kFloors[0] ? kMoreMarks : 1);
+    consider(find_marks(interval_s, kWideFloor, kWideMax), kMoreMarks);
     const std::vector<double> log_ratio = prominence(interval_s);
     for (int teeth : alike_after(log_ratio)) consider(peaks(log_ratio, teeth), kMoreMarks);
-    return wheel ? best : with_lesser_marks(interval_s, std::move(best));
+    if (!wheel) best = with_lesser_marks(interval_s, without_multiples(interval_s, std::move(best)));
+    add_revolution(interval_s, best);
+    return best;
 }
 
 double roughness(const std::vector<double> &interval_s) {

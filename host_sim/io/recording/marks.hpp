@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "common/engine_file.hpp"
+#include "io/recording/revolution.hpp"
 
 namespace sixdeg {
 
@@ -11,8 +12,8 @@ namespace sixdeg {
 std::vector<double> intervals(const std::vector<double> &time_s);
 
 /// Indices of the intervals that look like one gap: at least `floor` times as long as the interval on
-/// either side, and at most 4.5 times their mean.
-std::vector<std::size_t> find_marks(const std::vector<double> &interval_s, double floor);
+/// either side, and at most `most` times their mean.
+std::vector<std::size_t> find_marks(const std::vector<double> &interval_s, double floor, double most = 4.5);
 
 /// The same where a wheel has a tooth too many: the first of two intervals that together are as long as each of their neighbours.
 std::vector<std::size_t> find_added_teeth(const std::vector<double> &interval_s);
@@ -35,6 +36,7 @@ struct Fit {
     double gap_ratio = 0;           ///< Median of the last mark's interval over the interval before it.
     double explained = 0;           ///< Edges in consistent revolutions.
     double score = 0;               ///< The same, less of that where the gap looks split.
+    Revolution usual;                    ///< Of the consistent revolutions; its marks are those of `turn`.
     double before = 1, after = 1;   ///< Medians of the intervals beside the marks over the next ones on their side.
 };
 

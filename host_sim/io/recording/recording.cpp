@@ -62,8 +62,9 @@ ColumnKind column_kind(const Recording &recording, int column) {
     if (recording.is_edge_times() && column == time) return ColumnKind::edge_times;
     if (column < 0 || column > last || column == time) {
         throw InputError(recording.path, fmt::format("column {}", column),
-                         recording.is_edge_times() ? fmt::format("is not a signal: column {} holds the edge times, and there is no other", time)
-                                                   : fmt::format("is not a signal; columns are 0 to {}, and column {} is the time", last, time));
+                         recording.is_edge_times()
+                             ? fmt::format("is not a signal: column {} holds the edge times, and there is no other", time)
+                             : fmt::format("is not a signal; columns are 0 to {}, and column {} is the time", last, time));
     }
     const BadCell &bad = recording.bad_cells[std::size_t(column)];
     if (bad.line)

@@ -15,6 +15,7 @@ namespace {
 
 constexpr std::size_t kChunk = std::size_t(1) << 20;
 constexpr std::size_t kLayoutLines = 400;
+constexpr std::size_t kHeadBytes = 64; // Within which a foreign format says what it is.
 constexpr std::size_t kLongestLine = std::size_t(1) << 20; // Longer ones are no text.
 // The capture timer counts from 0; a recording of some days keeps the times it has.
 constexpr std::int64_t kOriginBeyond = 100000000;
@@ -37,7 +38,17 @@ RowReader::RowReader(const std::filesystem::path &path) : name_(path.string()) {
     open(std::move(in));
 }
 
-RowReader::RowReader(std::string name, std::string text) : name_(std::move(name)) { open(std::make_unique<std::istringstream>(std::move(text))); }
+RowReader::RowReader(std::string name, std::string text) : name_(std::move(name)) {
+    open(std::make_unique<std::istringstream>(std::move(text)));
+}
+
+/// What people bring that is no text and has no converter here.
+void RowReader::refuse_known_binaries() const {
+    if (buffer_.compare(0, 1, "\x7F") == 0 && buffer_.substr(0, kHeadBytes).find("Data save") != std::string::npos)
+        fail("", "is a .logicdata of Saleae's Logic, which nothing here reads; open it there, and export the table as CSV");
+    if (buffer_.compare(0, 4, "PK\x03\x04") == 0)
+        fail("", "is an archive: a .sal of Saleae's Logic 2, or a spreadsheet; open it there, and export the table as CSV");
+}
 
 void RowReader::open(std::unique_ptr<std::istream> in) {
     in_ = std::move(in);
@@ -49,6 +60,7 @@ void RowReader::open(std::unique_ptr<std::istream> in) {
         for (std::size_t i = 2; i + 1 < buffer_.size(); i += 2) narrow += buffer_[i + 1] == 0 ? buffer_[i] : '?';
         buffer_ = std::move(narrow);
     }
+    refuse_known_binaries();
     std::vector<std::string_view> lines;
     const std::string_view text = std::string_view(buffer_).substr(at_);
     for (std::size_t from = 0; from < text.size() && lines.size() < kLayoutLines;) {
@@ -57,7 +69,8 @@ void RowReader::open(std::unique_ptr<std::istream> in) {
         lines.push_back(text.substr(from, end - from));
         from = end == std::string_view::npos ? text.size() : end + 1;
     }
-    if (lines.size() > 1 && text.find('\0') != std::string_view::npos) fail("", "is no text; binary logs are converted first (docs/recordings.md)");
+    if (lines.size() > 1 && text.find('\0') != std::string_view::npos)
+        fail("", "is no text; binary logs are converted first (docs/recordings.md)");
     layout_ = layout_of(name_, lines);
     wanted_ = layout_.is_number;
     values_.assign(wanted_.size(), std::numeric_limits<double>::quiet_NaN());
@@ -152,7 +165,8 @@ bool RowReader::take_row(std::string_view line) {
         fail(fmt::format("line {}", line_),
              fmt::format("has {} columns, the rows above have {}; every row must have as many", column, columns));
     }
-    fail(fmt::format("line {}, column {}", line_, time_column), fmt::format("'{}' is not a finite number such as 0.0125 or 1.25e-2", bad_time));
+    fail(fmt::format("line {}, column {}", line_, time_column),
+         fmt::format("'{}' is not a finite number such as 0.0125 or 1.25e-2", bad_time));
 }
 
 void RowReader::take_cell(std::size_t column, std::string_view cell) {
@@ -169,7 +183,8 @@ void RowReader::take_cell(std::size_t column, std::string_view cell) {
 void RowReader::take_time(const Decimal &time) {
     if (layout_.is_interval) {
         time_ += time.value();
-        if (time.value() < 0) fail(fmt::format("line {}, column {}", line_, layout_.time_column), "is below 0; an interval between edges is not");
+        if (time.value() < 0)
+            fail(fmt::format("line {}, column {}", line_, layout_.time_column), "is below 0; an interval between edges is not");
         return;
     }
     if (!has_time_ && (time.value() < 0 || time.whole > kOriginBeyond)) origin_ = time;

@@ -45,6 +45,7 @@ class RowReader {
 
   private:
     void open(std::unique_ptr<std::istream> in);
+    void refuse_known_binaries() const;
     bool fill();
     bool take_line(std::string_view &line);
     bool take_row(std::string_view line);

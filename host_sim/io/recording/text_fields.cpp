@@ -26,7 +26,8 @@ std::optional<Plain> plain_of(std::string_view field, char decimal) {
     if (at != end && (*at == '-' || *at == '+')) plain.negative = *at++ == '-';
     for (; at != end && is_digit(*at); ++at, ++plain.count) plain.digits = plain.digits * 10 + std::uint64_t(*at - '0');
     if (at != end && *at == decimal) {
-        for (++at; at != end && is_digit(*at); ++at, ++plain.count, ++plain.behind) plain.digits = plain.digits * 10 + std::uint64_t(*at - '0');
+        for (++at; at != end && is_digit(*at); ++at, ++plain.count, ++plain.behind)
+            plain.digits = plain.digits * 10 + std::uint64_t(*at - '0');
     }
     if (at != end || plain.count == 0 || plain.count > 18) return std::nullopt;
     return plain;
@@ -49,7 +50,8 @@ std::optional<double> other_number(std::string_view field, char decimal) {
 
 /// Levels in words.
 std::optional<double> level_word(std::string_view field) {
-    static constexpr std::pair<std::string_view, double> words[] = {{"high", 1}, {"low", 0}, {"true", 1}, {"false", 0}, {"on", 1}, {"off", 0}, {"rising", 1}, {"falling", 0}, {"rise", 1}, {"fall", 0}};
+    static constexpr std::pair<std::string_view, double> words[] = {{"high", 1}, {"low", 0},    {"true", 1},    {"false", 0}, {"on", 1},
+                                                                    {"off", 0},  {"rising", 1}, {"falling", 0}, {"rise", 1},  {"fall", 0}};
     for (const auto &[word, value] : words) {
         if (word.size() != field.size()) continue;
         bool same = true;

@@ -211,7 +211,9 @@ class Finder {
     void find_rows() {
         std::size_t first = 0;
         while (first < table_.size() && !(is_row(table_[first], decimal()) && (table_.size() < 3 || is_full(first)))) ++first;
-        if (first == table_.size()) first = std::size_t(std::find_if(table_.begin(), table_.end(), [&](const auto &c) { return is_row(c, decimal()); }) - table_.begin());
+        if (first == table_.size())
+            first = std::size_t(std::find_if(table_.begin(), table_.end(), [&](const auto &c) { return is_row(c, decimal()); }) -
+                                table_.begin());
         layout_.first_line = first;
     }
 
@@ -248,10 +250,13 @@ class Finder {
     }
 
     static bool looks_like_units(const std::vector<std::string> &cells) {
-        static const char *const units[] = {"s", "ms", "us", "ns", "v", "mv", "volt", "volts", "flag", "second", "seconds", "rpm", "deg", "bar", "a", "sec", "bits", "hex"};
+        static const char *const units[] = {"s",      "ms",      "us",  "ns",  "v",   "mv", "volt", "volts", "flag",
+                                            "second", "seconds", "rpm", "deg", "bar", "a",  "sec",  "bits",  "hex"};
         for (const std::string &cell : cells) {
             std::string bare = lower(cell);
-            bare.erase(std::remove_if(bare.begin(), bare.end(), [](char c) { return std::string_view("[](){} ").find(c) != std::string_view::npos; }), bare.end());
+            bare.erase(std::remove_if(bare.begin(), bare.end(),
+                                      [](char c) { return std::string_view("[](){} ").find(c) != std::string_view::npos; }),
+                       bare.end());
             if (std::find(std::begin(units), std::end(units), bare) != std::end(units)) return true;
         }
         return false;
@@ -277,7 +282,8 @@ class Finder {
         }
         if (named >= 0) chosen = named;
         if (chosen < 0 && named_interval() >= 0) chosen = named_interval(), layout_.is_interval = true;
-        if (chosen < 0) chosen = counter >= 0 && count_numbers() > 1 && only_counter_is_tooth(counter) ? other_than(counter) : first_number();
+        if (chosen < 0)
+            chosen = counter >= 0 && count_numbers() > 1 && only_counter_is_tooth(counter) ? other_than(counter) : first_number();
         layout_.time_column = chosen;
         layout_.is_counter[std::size_t(chosen)] = false;
         if (!layout_.is_interval && count_numbers() == 1 && is_interval_list(values_[std::size_t(chosen)])) layout_.is_interval = true;
@@ -367,7 +373,9 @@ double time_unit_of(std::string_view text) {
         }
         if (word == "s" || word == "sec" || word == "secs" || word == "second" || word == "seconds") found = 1;
         if (word == "ms" || word == "msec" || word == "millisecond" || word == "milliseconds" || word == "millis") found = 1e-3;
-        if (word == "us" || word == "usec" || word == "microsecond" || word == "microseconds" || word == "micros" || word == "\xC2\xB5s" || word == "\xCE\xBCs" || word == "\xB5s") found = 1e-6;
+        if (word == "us" || word == "usec" || word == "microsecond" || word == "microseconds" || word == "micros" || word == "\xC2\xB5s" ||
+            word == "\xCE\xBCs" || word == "\xB5s")
+            found = 1e-6;
         if (word == "ns" || word == "nsec" || word == "nanosecond" || word == "nanoseconds") found = 1e-9;
         word.clear();
     }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <limits>
 
 #include "common/error.hpp"
 
@@ -15,6 +16,9 @@ constexpr int kPositionsMin = 12, kPositionsMax = 120, kRunMax = 3;
 constexpr double kWidthTolerance = 1.6;
 // How much nearer than another a wheel that is made counts, and three missing teeth, which are rare, further.
 constexpr double kMade = 0.6, kMadeOfMany = 1.2, kThreeMissing = 0.5;
+
+// A width from the course of the whole revolution is taken where its deviation, in spacings, is below.
+constexpr double kPoorlyKnown = 0.3;
 
 struct Pattern {
     int positions, missing;
@@ -30,8 +34,10 @@ struct Repeating {
 constexpr Repeating kRepeating[] = {{22, 2, 2}, {30, 2, 2}, {20, 2, 3}, {22, 2, 3}, {18, 2, 2}};
 
 bool is_made(const std::vector<int> &runs, int positions) {
-    if (runs.size() > 1) return std::find(std::begin(kCommonPositions), std::end(kCommonPositions), positions) != std::end(kCommonPositions);
-    return std::any_of(std::begin(kCommon), std::end(kCommon), [&](const Pattern &p) { return p.positions == positions && p.missing == runs[0]; });
+    if (runs.size() > 1)
+        return std::find(std::begin(kCommonPositions), std::end(kCommonPositions), positions) != std::end(kCommonPositions);
+    return std::any_of(std::begin(kCommon), std::end(kCommon),
+                       [&](const Pattern &p) { return p.positions == positions && p.missing == runs[0]; });
 }
 
 Wheel wheel_from(const std::vector<Mark> &turn, const std::vector<int> &runs) {
@@ -46,21 +52,35 @@ Wheel wheel_from(const std::vector<Mark> &turn, const std::vector<int> &runs) {
     return wheel;
 }
 
+/// From the whole revolution where that is known better than from the intervals beside the marks.
+std::vector<MeasuredWidth> widths_if(const Fit &fit, const std::vector<int> &runs) {
+    std::vector<MeasuredWidth> widths = widths_of(fit.usual, runs);
+    widths.resize(fit.turn.size(), {0, std::numeric_limits<double>::infinity()});
+    for (std::size_t j = 0; j < widths.size(); ++j)
+        if (!std::isnan(widths[j].spacings) && !(widths[j].sd < kPoorlyKnown)) widths[j] = {fit.turn[j].width, fit.turn[j].sd};
+    return widths;
+}
+
 } // namespace
 
-std::vector<WheelName> wheels_of(const std::vector<Mark> &turn) {
+std::vector<WheelName> wheels_of(const Fit &fit) {
+    const std::vector<Mark> &turn = fit.turn;
     std::vector<WheelName> names;
+    if (turn.empty()) return names;
     std::vector<int> runs(turn.size(), 1);
     for (bool more = true; more;) {
         const Wheel wheel = wheel_from(turn, runs);
-        double doubt = !is_made(runs, wheel.positions) ? 0 : runs.size() > 1 ? -kMadeOfMany : -kMade, worst = 0;
+        const std::vector<MeasuredWidth> widths = widths_if(fit, runs);
+        double doubt = !is_made(runs, wheel.positions) ? 0 : runs.size() > 1 ? -kMadeOfMany : -kMade, worst = 0, sd = 0;
         for (std::size_t j = 0; j < turn.size(); ++j) {
-            const double off = std::abs(turn[j].width - 1 - runs[j]);
+            const double off = std::abs(widths[j].spacings - 1 - runs[j]);
             doubt += off + (runs[j] == kRunMax && !(runs.size() == 1 && is_made(runs, wheel.positions)) ? kThreeMissing : 0);
-            worst = std::max(worst, off);
+            worst = std::isnan(off) ? off : std::max(worst, off);
+            sd = std::max(sd, widths[j].sd);
         }
-        const bool far = worst > kWidthTolerance && turn.size() > 1;
-        if (!far && wheel.positions >= kPositionsMin && wheel.positions <= kPositionsMax) names.push_back({wheel, doubt});
+        const bool far = std::isnan(worst) || (worst > kWidthTolerance && turn.size() > 1);
+        if (!far && wheel.positions >= kPositionsMin && wheel.positions <= kPositionsMax)
+            names.push_back({wheel, doubt, sd, widths.back().spacings});
         more = false; // the next combination of 1, 2, 3
         for (int &run : runs) {
             if (run < kRunMax) {
@@ -104,7 +124,8 @@ bool is_turn_of(const std::vector<Mark> &turn, const std::vector<int> &teeth) {
 std::vector<int> repeated_as(const Wheel &wheel) {
     std::vector<int> times;
     for (const Repeating &known : kRepeating) {
-        if (known.positions == wheel.positions && known.missing == int(wheel.missing.size()) && marks_of(wheel).size() == 1) times.push_back(known.times);
+        if (known.positions == wheel.positions && known.missing == int(wheel.missing.size()) && marks_of(wheel).size() == 1)
+            times.push_back(known.times);
     }
     return times;
 }
@@ -128,10 +149,13 @@ WheelText parse_wheel_text(const std::string &text, const std::string &from) {
         wheel.runs.push_back(run);
         at += std::size_t(length);
     }
-    good = good && wheel.positions >= kPositionsMin && wheel.positions <= kPositionsMax && (added || (!wheel.runs.empty() && wheel.runs.size() <= 4));
+    good = good && wheel.positions >= kPositionsMin && wheel.positions <= kPositionsMax &&
+           (added || (!wheel.runs.empty() && wheel.runs.size() <= 4));
     if (good) return wheel;
-    throw InputError(from, "", fmt::format("'{}' is not a wheel like 60-2, 36-2-1 or 24+1: {} to {} positions, 1 to {} missing at each of up to 4 marks",
-                                           text, kPositionsMin, kPositionsMax, kRunMax));
+    throw InputError(
+        from, "",
+        fmt::format("'{}' is not a wheel like 60-2, 36-2-1 or 24+1: {} to {} positions, 1 to {} missing at each of up to 4 marks", text,
+                    kPositionsMin, kPositionsMax, kRunMax));
 }
 
 bool is_named(const Wheel &wheel, const WheelText &text) {

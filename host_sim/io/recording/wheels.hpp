@@ -13,10 +13,12 @@ namespace sixdeg {
 struct WheelName {
     Wheel wheel;
     double doubt; ///< Smaller fits better; in tooth spacings of the marks, less for wheels that are made.
+    double sd;    ///< How well the widths of the marks are known, the poorest of them.
+    double width; ///< Of the last mark, if the wheel is this one.
 };
 
-/// The wheels that have these marks, the likeliest first; never empty for a turn of a fit. Positions 12 to 120.
-std::vector<WheelName> wheels_of(const std::vector<Mark> &turn);
+/// The wheels that have these marks, the likeliest first; empty without a turn, and for one that no wheel has. Positions 12 to 120.
+std::vector<WheelName> wheels_of(const Fit &fit);
 
 /// Teeth before each mark of a wheel; of one part of it where the marks repeat within the revolution.
 std::vector<int> marks_of(const Wheel &wheel);

@@ -6,6 +6,10 @@
 #ifndef SD_SHED_H
 #define SD_SHED_H
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /// value of SD_EVENT_LATE. Each level leaves out what the ones before it do, too.
 typedef enum sd_shed {
     SD_SHED_NONE    = 0, ///< Everything is done.
@@ -15,5 +19,9 @@ typedef enum sd_shed {
     SD_SHED_FIRINGS = 3, ///< Single firings and misfires are not followed, and start afresh afterwards.
     SD_SHED_MOST    = SD_SHED_FIRINGS,
 } sd_shed_t;
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

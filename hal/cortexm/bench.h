@@ -5,6 +5,10 @@
 #define SD_BENCH_H
 #include "hal.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef void bench_taker_t(const sd_event_t *event);
 
 uint32_t bench_count(void); ///< Events of the bench; 0: there is none.
@@ -18,5 +22,9 @@ void bench_task(bench_taker_t *other);
 void bench_handled(uint32_t tick);
 /// The longest time from an edge until it had been handled, in ticks of 40 ns.
 uint32_t bench_longest(void);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

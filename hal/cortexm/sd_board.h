@@ -6,6 +6,10 @@
 #define SD_BOARD_H
 #include <stdint.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /// Where the emulator loads the calibration page, in ROM, and the events of a bench, in RAM that the image leaves free: a header,
 /// then the events.
 #define BOARD_PAGE       ((const uint8_t *)0x00200000u)
@@ -64,5 +68,9 @@ uint32_t board_write(int32_t file, const void *from, uint32_t bytes);
 void board_paint_stack(void);
 /// Bytes of stack used since, below where it was painted.
 uint32_t board_stack_used(void);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

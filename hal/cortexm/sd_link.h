@@ -11,6 +11,10 @@
 #define SD_LINK_H
 #include "hal.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 #define SD_LINK_MAGIC  0x4c434453u ///< "SDCL"
 #define SD_LINK_EVENTS 64u         ///< Most events of one question.
 #define SD_LINK_LAST   0xffffffffu
@@ -42,5 +46,9 @@ typedef struct sd_link_end {
     uint32_t longest;     ///< With a bench: longest time from a crank edge until it had been handled, in ticks of 40 ns.
     uint32_t nested;      ///< Edges captured while the ecu was at work.
 } sd_link_end_t;
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -280,7 +280,9 @@ RunResult run_on_bench(const Scenario &scenario, const sd_calibration_t &calibra
     RunResult result = run_scenario(scenario, calibration, *bench, tables);
     result.learned = bench->learned();
     result.pattern_sd_deg = double(bench->pattern().sd_rad) * kDegPerRad;
-    result.exponent = double(bench->pattern().exponent), result.exponent_sd = double(bench->pattern().exponent_sd);
+    if (bench->pattern().exponent != 0) {
+        result.exponent = double(bench->pattern().exponent), result.exponent_sd = double(bench->pattern().exponent_sd);
+    }
     return result;
 }
 

@@ -41,7 +41,7 @@ struct RunResult {
     MisfireFigures monitor; ///< Of the monitor beside it; the same where it is the method.
     sd_pattern_sums_t learned{};         ///< Tooth pattern at the end of the run,
     double pattern_sd_deg = 0;           ///< and its standard deviation; 0: nothing learned.
-    double exponent = 0, exponent_sd = 0; ///< By which compression's exponent is larger than the calibration's, as learned with it.
+    double exponent = 0, exponent_sd = 0; ///< By which compression's exponent is larger than the calibration's, as learned with it; both 0: not learned.
     std::optional<AfrFigures> afr;            ///< With a wideband sensor only.
     std::optional<BalanceFigures> balance;    ///< Where fuel trims were allowed.
     std::optional<DrivelineFigures> driveline; ///< With a car in the scenario, and a driveline in the page, only.

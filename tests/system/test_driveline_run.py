@@ -42,7 +42,8 @@ class Driveline(Folder):
         found = self.run_it(DRIVE, *more)["driveline"]
         self.assertLess(found["told_percent"], 80)  # 2.8 s, and 0.5 s to settle after each
         self.assertGreater(found["told_percent"], 60)
-        self.assertLess(found["wrong_percent"], 5)
+        self.assertLess(found["wrong_percent"], 12)  # docs/driveline.md says what is missed here
+        self.assertGreater(found["wrong_percent"], 5)
 
     def test_misfires_while_the_car_shuffles(self):
         summary = self.run_it(SHUFFLE)

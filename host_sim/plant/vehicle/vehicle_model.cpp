@@ -4,6 +4,7 @@
 namespace sixdeg {
 namespace {
 
+constexpr double kLeastS = 1e-6; // of a step at whose end the clutch locks
 constexpr int kHalvings = 50; // of the step in which something changes: below 1e-18 s
 
 VehicleState plus(const VehicleState &a, double h, const VehicleState &slope) {
@@ -142,7 +143,8 @@ void VehicleModel::step(double until_s) {
             (leaves(at) || locks(at) ? high : low) = middle;
             if (middle == low && middle == high) break;
         }
-        to = advanced(high);
+        // A clutch that can neither hold nor slip for long goes on by a little, so that time does.
+        to = advanced(locks_now ? std::max(high, std::min(h, kLeastS)) : high);
     }
     state_ = to;
     const Location now = driveline_.location(state_.twist_rad);

@@ -34,6 +34,8 @@ TEST(Scaled, HoldsEveryFloatAndGivesItBack) {
     EXPECT_EQ(sd_scaled_of(1e-42f).mantissa, 0) << "what is next to zero";
     EXPECT_EQ(sd_scaled_to_float({1 << 30, -200}), 0);
     EXPECT_EQ(sd_scaled_to_float({-(1 << 30), 200}), -std::numeric_limits<float>::max());
+    EXPECT_EQ(sd_scaled_to_float({INT32_MAX, 128}), std::numeric_limits<float>::max()) << "rounds to no infinity below 2^128";
+    EXPECT_EQ(sd_scaled_to_float({1 << 30, 128}), std::ldexp(1.0f, 127));
 }
 
 /// The conversions of q31 by integers and by the floating-point unit give the same bits.

@@ -6,7 +6,6 @@
 #include "sd_math.h"
 
 #define NUMBER_MAX 1e6f
-#define SUM_MAX    1e5f /* a fault that has lasted for hours must be able to end */
 
 bool sd_cusum_tables_ok(const sd_cusum_tables_t *t) {
     bool ok = (t->hypotheses >= 1u) && (t->hypotheses <= (uint8_t)SD_CUSUM_HYPOTHESES_MAX) && (t->residuals >= 1u) &&
@@ -52,18 +51,32 @@ void sd_cusum_read(const sd_cusum_t *self, const sd_cusum_tables_t *tables, cons
     }
 }
 
+/* The largest sum grows to a bound, so that a fault that ends is soon no longer named. The others go down with it, so that it stays as far
+ * above them, but no further than to where they are above `detect` still. */
+static void bound(sd_cusum_t *self, const sd_cusum_tables_t *tables, const sd_cusum_thresholds_t *thresholds) {
+    float second;
+    const float above = self->g[largest(self, tables, &second)] - 2.0f * (thresholds->detect + thresholds->isolate);
+    const float least = 1.5f * thresholds->detect;
+    if (!(above > 0.0f)) { return; }
+    for (uint32_t l = 0; l < tables->hypotheses; ++l) {
+        const float lower = self->g[l] - above;
+        if (self->g[l] > least) { self->g[l] = (lower > least) ? lower : least; }
+    }
+}
+
 void sd_cusum_step(sd_cusum_t *self, const sd_cusum_tables_t *tables, const sd_cusum_thresholds_t *thresholds, const float *residual,
                    sd_cusum_out_t *out) {
     for (uint32_t l = 0; l < tables->hypotheses; ++l) {
         float sum = self->g[l] - tables->offset[l];
         for (uint32_t i = 0; i < tables->residuals; ++i) { sum += tables->weight[l][i] * residual[i]; }
-        self->g[l] = sd_clamp(sum, 0.0f, SUM_MAX);
-        if (!(self->g[l] > 0.0f)) {
+        self->g[l] = sum;
+        if (!(sum > 0.0f)) {
             self->g[l] = 0.0f; /* NaN too */
             self->n[l] = 0;
         } else if (self->n[l] < UINT32_MAX) {
             self->n[l]++;
         }
     }
+    bound(self, tables, thresholds);
     sd_cusum_read(self, tables, thresholds, out);
 }

@@ -4,6 +4,8 @@
 ///
 ///     s_l = (mu_l)' S^-1 (r - mu_l/2),   g_l = max(0, g_l + s_l)              mean of r: 0 without a fault, mu_l with fault l
 ///     n_l: steps since g_l last left 0;   fault l is named while  g_l > detect  and  g_l - g_j > isolate for every other j
+/// The largest sum grows to 2 (detect + isolate) and takes the others down with it, to 1.5 detect at least. So a fault is no longer named
+/// soon after it ended, however long it lasted.
 /// S is the covariance that a sum of residuals has for each of its terms (long-run covariance): that of one residual only where residuals
 /// are white. With isolate = detect this is the document's simplified form (31). Hypotheses belong to groups, e.g. the two signs of one
 /// actuator's fault: hypotheses of different groups above `detect` at once mean that no single fault explains the residuals.
@@ -36,7 +38,7 @@ typedef struct sd_cusum_thresholds {
 } sd_cusum_thresholds_t;
 
 typedef struct sd_cusum {
-    float    g[SD_CUSUM_HYPOTHESES_MAX];
+    float    g[SD_CUSUM_HYPOTHESES_MAX]; ///< [0, 2 (detect + isolate)].
     uint32_t n[SD_CUSUM_HYPOTHESES_MAX]; ///< Steps since g last left 0, this one included, saturating; 0 while it is 0.
 } sd_cusum_t;
 

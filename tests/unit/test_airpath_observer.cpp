@@ -113,8 +113,10 @@ TEST(Cusum, NamesTheHypothesisThatComesTrueAndItsTime) {
         EXPECT_EQ(std::uint32_t(steps), out.since_steps);
         EXPECT_EQ(1 << t.group[l], out.groups);
         EXPECT_NEAR(steps, 10 / double(t.offset[l]), 1.01) << "kappa of (29) for the mean that it expects";
-        for (int i = 0; i < 5000; ++i) sd_cusum_step(&c, &t, &h, none, &out);
-        EXPECT_EQ(0, out.named) << "a fault that ends is no longer named";
+        for (int i = 0; i < 100000; ++i) sd_cusum_step(&c, &t, &h, fault, &out);
+        EXPECT_EQ(l + 1, out.named);
+        for (int i = 0; i < 3 * steps + 5; ++i) sd_cusum_step(&c, &t, &h, none, &out);
+        EXPECT_EQ(0, out.named) << "a fault that ends is no longer named, however long it was there";
     }
 }
 

@@ -11,7 +11,7 @@ def finish(figure, all_axes):
     all_axes[-1].set_xlabel("s")
     for axes in all_axes:
         if axes.get_legend_handles_labels()[0]:
-            axes.legend(fontsize=8, loc="upper right")
+            axes.legend(fontsize=8, loc="best")
     return png(figure)
 
 
@@ -64,7 +64,7 @@ def figure_9(run):
         residuals.plot(data["t_s"], data[name] / sigma, color=colour, linewidth=0.8, label=f"r{name[-2]}")
     residuals.set_ylabel("residual, sigma")
     for name, what, colour in zip(DECISIONS, DECISION_NAMES, COLOURS):
-        decisions.plot(data["t_s"], data[name].clip(-200, 200), color=colour, label=what)
+        decisions.plot(data["t_s"], data[name], color=colour, label=what)
     decisions.axhline(0, color=GREY, linewidth=0.8)
     decisions.set_ylabel("decision")
     return finish(figure, (actuators, residuals, decisions))

@@ -4,8 +4,8 @@
 import signal
 import unittest
 
-import bus_test
-from bus_test import BusFolder, lcm_beats
+import bus_folder
+from bus_folder import BusFolder, lcm_beats
 
 
 class EcuLog(BusFolder):
@@ -43,5 +43,5 @@ class EcuLog(BusFolder):
 
 
 if __name__ == "__main__":
-    bus_test.in_own_network()
+    bus_folder.in_own_network()
     unittest.main()

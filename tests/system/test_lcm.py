@@ -9,8 +9,9 @@ import socket
 import subprocess
 import unittest
 
-import bus_test
-from bus_test import BusCases, BusFolder, ENGINE, PATIENCE_S, SIXDEG, lcm_beats
+import bus_folder
+from bus_cases import BusCases
+from bus_folder import BusFolder, ENGINE, PATIENCE_S, SIXDEG, lcm_beats
 
 URL = "udpm://239.255.76.67:7667?ttl=0"
 
@@ -48,5 +49,5 @@ class Lcm(BusCases, BusFolder):
 
 
 if __name__ == "__main__":
-    bus_test.in_own_network()
+    bus_folder.in_own_network()
     unittest.main()

@@ -4,7 +4,8 @@
 import subprocess
 import unittest
 
-from bus_test import Beats, BusCases, BusFolder, PATIENCE_S
+from bus_cases import BusCases
+from bus_folder import Beats, BusFolder, PATIENCE_S
 from can_frames import NAMES, can_socket
 
 

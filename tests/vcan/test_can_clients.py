@@ -10,7 +10,7 @@ import unittest
 import can
 import cantools
 
-from bus_test import PATIENCE_S, BusFolder, ROOT, until
+from bus_folder import PATIENCE_S, BusFolder, ROOT, until
 from sixdeg_test import table
 
 DBC = cantools.database.load_file(ROOT / "hal" / "generated" / "sixdeg.dbc")

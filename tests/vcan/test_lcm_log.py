@@ -7,8 +7,8 @@ import subprocess
 import time
 import unittest
 
-import bus_test
-from bus_test import PATIENCE_S, BusFolder, ENGINE, MIXTURE, until
+import bus_folder
+from bus_folder import PATIENCE_S, BusFolder, ENGINE, MIXTURE, until
 
 URL = "udpm://239.255.76.67:7667?ttl=0"
 
@@ -49,5 +49,5 @@ class LcmLog(BusFolder):
 
 
 if __name__ == "__main__":
-    bus_test.in_own_network()
+    bus_folder.in_own_network()
     unittest.main()

@@ -6,64 +6,11 @@
 #include <gtest/gtest.h>
 #include <limits>
 
-#include "linalg/linalg.hpp"
-#include "support/torque_signal.hpp"
-extern "C" {
-#include "sd_fourier.h"
-}
+#include "support/fourier_bench.hpp"
 
 using namespace sixdeg::test;
 
 namespace {
-
-constexpr int kN = 60, kCycle = 2 * kN;
-constexpr double kPitch = 2 * M_PI / kN, kTickHz = 1e8;
-
-struct F32 {
-    using State = sd_fourier_f32_t;
-    static constexpr auto init = sd_fourier_init_f32;
-    static constexpr auto step = sd_fourier_step_f32;
-    static constexpr auto read = sd_fourier_read_f32;
-    static constexpr auto shift = sd_fourier_shift_revolution_f32;
-    static constexpr auto torque_at = sd_fourier_torque_at_f32;
-};
-struct Q31 {
-    using State = sd_fourier_q31_t;
-    static constexpr auto init = sd_fourier_init_q31;
-    static constexpr auto step = sd_fourier_step_q31;
-    static constexpr auto read = sd_fourier_read_q31;
-    static constexpr auto shift = sd_fourier_shift_revolution_q31;
-    static constexpr auto torque_at = sd_fourier_torque_at_q31;
-};
-
-struct Gains { int harmonics; float energy, mean, reference; };
-constexpr Gains kSmooth{5, 1.0f, 0.3f, 0.05f}, kFast{5, 2.0f, 0.3f, 0.1f}, kFine{8, 2.0f, 0.1f, 0.1f};
-
-/// Owns the tables a configuration points to.
-struct Bench {
-    sd_fourier_tables_t tables{};
-    sd_fourier_config_t config{};
-
-    explicit Bench(const Gains &gains, const TorqueSignal &signal = {}) {
-        for (int k = 0; k < kN; ++k) tables.inertia_base_kgm2 = std::max(tables.inertia_base_kgm2, float(inertia_at(signal, k)));
-        for (int k = 0; k < kN; ++k) tables.inertia_q31[k] = q31(inertia_at(signal, k) / double(tables.inertia_base_kgm2));
-        for (int k = 0; k < kCycle; ++k) tables.sine_q31[k] = q31(std::sin(M_PI * k / kN));
-        config.positions = kN;
-        config.harmonics = std::uint8_t(gains.harmonics);
-        config.gain_energy = gains.energy;
-        config.gain_mean = gains.mean;
-        config.gain_reference = gains.reference;
-        config.reject_energy = 1.0f;
-        config.settle_steps = 464;
-        config.tick_hz = float(kTickHz);
-        config.speed_base_radps = 800.0f;
-        config.torque_base_nm = 1500.0f;
-    }
-    static double inertia_at(const TorqueSignal &signal, int k) { return signal.inertia(kPitch * (k - 0.5)); }
-    static std::int32_t q31(double x) { return std::int32_t(std::clamp(x * 2147483648.0, -2147483648.0, 2147483647.0)); }
-};
-
-bool missing(int k) { return k % kN >= 58; }
 
 struct Run {
     int cycles_to_tenth_of_start = 0; ///< Until the error stays below a tenth of the error at the start.
@@ -188,91 +135,6 @@ TEST(PolePlacement, LagsByEighteenDegreesWhereTheFourierObserverDoesNot) {
     RecordProperty("lag_deg", std::to_string(lag));
     EXPECT_GT(lag, 15);
     EXPECT_LT(lag, 23);
-}
-
-/// The observer's linear map over one cycle of error (phi, c) in J and Nm, written from equation (4) and form B.
-Eigen::MatrixXd cycle_map(const Gains &g, double reference, bool with_gap) {
-    const int n = 2 * g.harmonics + 2;
-    Eigen::MatrixXd map = Eigen::MatrixXd::Identity(n, n);
-    for (int k = 1; k <= kCycle; ++k) {
-        Eigen::VectorXd f(n - 1), l(n - 1);
-        f(0) = 1;
-        l(0) = double(g.mean);
-        for (int i = 1; i <= g.harmonics; ++i) {
-            f(2 * i - 1) = std::cos(i * kPitch * k / 2);
-            f(2 * i) = std::sin(i * kPitch * k / 2);
-            l(2 * i - 1) = l(2 * i) = i * reference;
-        }
-        Eigen::MatrixXd correct = Eigen::MatrixXd::Identity(n, n), predict = correct;
-        correct(0, 0) = 1 - kPitch * double(g.energy);
-        correct.block(1, 0, n - 1, 1) = -kPitch * l.cwiseProduct(f);
-        predict.block(0, 1, 1, n - 1) = kPitch * f.transpose();
-        // An interval that spans the gap says nothing: no correction at 58, 59 and at 0, which ends it.
-        const bool blind = with_gap && (missing(k) || k % kN == 0);
-        map = blind ? Eigen::MatrixXd(predict * map) : Eigen::MatrixXd(predict * correct * map);
-    }
-    return map;
-}
-
-double spectral_radius(const Gains &g, double reference, bool with_gap) {
-    return sixdeg::linalg::spectral_radius(cycle_map(g, reference, with_gap));
-}
-
-TEST(GainRule, IsTheEdgeOfStabilityOfTheCycleMap) {
-    for (int n = 1; n <= SD_FOURIER_HARMONICS_MAX; ++n) {
-        const Gains gains{n, 4.0f, 0.8f, 0};
-        const Bench bench(gains);
-        const double limit = double(sd_fourier_gain_limit(&bench.config));
-        EXPECT_LT(spectral_radius(gains, 0.98 * limit, false), 1.0) << n;
-        EXPECT_GT(spectral_radius(gains, 1.02 * limit, false), 1.0) << n;
-    }
-}
-
-TEST(GainRule, IsNotEnoughWhenTheEnergyGainIsSmallAndHarmonicsMany) { // so `sixdeg calibrate` certifies by the radius
-    const Gains gains{12, 1.0f, 0.3f, 0};
-    const Bench bench(gains);
-    EXPECT_GT(spectral_radius(gains, 0.5 * double(sd_fourier_gain_limit(&bench.config)), false), 1.0);
-}
-
-TEST(GainRule, GainSetsInUseConvergeWithTheGapToo) {
-    for (const Gains &gains : {kSmooth, kFast, kFine}) {
-        EXPECT_LT(spectral_radius(gains, double(gains.reference), true), 0.95) << gains.harmonics;
-    }
-}
-
-/// The shipped kernel is that map: its response over a cycle to a change of each state, column by column.
-TEST(CycleMap, OfTheKernelIsTheMapOfTheEquations) {
-    for (const Gains &gains : {kSmooth, kFast, kFine}) {
-        Bench bench(gains);
-        for (std::int32_t &j : bench.tables.inertia_q31) j = INT32_MAX;
-        bench.tables.inertia_base_kgm2 = 0.25f;
-        sd_fourier_f32_t nominal;
-        ASSERT_EQ(SD_OK, sd_fourier_init_f32(&nominal, &bench.config, &bench.tables));
-        const Eigen::MatrixXd expected = cycle_map(gains, double(gains.reference), true);
-        const unsigned period = unsigned(std::llround(kPitch / 150.0 * kTickHz));
-        sd_fourier_step_f32(&nominal, &bench.tables, 0, 1, period, 1);
-        const int n = 2 * gains.harmonics + 2;
-        const double bases = double(nominal.energy_base_j / nominal.torque_base_nm);
-        const float energy = nominal.energy;
-        for (int column = 0; column < n; ++column) {
-            sd_fourier_f32_t s[2] = {nominal, nominal};
-            for (int side = 0; side < 2; ++side) {
-                s[side].energy = energy;
-                for (float &c : s[side].coefficient) c = 0;
-                (column ? s[side].coefficient[column - 1] : s[side].energy) += side ? 1e-3f : -1e-3f;
-                for (int k = 1, last = 0; k <= kCycle; ++k) {
-                    if (missing(k)) continue;
-                    sd_fourier_step_f32(&s[side], &bench.tables, unsigned(k % kCycle), unsigned(k - last), period, 1);
-                    last = k;
-                }
-            }
-            for (int row = 0; row < n; ++row) {
-                const double change = row ? double(s[1].coefficient[row - 1] - s[0].coefficient[row - 1]) : double(s[1].energy - s[0].energy);
-                const double per_unit = (row == 0 && column) ? 1 / bases : (row && column == 0) ? bases : 1;
-                EXPECT_NEAR(change / 2e-3, expected(row, column) * per_unit, 1e-3 * std::fmax(1, per_unit)) << row << "," << column;
-            }
-        }
-    }
 }
 
 TYPED_TEST(Fourier, InitRefusesGainsBeyondTheRule) {

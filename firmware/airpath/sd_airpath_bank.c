@@ -16,22 +16,17 @@ _Static_assert(sizeof(sd_airpath_bank_t) == 160, "without pointers, the same siz
 
 /* ---- ranges ---------------------------------------------------------------------------------------------------- */
 
-static bool all_within(const float *x, uint32_t count, float low, float high) {
-    bool ok = true;
-    for (uint32_t i = 0; i < count; ++i) { ok = ok && sd_within(x[i], low, high); }
-    return ok;
-}
-
 static bool model_ok(const sd_airpath_model_t *m) {
     return sd_within(m->kappa, 1.0f, 1.5f) && sd_above_to(m->air_kpapgk, 0.0f, 1.0f) && sd_above_to(m->egr_kpapgk, 0.0f, 1.0f) &&
            sd_above_to(m->exhaust_kpapgk, 0.0f, 1.0f) && sd_within(m->exhaust_jpkgk, 200.0f, 400.0f) &&
            sd_within(m->ambient_kpa, 50.0f, 120.0f) && sd_within(m->rpm_most, 500.0f, 20000.0f) &&
-           all_within(m->emptying_ps, SD_AIRPATH_KNOTS, 0.0f, 1000.0f) && all_within(m->egr_area_mm2, SD_AIRPATH_KNOTS, 0.0f, 1e5f) &&
-           all_within(m->turbine_area_mm2, SD_AIRPATH_KNOTS, 0.0f, 1e5f) && all_within(m->turbine_drop, SD_AIRPATH_DROP_KNOTS, 0.0f, 1.0f);
+           sd_all_within(m->emptying_ps, SD_AIRPATH_KNOTS, 0.0f, 1000.0f) && sd_all_within(m->egr_area_mm2, SD_AIRPATH_KNOTS, 0.0f, 1e5f) &&
+           sd_all_within(m->turbine_area_mm2, SD_AIRPATH_KNOTS, 0.0f, 1e5f) &&
+           sd_all_within(m->turbine_drop, SD_AIRPATH_DROP_KNOTS, 0.0f, 1.0f);
 }
 
 static bool observer_ok(const sd_nuio_table_t *o) {
-    return all_within(&o->m[0][0], sizeof *o / sizeof(float), -NUMBER_MAX, NUMBER_MAX); /* floats alone, without gaps */
+    return sd_all_within(&o->m[0][0], sizeof *o / sizeof(float), -NUMBER_MAX, NUMBER_MAX); /* floats alone, without gaps */
 }
 
 bool sd_airpath_tables_ok(const sd_airpath_tables_t *t) {
@@ -146,15 +141,14 @@ static void disturb(sd_airpath_bank_t *self) {
 }
 
 void sd_airpath_step(sd_airpath_bank_t *self, const sd_airpath_tables_t *tables, const sd_airpath_config_t *config,
-    const sd_airpath_in_t *in,
-                     sd_airpath_out_t *out) {
+                     const sd_airpath_in_t *in, sd_airpath_out_t *out) {
     sd_airpath_now_t now;
     float residual[RESIDUALS];
     const float flow_gps = (in->air_gps > FLOW_LEAST) ? in->air_gps : FLOW_LEAST;
     sd_airpath_prepare(&tables->model, in, &now);
     if (self->phase == (uint8_t)SD_AIRPATH_WAITS) { begin(self, tables, in, &now); }
     observe(self, tables, in, &now, residual);
-    if (!all_within(residual, RESIDUALS, -NUMBER_MAX, NUMBER_MAX)) { /* it has run away, NaN included: begins anew */
+    if (!sd_all_within(residual, RESIDUALS, -NUMBER_MAX, NUMBER_MAX)) { /* it has run away, NaN included: begins anew */
         memset(self->residual, 0, sizeof self->residual);
         sd_airpath_wait(self, out);
         return;

@@ -79,8 +79,7 @@ void sd_airpath_wait(sd_airpath_bank_t *self, sd_airpath_out_t *out);
 void sd_airpath_hold(sd_airpath_bank_t *self, const sd_airpath_tables_t *tables, const sd_airpath_config_t *config, sd_airpath_out_t *out);
 /// A period with all measurements.
 void sd_airpath_step(sd_airpath_bank_t *self, const sd_airpath_tables_t *tables, const sd_airpath_config_t *config,
-    const sd_airpath_in_t *in,
-                     sd_airpath_out_t *out);
+                     const sd_airpath_in_t *in, sd_airpath_out_t *out);
 
 #ifdef __cplusplus
 }

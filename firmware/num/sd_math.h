@@ -18,6 +18,12 @@ extern "C" {
 static inline bool sd_within(float x, float low, float high) { return (x >= low) && (x <= high); }
 /// True for above < x <= to, false for NaN.
 static inline bool sd_above_to(float x, float above, float to) { return (x > above) && (x <= to); }
+/// sd_within of each of `count` values.
+static inline bool sd_all_within(const float *x, uint32_t count, float low, float high) {
+    bool ok = true;
+    for (uint32_t i = 0; ok && (i < count); ++i) { ok = sd_within(x[i], low, high); }
+    return ok;
+}
 /// x cut to [low, high]; NaN stays NaN.
 static inline float sd_clamp(float x, float low, float high) { return (x < low) ? low : (x > high) ? high : x; }
 /// Square root, rounded once; 0 for anything that is not above 1e-30 (negative numbers and NaN too).

@@ -2,12 +2,6 @@
 /* What the filter on tooth times takes for tables and for choices. */
 #include "sd_kalman.h"
 
-static bool all_within(const float *values, uint32_t count, float low, float high) {
-    bool ok = true;
-    for (uint32_t i = 0; ok && (i < count); ++i) { ok = sd_within(values[i], low, high); }
-    return ok;
-}
-
 static bool sizes_ok(const sd_kalman_tables_t *t) {
     if ((t->positions < 12u) || (t->positions > SD_KALMAN_POSITIONS_MAX) || (t->positions % 2u != 0u)) { return false; }
     if ((t->coefficients < 1u) || (t->coefficients > SD_KALMAN_COEFFICIENTS_MAX)) { return false; }
@@ -24,24 +18,24 @@ static bool sizes_ok(const sd_kalman_tables_t *t) {
 
 static bool mode_ok(const sd_kalman_mode_t *mode) {
     return sd_within(mode->frequency_radps, 1.0f, 1e5f) && sd_within(mode->damping, 0.0f, 0.99f) &&
-           sd_within(mode->constant_radpnm, -1.0f, 1.0f) && all_within(mode->cylinder_radpnm, SD_KALMAN_FIRINGS_MAX, -1.0f, 1.0f) &&
+           sd_within(mode->constant_radpnm, -1.0f, 1.0f) && sd_all_within(mode->cylinder_radpnm, SD_KALMAN_FIRINGS_MAX, -1.0f, 1.0f) &&
            sd_within(mode->spring_nmprad, -1e7f, 1e7f) && sd_within(mode->damper_nmprad, -1e7f, 1e7f);
 }
 
 static bool speeds_ok(const sd_kalman_tables_t *t) {
-    bool ok = all_within(t->speed_radps, t->speeds, 1.0f, 2000.0f);
+    bool ok = sd_all_within(t->speed_radps, t->speeds, 1.0f, 2000.0f);
     for (uint32_t i = 1; ok && (i < t->speeds); ++i) { ok = t->speed_radps[i] > t->speed_radps[i - 1u]; }
     return ok;
 }
 
 static bool gains_ok(const sd_kalman_tables_t *t) {
     const uint32_t gains = (uint32_t)t->sets * t->speeds;
-    return all_within(t->gain_scale[0], SD_KALMAN_SETS_MAX * SD_KALMAN_SCALES, 0.0f, 1e4f) &&
-           all_within(t->noise_rad, gains, 1e-7f, 1.0f) && all_within(t->expected_rad, gains, 1e-7f, 1e3f) &&
-           all_within(t->single_sd, gains, 0.0f, 1e6f) && all_within(t->mean_sd, gains, 0.0f, 1e6f) &&
-           all_within(t->pattern_sd, gains, 0.0f, 1e6f) && all_within(t->load_sd_nm, gains, 0.0f, 1e6f) &&
-           all_within(t->mean_share, gains, 0.0f, 10.0f) && all_within(t->spread_share, gains, 0.0f, 10.0f) &&
-           all_within(t->charge_nm_per_bar, gains, 0.0f, 1e4f) && all_within(t->learned_nm_per_bar, gains, 0.0f, 1e4f);
+    return sd_all_within(t->gain_scale[0], SD_KALMAN_SETS_MAX * SD_KALMAN_SCALES, 0.0f, 1e4f) &&
+           sd_all_within(t->noise_rad, gains, 1e-7f, 1.0f) && sd_all_within(t->expected_rad, gains, 1e-7f, 1e3f) &&
+           sd_all_within(t->single_sd, gains, 0.0f, 1e6f) && sd_all_within(t->mean_sd, gains, 0.0f, 1e6f) &&
+           sd_all_within(t->pattern_sd, gains, 0.0f, 1e6f) && sd_all_within(t->load_sd_nm, gains, 0.0f, 1e6f) &&
+           sd_all_within(t->mean_share, gains, 0.0f, 10.0f) && sd_all_within(t->spread_share, gains, 0.0f, 10.0f) &&
+           sd_all_within(t->charge_nm_per_bar, gains, 0.0f, 1e4f) && sd_all_within(t->learned_nm_per_bar, gains, 0.0f, 1e4f);
 }
 
 /* Any 16 bits are a gain. */

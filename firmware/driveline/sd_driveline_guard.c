@@ -134,9 +134,11 @@ static void judge(sd_driveline_guard_t *self, const sd_driveline_tables_t *t, co
     out->status.rejected = self->rejected;
 }
 
-/* Where the shaft stands, and what is said of it. */
-static void say(sd_driveline_guard_t *self, const sd_driveline_tables_t *t, float ratio, float step, float late, sd_driveline_out_t *out) {
-    const float twist = self->x[SD_DRIVELINE_TWIST], winding = ratio * self->x[SD_DRIVELINE_SPEED] - self->x[SD_DRIVELINE_WHEEL];
+/* Where the shaft stands, and what is said of it. The filter's crank is lead_rad ahead of the real one, and so is its end of the shaft. */
+static void say(sd_driveline_guard_t *self, const sd_driveline_tables_t *t, float ratio, float step, float lead, float late,
+                sd_driveline_out_t *out) {
+    const float twist = self->x[SD_DRIVELINE_TWIST] - ratio * lead;
+    const float winding = ratio * self->x[SD_DRIVELINE_SPEED] - self->x[SD_DRIVELINE_WHEEL];
     const uint8_t by_angle = location_of(twist, t->kink_rad);
     const law_t law = law_of(t, by_angle);
     const float spring = law.stiffness_nmprad * twist + law.constant_nm;
@@ -185,7 +187,7 @@ void sd_driveline_guard_step(sd_driveline_guard_t *self, const sd_driveline_tabl
     } else {
         const float h = (tooth->advance == 1u) ? step : step / (float)tooth->advance;
         for (uint32_t k = 0; k < tooth->advance; ++k) { propagate(self, t, gear->ratio, h); }
-        late = tooth->place_rad - self->x[SD_DRIVELINE_PHASE];
+        late = tooth->place_rad + tooth->lead_rad - self->x[SD_DRIVELINE_PHASE];
         const bool near = __builtin_fabsf(late) <= t->reject_rad;
         taken = near && (tooth->health == (uint8_t)SD_VALID);
         if (taken) {
@@ -198,7 +200,7 @@ void sd_driveline_guard_step(sd_driveline_guard_t *self, const sd_driveline_tabl
         self->strikes = (uint8_t)(near ? 0u : self->strikes + 1u);
         if (self->settled_s < GRACE * t->settle_s) { self->settled_s += step; }
     }
-    say(self, t, gear->ratio, step, late, out);
+    say(self, t, gear->ratio, step, tooth->lead_rad, late, out);
     judge(self, t, tooth, taken, out);
     if (self->strikes >= STRIKES_MOST) { self->gear = 0; }
 }

@@ -85,7 +85,8 @@ void sd_stage_driveline_tooth(sd_stage_driveline_t *self, const sd_page_drivelin
         .gear = in->gear,
         /* over the interval; the viscous part of friction is the filter's */
         .torque_nm = known ? 0.5f * (in->engine_nm + self->before_nm) - driveline->drag_nm : self->guard.torque_nm,
-        .place_rad = driveline->place_rad[tooth->position] + in->late_rad,
+        .place_rad = in->late_rad,
+        .lead_rad = driveline->place_rad[tooth->position],
     };
     self->before_nm = in->engine_nm;
     self->tick = tooth->tick;

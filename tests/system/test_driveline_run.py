@@ -52,6 +52,13 @@ class Driveline(Folder):
         self.assertEqual(misfire["detected"]["hits"], misfire["detected"]["of"])
         self.assertEqual(misfire["false_alarms"]["hits"], 0)
 
+    def test_a_gear_that_is_told_is_no_shift(self):
+        rough = ("--set", "load.road_rms_nm=60", "--set", "cyclic.cov_percent=20", "--set", "encoder.jitter_deg=0.01")
+        told = self.run_it(SHUFFLE, *rough)["misfire"]["not_judged"]
+        silent = self.run_it(SHUFFLE, *rough, "--set", "vehicle.tell_gear=false")["misfire"]["not_judged"]
+        self.assertLess(told, 0.25 * silent)
+        self.assertGreater(silent, 300)
+
     def test_a_car_needs_a_driveline(self):
         done = subprocess.run([os.environ["SIXDEG"], "run", str(DATA / "scenarios" / "tip_in.toml"), "--set", "vehicle.gear=1"],
                               capture_output=True, text=True, timeout=60)

@@ -173,6 +173,25 @@ void drive(const Options &options) {
     });
 }
 
+/// What is missing laid to the road in place of the engine.
+void slope(const Options &options) {
+    print_drive_header("the road's torque walks, the engine's is believed");
+    const Row rows[] = {{"nominal", [](DriveCase &) {}},
+                        {"torque told 3 N m too high", [](DriveCase &c) { c.torque_error_nm = 3; }},
+                        {"a slope of 50 N m that nobody knows of", [](DriveCase &c) { c.slope_nm = 50; }}};
+    for (const double walk : {1.0, 5.0}) {
+        for (const Row &row : rows) {
+            DriveCase c = usual_drive();
+            c.duration_s = options.seconds;
+            c.seed = options.seed;
+            c.belief.bias_walk_nm = 0.01;
+            c.belief.road_walk_radps = walk;
+            row.change(c);
+            print_drive(fmt::format("{:g} rad/s a second: {}", walk, row.name), run_drive(c));
+        }
+    }
+}
+
 void print_manoeuvres(const Options &options) {
     print_drive_header("manoeuvres, guard in angle");
     for (const Manoeuvre &m : manoeuvres()) {
@@ -211,7 +230,7 @@ struct Part {
     const char *name;
     void (*print)(const Options &);
 };
-constexpr Part kParts[] = {{"figure-6", figure_6}, {"ambiguity", ambiguity}, {"teeth", teeth}, {"drive", drive},
+constexpr Part kParts[] = {{"figure-6", figure_6}, {"ambiguity", ambiguity}, {"teeth", teeth}, {"drive", drive}, {"slope", slope},
                            {"manoeuvres", print_manoeuvres}, {"damping", damping},
                            {"own-torque", own_torque}, {"misfire", misfire}};
 

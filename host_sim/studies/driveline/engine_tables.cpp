@@ -38,10 +38,10 @@ const Row kRows[] = {
 };
 
 void print_misfires(const ShuffleCase &c, const MisfireFigures &f) {
-    const double all = double(f.healthy + f.missed + f.partial);
+    const double judged = double(f.healthy + f.missed + f.partial);
     fmt::print("{:>6.0f}{:>6}{:>8.0f}{:>8.0f}  {:<8}{:>6} of {:<6}{:>4} of {:<7}{:>7.3f} %{:>9.2f}\n", c.speed_rpm, c.gear, c.road_nm,
                c.seconds, c.word ? "told" : "not told", f.detected, f.missed, f.false_alarms, f.healthy,
-               100 * double(f.false_alarms) / double(f.healthy), 100 * (1 - double(f.not_judged) / all));
+               100 * double(f.false_alarms) / double(f.healthy), 100 * judged / (judged + double(f.not_judged)));
 }
 
 } // namespace

@@ -72,8 +72,8 @@ void print_own_torque(double seconds, unsigned seed) {
 }
 
 void print_shuffle_misfires(double seconds, unsigned seed) {
-    fmt::print("\n{:>6}{:>6}{:>8}{:>8}  {:<8}{:>16}{:>24}{:>15}\n", "rpm", "gear", "road Nm", "s", "gear is", "misfires found", "false alarms",
-               "judged, %");
+    fmt::print("\n{:>6}{:>6}{:>8}{:>8}  {:<8}{:>16}{:>24}{:>15}\n", "rpm", "gear", "road Nm", "s", "gear is", "misfires found",
+               "false alarms", "judged, %");
     const double shorter = std::min(seconds, 300.0);
     for (const ShuffleCase &each : {ShuffleCase{seconds, 1000, 2}, ShuffleCase{seconds, 1000, 3}, ShuffleCase{shorter, 1000, 1},
                                     ShuffleCase{shorter, 3000, 1}, ShuffleCase{shorter, 3000, 2}, ShuffleCase{shorter, 3000, 3},

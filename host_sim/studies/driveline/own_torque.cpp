@@ -111,7 +111,8 @@ class Run {
         }
         changes_ = car.changes().size();
         last_s_ = now.time_s;
-        points_.push_back({now.angle_rad * kDegPerRad, now.gas_torque_nm, now.speed_radps, car.state().twist_rad, car.ratio() * car.shaft_nm()});
+        points_.push_back({now.angle_rad * kDegPerRad, now.gas_torque_nm, now.speed_radps, car.state().twist_rad,
+                           car.ratio() * car.shaft_nm()});
     }
 
     void take(const EncoderEdge &edge) {

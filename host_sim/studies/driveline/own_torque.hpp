@@ -9,8 +9,8 @@
 
 namespace sixdeg {
 
-/// Second gear, 2.0 l four, cyclic variation 3 %, jitter 0.02 deg, and a driver drawn from `seed`: tip-ins to 60 N m and overrun without fuel
-/// every 0.6 to 3 s, so that the speed stays between some 1300 and 3200 rpm.
+/// Second gear, 2.0 l four, cyclic variation 3 %, jitter 0.02 deg, and a driver drawn from `seed`: tip-ins to 60 N m and overrun without
+/// fuel every 0.6 to 3 s, so that the speed stays between some 1300 and 3200 rpm.
 Scenario own_torque_drive(double seconds, std::uint64_t seed);
 
 struct OwnTorqueFigures {

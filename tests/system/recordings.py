@@ -29,11 +29,12 @@ def draw(random):
     elif kind < 0.95:
         wheel = maker.several(list(maker.MULTI)[random.integers(len(maker.MULTI))])
     else:
-        wheel = maker.added(24)
+        wheel = maker.added(24) if kind < 0.975 else maker.even(24)
     rpm = float(np.exp(random.uniform(np.log(60), np.log(9000))))
     jitter = float(random.choice([0, 0.01, 0.03, 0.05, 0.1]))
     ripple = float(random.choice([0, 0.1, 0.2, 0.4])) if rpm < 400 else float(random.choice([0, 0.05]))
-    return maker.make(random, wheel, rpm, jitter, ripple, float(random.uniform(4, 25)), str(random.choice(FORMS)))
+    form = str(random.choice(FORMS))
+    return maker.make(random, wheel, rpm, jitter, ripple, float(random.uniform(4, 25)), "apart" if kind >= 0.975 else form)
 
 
 def repeats(made):

@@ -38,6 +38,18 @@ double standing_out(const std::vector<double> &interval_s, std::size_t i) {
     return 2 * interval_s[i] / std::max(interval_s[i - 1] + interval_s[i + 1], 1e-12);
 }
 
+/// The lesser of this interval and the next over the greater of those on either side: two marks with one tooth between them.
+double standing_out_together(const std::vector<double> &interval_s, std::size_t i) {
+    if (i + 2 >= interval_s.size()) return 0;
+    return std::min(interval_s[i], interval_s[i + 1]) / std::max(std::max(interval_s[i - 1], interval_s[i + 2]), 1e-12);
+}
+
+/// Whether the median is so large, and three quarters nearly.
+bool is_usually(std::vector<double> &ratio, double least) {
+    std::sort(ratio.begin(), ratio.end());
+    return ratio[ratio.size() / 2] >= least && ratio[ratio.size() / 4] >= kNearlyAlways;
+}
+
 /// The tooth interval around a mark, free of the intervals next to it.
 double pitch_around(const std::vector<double> &interval_s, std::size_t mark) {
     std::vector<double> around;
@@ -166,15 +178,23 @@ Fit with_lesser_marks(const std::vector<double> &interval_s, Fit fit) {
     std::vector<std::size_t> more;
     std::size_t count = 1;
     const double least = std::max(kLesserMark, 1 + kBeyondNoise * roughness(interval_s));
-    for (int tooth = 2; tooth + 1 < fit.teeth; ++tooth) {
-        std::vector<double> ratio;
-        for (std::size_t k : fit.turns) {
-            ratio.push_back(standing_out(interval_s, fit.marks[k - 1] + std::size_t(tooth)));
-        }
-        std::sort(ratio.begin(), ratio.end());
-        if (ratio[ratio.size() / 2] < least || ratio[ratio.size() / 4] < kNearlyAlways) continue;
+    const auto add = [&](int tooth) {
         ++count;
         for (std::size_t k : fit.turns) more.push_back(fit.marks[k - 1] + std::size_t(tooth));
+    };
+    for (int tooth = 2; tooth + 1 < fit.teeth; ++tooth) {
+        std::vector<double> alone, paired;
+        for (std::size_t k : fit.turns) {
+            const std::size_t i = fit.marks[k - 1] + std::size_t(tooth);
+            alone.push_back(standing_out(interval_s, i));
+            paired.push_back(standing_out_together(interval_s, i));
+        }
+        if (tooth + 2 < fit.teeth && is_usually(paired, kLesserMark)) {
+            add(tooth), add(tooth + 1);
+            ++tooth;
+        } else if (is_usually(alone, least)) {
+            add(tooth);
+        }
     }
     if (more.empty() || count > std::size_t(kMarksMax)) return fit;
     std::vector<std::size_t> marks = more;
@@ -200,8 +220,7 @@ Fit without_multiples(const std::vector<double> &interval_s, Fit fit) {
                 if (marks.empty() || i > marks.back()) marks.push_back(i);
             }
         }
-        std::sort(ratio.begin(), ratio.end());
-        if (ratio[ratio.size() / 2] < kLesserMark || ratio[ratio.size() / 4] < kNearlyAlways) continue;
+        if (!is_usually(ratio, kLesserMark)) continue;
         Fit single = judge(interval_s, marks, 1, int(part));
         if (!single.turns.empty()) return single;
     }

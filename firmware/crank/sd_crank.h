@@ -150,7 +150,7 @@ typedef struct sd_crank {
     sd_crank_sight_t sight[SD_CRANK_SIGHTS];
     uint8_t  witness_next;
     uint8_t  mark_count, mark_first[SD_CRANK_MARKS_MAX], mark_run[SD_CRANK_MARKS_MAX]; ///< First missing position, run.
-    uint8_t  mark_teeth[SD_CRANK_MARKS_MAX]; ///< Teeth from each mark to the next.
+    uint8_t  mark_teeth[SD_CRANK_MARKS_MAX]; ///< Teeth from each mark to the next; to the second of a pair that follows.
     uint8_t  teeth;           ///< Teeth of the wheel.
     uint8_t  slot;            ///< Of the last placed edge (searching: of the newest interval) in `memory`.
     uint8_t  level_slot, level_left; ///< The next old interval, and how many are left.

@@ -123,7 +123,7 @@ void sd_mark_vote(sd_crank_t *self) {
     const uint32_t mark = self->pending_mark;
     /* Before the second of a pair there is one tooth, and then the first, which may be no whole number of spacings wide. A slip there
      * is not put right; marks missed end sync. */
-    const bool pair = sd_wheel_ends_pair(self, mark);
+    const bool pair = sd_wheel_has_pairs(self) && sd_wheel_ends_pair(self, mark);
     const sd_vote_t vote = count(self, self->mark_spacings[mark], pair ? ONE / 2 : BEFORE);
     const bool strained = self->strain > STRAINED;
     const bool loose = strained && (self->provisional == 0u);

@@ -63,7 +63,7 @@ static void means_ahead(const sd_crank_t *self, int32_t *two, int32_t *eight) {
     for (uint32_t taken = 1; taken <= LEVEL_FIRST; ++taken) {
         slot = next_slot(self, slot);
         while (clear == 0u) { /* the interval across the mark, or two of them */
-            clear = self->mark_teeth[mark] - 1u;
+            clear = sd_wheel_teeth_after(self, mark) - 1u;
             mark = (mark + 1u < self->mark_count) ? mark + 1u : 0u;
             slot = next_slot(self, slot);
         }

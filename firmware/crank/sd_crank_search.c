@@ -69,8 +69,6 @@ static bool noisy(const sd_crank_t *self, uint32_t period) { return over(self->h
 
 /* What the search counts as marks: two with one tooth between them are one. */
 static uint32_t marks(const sd_crank_t *self) { return self->search_marks & 15u; }
-static bool has_pairs(const sd_crank_t *self) { return self->search_marks > 15u; }
-static bool pair_follows(const sd_crank_t *self, uint32_t mark) { return ((self->search_marks >> (4u + mark)) & 1u) != 0u; }
 
 static bool stands_out(uint32_t gap, uint32_t beside) { return 10u * gap >= 13u * beside; }
 
@@ -93,9 +91,9 @@ static bool pair_before_last(const sd_crank_t *self) {
 static sd_gap_t gap_before_last(const sd_crank_t *self) {
     const uint32_t *q = self->raw_period;
     sd_gap_t gap = { false, false, false, 0, 0, 0 };
-    gap.pair = has_pairs(self) && pair_before_last(self);
+    gap.pair = sd_wheel_has_pairs(self) && pair_before_last(self);
     const uint32_t before = gap.pair ? q[3] : q[2], wide = gap.pair ? (q[1] + q[2]) / 2u : q[1];
-    if (has_pairs(self) && !gap.pair && (10u * q[0] >= 14u * q[2]) && (q[1] < 2u * q[0])) { return gap; } /* the first of a pair */
+    if (sd_wheel_has_pairs(self) && !gap.pair && (10u * q[0] >= 14u * q[2]) && (q[1] < 2u * q[0])) { return gap; } /* the first of a pair */
     if (!gap.pair && ((q[2] == 0u) || !stands_out(q[1], q[0]) || !stands_out(q[1], q[2]) || looks_split(self))) { return gap; }
     const uint32_t down = (wide >= (1u << 22)) ? 3u : 0u; /* so that the products fit */
     const uint32_t both = (q[0] >> down) + (before >> down);
@@ -116,21 +114,20 @@ static uint32_t next_mark(const sd_crank_t *self, uint32_t mark) { return (mark 
 /* The next mark that is followed: of a pair the second. */
 static uint32_t mark_after(const sd_crank_t *self, uint32_t mark) {
     const uint32_t next = next_mark(self, mark);
-    return pair_follows(self, mark) ? next_mark(self, next) : next;
+    return sd_wheel_pair_follows(self, mark) ? next_mark(self, next) : next;
 }
-static uint32_t teeth_after(const sd_crank_t *self, uint32_t mark) { return self->mark_teeth[mark] + (pair_follows(self, mark) ? 1u : 0u); }
 
 static bool expects(const sd_crank_t *self, const sd_crank_sight_t *s, const sd_gap_t *gap) {
-    const uint32_t teeth = teeth_after(self, s->mark) + 1u; /* the gap ended an edge ago */
-    if (gap->pair != pair_follows(self, s->mark)) { return false; }
+    const uint32_t teeth = self->mark_teeth[s->mark] + 1u; /* the gap ended an edge ago */
     const uint32_t slack = gap->noisy ? 0u : SLACK;
     if ((s->raw != teeth) && ((s->mended + slack < teeth) || (s->mended > teeth + slack))) { return false; }
-    const bool same = self->mark_run[s->mark] == self->mark_run[mark_after(self, s->mark)];
+    if (gap->pair != sd_wheel_pair_follows(self, s->mark)) { return false; }
+    const bool same = self->mark_run[s->mark] == self->mark_run[next_mark(self, s->mark)]; /* the two of a pair are alike */
     return within(s->width, gap->width, same ? gap->tolerance : 2u * Q8);
 }
 
 static void hit(sd_crank_t *self, sd_crank_sight_t *s, const sd_gap_t *gap) {
-    const bool clean = (s->raw == teeth_after(self, s->mark) + 1u) && (gap->noisy || (self->fault_age > s->raw));
+    const bool clean = (s->raw == self->mark_teeth[s->mark] + 1u) && (gap->noisy || (self->fault_age > s->raw));
     s->clean = (uint8_t)(clean ? s->clean + 1u : 0u);
     s->mark = (uint8_t)mark_after(self, s->mark);
     s->hits = (uint8_t)(s->hits + ((s->hits < 100u) ? 1u : 0u));
@@ -159,7 +156,7 @@ static void count_on(sd_crank_t *self) {
     for (uint32_t i = 0; i < SD_CRANK_SIGHTS; ++i) {
         sd_crank_sight_t *s = &self->sight[i];
         if (s->hits == 0u) { continue; }
-        const uint32_t last = teeth_after(self, s->mark) + 1u;
+        const uint32_t last = self->mark_teeth[s->mark] + 1u;
         s->raw++;
         s->mended = (uint8_t)(s->mended + (split ? 0u : 1u));
         if ((s->raw > last) && ((s->mended > last + SLACK) || (s->raw > last + 20u))) { s->hits = 0; }
@@ -182,7 +179,8 @@ static void gap_seen(sd_crank_t *self, const sd_gap_t *gap) {
     }
     if (!expected && (missing > 0u) && (self->sight[0].hits > 0u)) { self->fault_age = 0; }
     for (uint32_t mark = 0; mark < self->mark_count; ++mark) {
-        if (!sd_wheel_begins_pair(self, mark) && (sd_wheel_ends_pair(self, mark) == gap->pair)) { follow(self, mark, gap); }
+        if (sd_wheel_has_pairs(self) && (sd_wheel_begins_pair(self, mark) || (sd_wheel_ends_pair(self, mark) != gap->pair))) { continue; }
+        follow(self, mark, gap);
     }
 }
 
@@ -255,7 +253,7 @@ static bool find_early(const sd_crank_t *self, sd_found_t *found) {
     for (uint32_t i = 0; i < SD_CRANK_SIGHTS; ++i) {
         const sd_crank_sight_t *s = &self->sight[i];
         if ((s->hits < marks(self)) || (s->clean + 1u < marks(self))) { continue; }
-        if (pair_follows(self, s->mark) || (s->raw != self->mark_teeth[s->mark]) || (self->fault_age < s->raw)) { continue; }
+        if ((s->raw != self->mark_teeth[s->mark]) || (self->fault_age < s->raw)) { continue; }
         const uint32_t down = (q[0] >= (1u << 22)) ? 3u : 0u;
         const uint32_t side = ((q[0] >> down) * Q8) / ((q[1] >> down) + 1u);
         if (within(side, s->side, (12 * Q8) / 10) && !noisy(self, q[1]) && !has_rival(self, s, s->hits + 1u, false)) {

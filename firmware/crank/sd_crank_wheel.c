@@ -71,7 +71,7 @@ static int32_t spacing_at(const sd_crank_t *self, uint32_t mark, uint32_t slot, 
         before = (before > 0u) ? before - 1u : self->teeth - 1u;
         pair[i] = (self->memory[after] >> 3) + (self->memory[before] >> 3);
     }
-    if (sd_wheel_begins_pair(self, mark) || sd_wheel_ends_pair(self, mark)) {
+    if (sd_wheel_has_pairs(self) && (sd_wheel_begins_pair(self, mark) || sd_wheel_ends_pair(self, mark))) {
         return clamp32(2 * ((int64_t)pair[1] + pair[2]), PERIOD_MIN, PERIOD_MAX);
     }
     const int64_t even = quiet ? ((int64_t)pair[1] * 2253 - (int64_t)pair[2] * 1229) >> 8 /* 2.2 and 1.2 of 1024, times 4 */
@@ -91,11 +91,11 @@ void sd_wheel_measure(sd_crank_t *self, uint32_t mark, uint32_t slot, bool quiet
     for (uint32_t i = 0; i < self->mark_count; ++i) {
         const sd_inverse_t inverse = sd_inverse_of(spacing_at(self, mark, slot, quiet));
         sd_wheel_set_width(self, mark, sd_in_spacings(&inverse, clamp32(self->memory[slot], 0, TIME_MAX)));
-        slot += self->mark_teeth[mark];
+        slot += sd_wheel_teeth_after(self, mark);
         slot -= (slot >= self->teeth) ? self->teeth : 0u;
         mark = (mark + 1u < self->mark_count) ? mark + 1u : 0u;
     }
-    for (uint32_t m = 0; m < self->mark_count; ++m) {
+    for (uint32_t m = 0; sd_wheel_has_pairs(self) && (m < self->mark_count); ++m) {
         if (sd_wheel_ends_pair(self, m)) { share_width(self, sd_wheel_mark_before(self, m), m); }
     }
 }
@@ -130,6 +130,7 @@ static bool marks_stand_apart(sd_crank_t *self) {
         const uint32_t before = sd_wheel_mark_before(self, m);
         if (!sd_wheel_begins_pair(self, m)) { continue; }
         if (sd_wheel_begins_pair(self, before)) { return false; }
+        self->mark_teeth[before]++;
         self->search_marks = (uint8_t)(self->search_marks - 1u + (0x10u << before));
     }
     return true;

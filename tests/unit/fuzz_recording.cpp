@@ -47,7 +47,7 @@ std::string damaged(Random &random) {
 /// A train of edges with gaps here and there, some of it a wheel.
 std::string train(Random &random) {
     std::string text;
-    const int teeth = 9 + int(random() % 30), edges = 40 + int(random() % 260);
+    const int teeth = 9 + int(random() % 30), edges = 40 + int(random() % 130);
     const bool single = random() % 3 == 0; // an even wheel, and one tooth in a column of its own
     double time = 0;
     char line[64];

@@ -13,6 +13,7 @@ namespace {
 constexpr std::size_t kStretchCells = std::size_t(3) << 20; // 24 MB; whoever records faster waits longer for the first revolution
 constexpr double kFarDeg = 45, kOffDeg = 10; // The decoder takes a cam edge so far from its place; half a usual tooth is nothing.
 constexpr double kMovedDeg = 12;
+constexpr std::size_t kFaultsMost = 5; // One edge in so many: more is no recording of this wheel, or its angle slips.
 
 const char *unit_name(double unit_s) {
     return unit_s == 1 ? "s" : unit_s == 1e-3 ? "ms" : unit_s == 1e-6 ? "us" : unit_s == 1e-9 ? "ns" : "rows";
@@ -133,7 +134,11 @@ std::vector<std::string> cam_notes(const FoundRecording &found, const EngineFile
 }
 
 std::optional<std::string> why_not_followed(const FoundRecording &found, const ReplayResult &result) {
-    if (result.first_sync_edge && result.synced_s >= 0.5 * result.turned_s) return std::nullopt;
+    const std::size_t faults = result.counts.coasted + result.counts.spurious;
+    if (result.first_sync_edge && result.synced_s >= 0.5 * result.turned_s) {
+        if (faults * kFaultsMost < result.edges) return std::nullopt;
+        return fmt::format("{} faults in {} edges, through which no angle is sure: edges are missing, added or uneven", faults, result.edges);
+    }
     const double turns = found.guess.wheel.teeth() > 0 ? double(result.edges) / found.guess.wheel.teeth() : 0;
     std::string why;
     if (turns < 5)

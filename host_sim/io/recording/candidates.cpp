@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kConsistentMin = 2;
 constexpr double kShareMin = 0.3; // Of the revolutions that the edges could make; faults break some.
-constexpr double kNoisyShareMin = 0.6, kNoisy = 0.1; // More where edges are so uneven: chance explains some.
+constexpr double kNoisyShareMin = 0.75, kNoisy = 0.1; // More where edges are so uneven: chance explains some.
 constexpr int kNoisyConsistentMin = 3;
 constexpr double kLeastMark = 1.25, kLeastMeasured = 1.5, kWellKnown = 0.15; // Spacings.
 // Two intervals over two spacings (least_pair): on the way from an added tooth to none. Speed changes less across many teeth.

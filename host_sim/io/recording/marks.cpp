@@ -27,7 +27,9 @@ constexpr double kMoreMarks = 1.2;
 constexpr int kMarksMax = 4, kTeethMin = 9, kTeethMax = 119;
 // Over the mean of its neighbours, in the median of so many revolutions: what a mark of one missing tooth has beside wide teeth.
 constexpr double kLesserMark = 1.4, kNearlyAlways = 1.25, kBeyondNoise = 4;
-constexpr double kPairOfMarks = 1.8; // The slowest two intervals of nine reach 1.5 under a ripple of 40 %, missing teeth 2 and more.
+// Of two intervals over the greater beside them. The slowest two of nine reach 1.5 under a ripple of 40 %, of twenty 1.2.
+constexpr double kPairOfFew = 1.8, kPairOfMany = 1.45;
+constexpr int kManyTeeth = 20;
 constexpr int kRevolutionsToLook = 3;
 constexpr double kBendDoubts = 1.5;
 // Of the intervals' logarithms: what counts when a revolution is sought by likeness, and how many are looked at.
@@ -190,7 +192,7 @@ Fit with_lesser_marks(const std::vector<double> &interval_s, Fit fit) {
             alone.push_back(standing_out(interval_s, i));
             paired.push_back(standing_out_together(interval_s, i));
         }
-        if (tooth + 2 < fit.teeth && is_usually(paired, kPairOfMarks)) {
+        if (tooth + 2 < fit.teeth && is_usually(paired, fit.teeth < kManyTeeth ? kPairOfFew : kPairOfMany)) {
             add(tooth), add(tooth + 1);
             ++tooth;
         } else if (is_usually(alone, least)) {

@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kConsistentMin = 2;
 constexpr double kShareMin = 0.3; // Of the revolutions that the edges could make; faults break some.
-constexpr double kNoisyShareMin = 0.75, kNoisy = 0.1; // More where edges are so uneven: chance explains some.
+constexpr double kNoisyShareMin = 0.75, kNoisy = 0.1, kRatherNoisy = 0.07; // More where edges are so uneven: chance explains some.
 constexpr int kNoisyConsistentMin = 3;
 constexpr double kLeastMark = 1.25, kLeastMeasured = 1.5, kWellKnown = 0.15; // Spacings.
 // Two intervals over two spacings (least_pair): on the way from an added tooth to none. Speed changes less across many teeth.
@@ -82,7 +82,12 @@ Candidate judged(int column, Edge edge, const Slicing &slicing, int way, std::ve
 }
 
 /// Under jitter the intervals beside an added tooth pass for marks.
-bool has_added_tooth(const Fit &fit) {
+/// No wheel that is made has as many teeth as one of those and one more.
+bool has_added_tooth(const Candidate &candidate) {
+    const Fit &fit = candidate.fit;
+    const auto *const end = std::end(kAddedPositions);
+    const bool as_many = fit.turn.size() == 1 && std::find(std::begin(kAddedPositions), end, fit.teeth - 1) != end;
+    if (as_many && candidate.roughness > kRatherNoisy) return true;
     return fit.teeth > kAddedPositions[0] && least_pair(fit.usual) < (fit.teeth < kManyTeeth ? kPairOfFew : kPairOfMany);
 }
 
@@ -96,7 +101,7 @@ bool has_marks(const Fit &fit) {
 Candidate *best_of(std::vector<Candidate> &tried) {
     Candidate *best = nullptr;
     for (Candidate &candidate : tried) {
-        if (!is_plausible(candidate, candidate.fit) || !has_marks(candidate.fit) || has_added_tooth(candidate.fit)) continue;
+        if (!is_plausible(candidate, candidate.fit) || !has_marks(candidate.fit) || has_added_tooth(candidate)) continue;
         if (!best || is_better(candidate, *best)) best = &candidate;
     }
     return best;

@@ -24,6 +24,7 @@ constexpr std::size_t kNeighbourhood = 4;
 constexpr double kBesideMin = 0.75, kWeakMin = 0.6, kBesideMax = 1.3, kSplitGap = 1.0 / 3, kWeakTooth = 0.7;
 // A wheel of more marks explains more edges, or it is chance.
 constexpr double kMoreMarks = 1.2;
+constexpr double kMostSteps = 0.75, kNearlyAll = 0.95; // Of the steps from mark to mark that fit.
 constexpr int kMarksMax = 4, kTeethMin = 9, kTeethMax = 119;
 // Over the mean of its neighbours, in the median of so many revolutions: what a mark of one missing tooth has beside wide teeth.
 constexpr double kLesserMark = 1.4, kNearlyAlways = 1.25, kBeyondNoise = 4;
@@ -167,6 +168,7 @@ Fit judge(const std::vector<double> &interval_s, const std::vector<std::size_t> 
     fit.consistent = int(count == 1 ? ends.size() : fit.turns.size());
     look_beside(interval_s, count == 1 || fit.turns.empty() ? ends : fit.turns, fit);
     fit.explained = double(ends.size()) * teeth / double(count);
+    fit.steps = double(ends.size()) / double(marks.size() - count);
     fit.score = fit.explained * believed(fit.before, fit.after);
     return fit;
 }
@@ -332,7 +334,9 @@ Fit fit_marks(const std::vector<double> &interval_s, const std::vector<std::size
             if (wheel && !is_turn_of(fit.turn, wanted)) continue;
             if (count > 1 && is_even(fit.turn)) continue; // one mark, seen several times
             const bool more = !best.turn.empty() && best.turn.size() < count;
-            if (more ? fit.explained > kMoreMarks * best.explained : fit.score > best.score) best = std::move(fit);
+            // Where every second mark is left over, the wheel has more of them.
+            const bool leaves_marks = best.steps < kMostSteps && fit.steps > kNearlyAll;
+            if (more ? fit.explained > (leaves_marks ? 1 : kMoreMarks) * best.explained : fit.score > best.score) best = std::move(fit);
         }
     }
     return best;

@@ -259,7 +259,8 @@ void add_replay(Command &app) {
     command.option("--edge", options->edge, "falling or rising; guessed otherwise");
     command.option("--column", options->column, "of the crank signal, number from 0 or name; guessed otherwise");
     command.option("--threshold", options->threshold, "of the crank signal, in its own unit; found otherwise");
-    command.option("--time-unit", options->time_unit, "seconds of one unit of the times, such as 1e-6; from the header or guessed otherwise");
+    command.option("--time-unit", options->time_unit,
+                   "seconds of one unit of the times, such as 1e-6; from the header or guessed otherwise");
     command.option("--cam", options->cam, "cam signal: a column (number, name or column:N), or FILE or FILE:COLUMN; guessed otherwise");
     command.option("--parity", options->parity, "without a cam: which revolution of the cycle the first one in sync is, first or second")
         .one_of({"first", "second"});

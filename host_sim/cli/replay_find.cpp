@@ -22,7 +22,8 @@ const char *unit_name(double unit_s) {
 std::vector<std::string> two_level_columns(const Recording &stretch, const Guess &guess) {
     std::vector<std::string> labels;
     for (int column = 0; column <= stretch.last_column(); ++column) {
-        if (column == guess.column || (guess.home && column == guess.home->column) || (guess.cam && guess.cam->file.empty() && column == guess.cam->column) || !stretch.layout.is_signal(std::size_t(column)))
+        if (column == guess.column || (guess.home && column == guess.home->column)) continue;
+        if ((guess.cam && guess.cam->file.empty() && column == guess.cam->column) || !stretch.layout.is_signal(std::size_t(column)))
             continue;
         if (stretch.bad_cells[std::size_t(column)].line == 0 && column_kind(stretch, column) == ColumnKind::level)
             labels.push_back(column_label(stretch, column));
@@ -62,7 +63,8 @@ std::vector<std::string> notes_of(const FoundRecording &found) {
     std::vector<std::string> notes;
     if (!guess.runner_up.empty()) notes.push_back("next best reading: " + guess.runner_up);
     if (guess.home)
-        notes.push_back(fmt::format("the one tooth in column {} comes every {} teeth, once {}; the tooth before it is left out: decoded as {}",
+        notes.push_back(fmt::format("the one tooth in column {} comes every {} teeth, once {}; the tooth before it is left out: decoded "
+                                    "as {}",
                                     guess.home->column, guess.wheel.positions * (guess.home->on_cam ? 2 : 1),
                                     guess.home->on_cam ? "in two revolutions" : "a revolution", describe(guess.wheel)));
     else if (guess.tooth_added) notes.push_back("the added tooth and the one behind it are left out: decoded as " + describe(guess.wheel));
@@ -137,7 +139,8 @@ std::optional<std::string> why_not_followed(const FoundRecording &found, const R
     const std::size_t faults = result.counts.coasted + result.counts.spurious;
     if (result.first_sync_edge && result.synced_s >= 0.5 * result.turned_s) {
         if (faults * kFaultsMost < result.edges) return std::nullopt;
-        return fmt::format("{} faults in {} edges, through which no angle is sure: edges are missing, added or uneven", faults, result.edges);
+        return fmt::format("{} faults in {} edges, through which no angle is sure: edges are missing, added or uneven", faults,
+                           result.edges);
     }
     const double turns = found.guess.wheel.teeth() > 0 ? double(result.edges) / found.guess.wheel.teeth() : 0;
     std::string why;

@@ -61,7 +61,7 @@ def numbers(*values):
 
 
 def logicdata(channels, version=0x13, block=0x18):
-    """channels: name and edges as (microsecond, level), at most one without edges at the first place. After the layout in tools/log/logic.py."""
+    """channels: name and edges as (microsecond, level). After the layout in tools/log/logic.py."""
     count, end = len(channels), max(e[-1][0] for _, e in channels if e) + 100
     ids = b"".join(numbers(0x533F, i, 1) for i in range(count))
     one = b"\x08" + struct.pack("<d", 1.0)
@@ -155,7 +155,8 @@ class Convert(Folder):
         crank = [(round(1e6 * t), int(v)) for t, v in zip(*levels(wheel_edges()))]
         slow = [(50000 + 80000 * i, (i + 1) % 2) for i in range(9)]
         for version, block in ((0x13, 0x18), (10, 0x15)):
-            for channels in ([("Primary", crank), ("Secondary", slow), ("Trg", [])], [("Sync", []), ("Secondary", slow), ("Primary", crank)],
+            for channels in ([("Primary", crank), ("Secondary", slow), ("Trg", [])],
+                             [("Sync", []), ("Secondary", slow), ("Primary", crank)],
                              [("Secondary", slow), ("Primary", crank)]):
                 with self.subTest(version=version, first=channels[0][0]):
                     log = self.folder / "a.logicdata"

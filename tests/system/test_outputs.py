@@ -96,7 +96,8 @@ class Inputs(Folder):
         outs = []
         for recording, source in ((both, "cam"), (both, "column:2"), (crank, cam), (crank, f"{cam}:cam"), (crank, times)):
             out = self.folder / f"cam{len(outs)}"
-            done = sixdeg("replay", recording, "--wheel", "60-2", "--edge", "falling", "--engine", ENGINES / "vw_aba.toml", "--cam", source, "--out", out)
+            done = sixdeg("replay", recording, "--wheel", "60-2", "--edge", "falling", "--engine", ENGINES / "vw_aba.toml",
+                          "--cam", source, "--out", out)
             self.assertEqual(done.returncode, 0, done.stderr)
             outs.append((out / "teeth.csv").read_bytes())
             summary = json.loads((out / "summary.json").read_text())

@@ -233,7 +233,8 @@ void try_other_file(const Recording &recording, const Guess &crank, const Constr
 
 } // namespace
 
-std::optional<CamGuess> guess_cam(const Recording &recording, const Guess &crank, const Fit &fit, int turns, const Constraints &constraints) {
+std::optional<CamGuess> guess_cam(const Recording &recording, const Guess &crank, const Fit &fit, int turns,
+                                  const Constraints &constraints) {
     const bool elsewhere = !constraints.cam_file.empty();
     if ((recording.is_edge_times() && !elsewhere) || fit.consistent < 4 * turns || fit.turns.empty()) return {};
     Search search(crank, fit, turns, constraints.cam_place_rev);

@@ -163,7 +163,8 @@ Guess home_guess(const Recording &recording, const Constraints &constraints, con
     const std::vector<double> references = edges(recording, seen.home.column, seen.home.edge);
     filter_teeth(recording, constraints, *seen.wheel, references, found);
     if (!seen.home.on_cam) {
-        found.runner_up = fmt::format("{0}+1 with the one tooth on a cam, at {1:.0f} rpm: --wheel {0}+1", seen.positions / 2, 2 * found.rpm);
+        found.runner_up = fmt::format("{0}+1 with the one tooth on a cam, at {1:.0f} rpm: --wheel {0}+1", seen.positions / 2,
+                                      2 * found.rpm);
         return found;
     }
     // The single tooth lies in the mark that was made: between the last tooth and the first.

@@ -20,7 +20,8 @@ struct Constraints {
     std::optional<int> column;
     std::optional<double> threshold;    ///< In the column's unit.
     std::optional<int> cam_column;
-    std::string cam_file;               ///< The cam is recorded there, on the same clock; `cam_column` is of it then. Empty: beside the crank.
+    std::string cam_file;               ///< The cam is recorded there, on the same clock; `cam_column` is of it then. Empty: beside the
+                                        ///< crank.
     std::optional<double> unit_s;       ///< Of the times.
     std::optional<double> cam_place_rev; ///< Of the engine's telling cam edge, [0, 1) from position 0.
 };

@@ -61,8 +61,8 @@ std::optional<HomeFound> find_home(const Recording &recording, const Constraints
     double best_central = 0;
     if (recording.is_edge_times()) return best;
     for (int column = 0; column <= recording.last_column(); ++column) {
-        if (column == constraints.column || !recording.layout.is_signal(std::size_t(column)) || recording.bad_cells[std::size_t(column)].line)
-            continue;
+        const auto at = std::size_t(column);
+        if (column == constraints.column || !recording.layout.is_signal(at) || recording.bad_cells[at].line) continue;
         const auto ways = slicings(recording, column);
         if (ways.empty()) continue;
         EdgeFinder finder(ways.front());

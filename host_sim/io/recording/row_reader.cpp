@@ -214,7 +214,8 @@ void RowReader::take_time(const Decimal &time) {
     time_ = double(time.whole - origin_.whole + wrapped_) + (time.fraction - origin_.fraction);
     if (has_time_ && time_ < before) {
         fail(fmt::format("line {}, column {}", line_, layout_.time_column),
-             fmt::format("time {:.9g} is before the {:.9g} of the row above; time must not go back (a second recording in the file?)", time.value(), last_.value()));
+             fmt::format("time {:.9g} is before the {:.9g} of the row above; time must not go back (a second recording in the file?)",
+                         time.value(), last_.value()));
     }
     has_time_ = true;
     last_ = time;

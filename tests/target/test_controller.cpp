@@ -221,7 +221,8 @@ TEST(Controller, WhoseTaskOfTenMillisecondsIsLateSaysSo) {
     const Shown s = shown(result, calibration);
     EXPECT_EQ(s.wrong, 0u) << "this host says something else to the same events";
     const auto edges = [](const std::vector<sd_event_t> &all) { // of the cam, too
-        return teeth(all) + std::size_t(std::count_if(all.begin(), all.end(), [](const sd_event_t &e) { return e.kind == SD_EVENT_CAM_EDGE; }));
+        const auto cams = std::count_if(all.begin(), all.end(), [](const sd_event_t &e) { return e.kind == SD_EVENT_CAM_EDGE; });
+        return teeth(all) + std::size_t(cams);
     };
     EXPECT_EQ(edges(s.in) + result.end.lost_edges, edges(events)) << "each edge is handled or counted";
     EXPECT_GT(result.end.tasks_late, 0u);

@@ -9,7 +9,6 @@ Plant and controller wait for each other. Compared are the event log, which has 
 with a controller that is reset in the midst, where there is no log: it holds one life of an ecu. Ends with 1 when anything differs.
 """
 import argparse
-import hashlib
 import pathlib
 import subprocess
 import sys
@@ -20,8 +19,8 @@ SIXDEG, SCENARIOS = ROOT / "build/host/sixdeg", ROOT / "host_sim/data/scenarios"
 CORES = ("cortex-m7", "cortex-m4f", "cortex-m3")
 RUNS = {
     "figure16": ("figure16_1500rpm_9bar.toml", []),
-    "misfires": ("harmonics_1500rpm_2bar.toml", ["run={duration_s=20}", "speed={mode=\"dyno\",rpm=[1000,5000],time_s=[0,20]}", "load.bmep_bar=8",
-                                                 "misfires.one_in=25", "encoder.jitter_deg=0.01", "encoder.drop_rate=0.0003"]),
+    "misfires": ("harmonics_1500rpm_2bar.toml", ["run={duration_s=20}", "speed={mode=\"dyno\",rpm=[1000,5000],time_s=[0,20]}",
+                                                 "load.bmep_bar=8", "misfires.one_in=25", "encoder.jitter_deg=0.01", "encoder.drop_rate=0.0003"]),
     "airpath": ("airpath_section7.toml", []),
 }
 
@@ -53,8 +52,7 @@ def main():
             with tempfile.TemporaryDirectory() as made:
                 here = run(pathlib.Path(made, "inproc"), name, "inproc", restart)
                 data = b"".join(here[file] for file in sorted(here))
-                print(f"{name:9} {'reset at 5 s' if restart else 'whole       '} {len(data):9} bytes, {hashlib.sha256(data).hexdigest()[:16]}",
-                      end="", flush=True)
+                print(f"{name:9} {'reset at 5 s' if restart else 'whole':12} {len(data):9} bytes", end="", flush=True)
                 for core in options.on or CORES:
                     there = run(pathlib.Path(made, core), name, f"qemu:{core}", restart)
                     differ = [file for file in here if here[file] != there.get(file)]

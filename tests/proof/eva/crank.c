@@ -7,7 +7,8 @@
 #include "any.h"
 #include "sd_crank_parts.h"
 
-enum { LATE_MOST = 16 * ONE, WIDTH_LEAST = (16 * ONE) / 10, WIDTH_MOST = (45 * ONE) / 10, WAY_MOST = 9 * WIDTH_MOST, TURN_MOST = 140 * ONE };
+enum { LATE_MOST = 16 * ONE, WIDTH_LEAST = (16 * ONE) / 10, WIDTH_MOST = (45 * ONE) / 10, WAY_MOST = 9 * WIDTH_MOST };
+enum { TURN_MOST = 140 * ONE };
 
 static sd_crank_t self;
 static sd_tooth_t tooth;
@@ -66,7 +67,8 @@ static void fill_state(uint32_t mode) {
     fill_clocks(&self.clocks[1]);
     fill_marks();
     self.placed_way = (sd_crank_way_t){ any_bool() ? any_of(ONE, WAY_MOST) : 0, any_of(0, WIDTH_MOST), any_u32(), any_u32() };
-    self.placed_late = any_of(-LATE_MOST, LATE_MOST), self.placed_excused = any_of(-ONE, ONE), self.mark_late = any_of(-LATE_MOST, LATE_MOST);
+    self.placed_late = any_of(-LATE_MOST, LATE_MOST), self.placed_excused = any_of(-ONE, ONE);
+    self.mark_late = any_of(-LATE_MOST, LATE_MOST);
     for (uint32_t i = 0; i < self.teeth; i++) { self.memory[i] = any_u32(); }
     self.last_tick = any_u32(), self.raw_tick = 0;
     for (uint32_t i = 0; i < 4u; i++) { self.raw_period[i] = any_upto(STALL_TICKS_MAX); }
@@ -83,7 +85,7 @@ static void fill_state(uint32_t mode) {
     self.provisional = (uint8_t)any_upto(1u), self.now = (uint8_t)any_upto(1u);
     self.odd_periods = (uint8_t)any_upto(255u);
     self.mode = (uint8_t)mode;
-    self.position = (uint8_t)any_upto(self.config.positions - 1u - self.mark_run[self.mark_count - 1u]); /* the last one has a tooth before it */
+    self.position = (uint8_t)any_upto(self.config.positions - 1u - self.mark_run[self.mark_count - 1u]); /* a tooth, not the mark */
     self.revolution = (uint8_t)any_upto(1u);
     self.suspected_slip = (int8_t)any_of(-3, 3);
     self.missed = (uint8_t)any_upto(255u), self.rejected = (uint8_t)any_upto(255u), self.mark_clean = (uint8_t)any_upto(1u);

@@ -68,8 +68,9 @@ its program is missing. tools/check compares this page with what was kept, and r
 For all inputs, all states and all page values in the ranges that the headers state, at once: no signed overflow, no shift by a size that
 there is not, no index or pointer out of bounds, no division by 0, no read of what was never written. A driver of tests/proof/eva fills
 state, tables and arguments with intervals and calls the kernel as it is; a state is taken to be anything, not only what calls can reach.
-The decoder's state has ranges; in a shorter run on the same wheel, without the check of ranges afterwards, its search had no alarm and its
-tracking one, at a state that the kernel does not leave (a way of less than a spacing), for which its condition was then written otherwise.
+The decoder's state has ranges. None of its alarms is in the decoder: they are assertions of the driver, that the ranges hold again
+afterwards, of which intervals cannot show five: a way of 0 or at least a spacing; the change of a clock's period, within an eighth of it;
+positions that are teeth; a mark that is pending, or none; what is left to learn, at most a revolution.
 """
 NOT_COVERED = """
 What this does not cover:
@@ -145,7 +146,7 @@ def misra(kept, root):
         " proved.toml: do not edit. -->\n# MISRA C:2012: deviations\n\n    tests/proof/prove.py misra        # needs Debian's cppcheck"
         " 2.10; fails where a rule without a deviation is broken\n\n"
         + textwrap.fill(
-            "cppcheck's MISRA addon looks at firmware/ (the ecu of fixed point left out, whose names are the usual one's). It finds what"
+            "cppcheck's MISRA addon looks at firmware/ (the ecu of fixed point by itself, since its names are the usual one's). It finds what"
             " can be found in the text; rules that need judgement, and directives, it does not look at. Every rule that the firmware"
             " breaks has a deviation here, a rule that is not here is kept, and a deviation that nothing needs any more fails too.",
             138,

@@ -48,8 +48,13 @@ typedef struct sd_inverse {
     int32_t  period;
 } sd_inverse_t;
 
-/* period: PERIOD_MIN / 2 to PERIOD_MAX. */
-SD_INLINE sd_inverse_t sd_inverse_of(int32_t period) {
+/* a + b, and a - b, that wrap where they do not fit; the bounds that follow make of it what they may. */
+SD_INLINE int32_t plus32(int32_t a, int32_t b) { return (int32_t)((uint32_t)a + (uint32_t)b); }
+SD_INLINE int32_t minus32(int32_t a, int32_t b) { return (int32_t)((uint32_t)a - (uint32_t)b); }
+
+/* Of a period within PERIOD_MIN / 2 to PERIOD_MAX, which is what a forecast may grow beyond. */
+SD_INLINE sd_inverse_t sd_inverse_of(int32_t foretold) {
+    const int32_t period = clamp_in(foretold, PERIOD_MIN / 2, PERIOD_MAX);
     const uint32_t up = (uint32_t)__builtin_clz((uint32_t)period);
     const uint32_t shift = up - 3u;
     return (sd_inverse_t){ 0x80000000u / (((uint32_t)period << up) >> 16), shift, 0x7FFFFFFF >> shift, period };

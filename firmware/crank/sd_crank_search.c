@@ -289,7 +289,7 @@ static bool find_mark(sd_crank_t *self, sd_found_t *found) {
 bool sd_search_edge(sd_crank_t *self, uint32_t tick, uint32_t period, sd_tooth_t *tooth) {
     for (uint32_t i = 3; i > 0u; --i) { self->raw_period[i] = self->raw_period[i - 1u]; }
     self->raw_period[0] = period;
-    sd_found_t found;
+    sd_found_t found = { 0u, 0u, 0u, 0u };
     if (!find_mark(self, &found)) { return false; }
     sync(self, tick, &found);
     describe(self, &found, tooth);

@@ -153,9 +153,13 @@ void sd_ecu_wheel(sd_ecu_t *self, const sd_calibration_t *page, uint16_t wheel, 
 }
 
 /* The air path's diagnosis is in single precision, and not in this ecu (docs/airpath.md). */
-void sd_ecu_task(sd_ecu_t *self, const sd_calibration_t *page, const sd_port_t *port, uint32_t tick) {
-    (void)self;
+void sd_ecu_task_begin(sd_ecu_t *self, const sd_calibration_t *page, uint32_t tick) {
     (void)page;
-    (void)port;
-    (void)tick;
+    self->task_tick = tick;
+}
+
+void sd_ecu_task_work(sd_ecu_t *self, const sd_calibration_t *page) { (void)self, (void)page; }
+
+void sd_ecu_task_say(sd_ecu_t *self, const sd_calibration_t *page, const sd_port_t *port, uint16_t why) {
+    (void)self, (void)page, (void)port, (void)why;
 }

@@ -56,6 +56,8 @@ typedef struct sd_ecu {
     sd_publish_t       say;
     float    last_speed_radps, last_fuel_mg; ///< Of the last cycle, to see whether the engine is steady.
     uint32_t unknown_events; ///< Ignored, wraps.
+    uint32_t task_tick;      ///< Of the last time event.
+    volatile uint8_t task;   ///< 0; 1: the long part of the 10 ms task is due; 2: it is done, and not said yet.
     uint8_t  ready;          ///< 1: initialised.
     uint8_t  shed;           ///< sd_shed_t: what the port lets it leave out.
     uint8_t  edge_seen;      ///< 1: a crank edge came since the last time event.
@@ -67,6 +69,8 @@ typedef struct sd_ecu {
 sd_result_t sd_ecu_init(sd_ecu_t *self, const sd_calibration_t *page);
 /// As in sd_ecu.h.
 uint32_t sd_ecu_run(sd_ecu_t *self, const sd_calibration_t *page, const sd_port_t *port);
+/// As in sd_ecu.h.
+void sd_ecu_task_run(sd_ecu_t *self, const sd_calibration_t *page);
 
 #ifdef __cplusplus
 }

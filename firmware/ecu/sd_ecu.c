@@ -239,7 +239,7 @@ static void driveline_task(sd_ecu_t *self, const sd_calibration_t *page, const s
 
 static void say_airpath(sd_ecu_t *self, const sd_calibration_t *page, const sd_port_t *port, uint16_t why) {
     if (page->airpath.present == 0u) { return; }
-    if (why != 0u) { sd_status_worst_of(&self->airpath_out.bank.status, SD_DEGRADED, why); }
+    if (why != 0u) { sd_status_worst_of(&self->airpath_out.status, SD_DEGRADED, why); }
     sd_say_airpath(&self->say, &self->airpath_out);
     sd_publish_row(&self->say, port, self->task_tick, SD_RATE_AIRPATH);
 }

@@ -62,8 +62,8 @@ static void means_ahead(const sd_crank_t *self, int32_t *two, int32_t *eight) {
     uint32_t mark, clear = teeth_to_mark(self, &mark), slot = self->slot, sum = 0, first_two = 0;
     for (uint32_t taken = 1; taken <= LEVEL_FIRST; ++taken) {
         slot = next_slot(self, slot);
-        if (clear == 0u) { /* the interval across the mark */
-            clear = self->mark_teeth[mark] - 1u;
+        while (clear == 0u) { /* the interval across the mark, or two of them */
+            clear = sd_wheel_teeth_after(self, mark) - 1u;
             mark = (mark + 1u < self->mark_count) ? mark + 1u : 0u;
             slot = next_slot(self, slot);
         }

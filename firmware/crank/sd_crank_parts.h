@@ -114,6 +114,22 @@ void sd_wheel_set_width(sd_crank_t *self, uint32_t mark, int32_t spacings);
 void sd_wheel_learn(sd_crank_t *self, uint32_t mark, int32_t late);
 void sd_wheel_measure(sd_crank_t *self, uint32_t mark, uint32_t slot, bool quiet);
 
+/* Pairs of marks with one tooth between them: whether there are any, and whether one follows `mark`. */
+static inline bool sd_wheel_has_pairs(const sd_crank_t *self) { return self->search_marks > 15u; }
+static inline bool sd_wheel_pair_follows(const sd_crank_t *self, uint32_t mark) { return ((self->search_marks >> (4u + mark)) & 1u) != 0u; }
+/* Teeth from `mark` to the next, of a pair to the first. */
+static inline uint32_t sd_wheel_teeth_after(const sd_crank_t *self, uint32_t mark) {
+    return self->mark_teeth[mark] - (sd_wheel_pair_follows(self, mark) ? 1u : 0u);
+}
+/* Whether one tooth alone lies between `mark` and the next. */
+static inline bool sd_wheel_begins_pair(const sd_crank_t *self, uint32_t mark) { return self->mark_teeth[mark] == 1u; }
+static inline uint32_t sd_wheel_mark_before(const sd_crank_t *self, uint32_t mark) {
+    return (mark > 0u) ? mark - 1u : self->mark_count - 1u;
+}
+static inline bool sd_wheel_ends_pair(const sd_crank_t *self, uint32_t mark) {
+    return sd_wheel_begins_pair(self, sd_wheel_mark_before(self, mark));
+}
+
 /* ---- sd_crank_mark.c: whether the mark is where it should be ---- */
 
 void sd_mark_passed(sd_crank_t *self, uint32_t tick, const sd_crank_way_t *way, int32_t to_mark, uint32_t mark, bool clean);

@@ -43,7 +43,8 @@ void check_starts(const sd_calibration_t &calibration, const EngineFile &engine,
     const sd_crank_config_t crank_config = sd_calibration_crank(&calibration, &calibration.parameters);
     if (sd_crank_init(&crank, &crank_config) != SD_OK) {
         throw InputError(engine.name, "wheel", fmt::format("the decoder takes runs of 1 to 3 missing teeth, at most {} of them at least 4 teeth "
-                                                           "apart, and a stall time of 256 to 16777216 ticks", SD_CRANK_MARKS_MAX));
+                                                           "apart or two alike with 1 between, "
+                                                           "and a stall time of 256 to 16777216 ticks", SD_CRANK_MARKS_MAX));
     }
     const auto ecu = std::make_unique<sd_ecu_t>();
     if (sd_ecu_init(ecu.get(), &calibration) != SD_OK) {

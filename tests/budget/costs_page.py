@@ -50,6 +50,7 @@ BLOCKS = [
     ("AFR: joint filter, fixed gains", "sd_afr_joint_step", None, "fixed_gains", None),
     ("driveline: guard filter", "sd_driveline_guard_step", None, "guard", None),
     ("driveline: document 003", "sd_driveline_hybrid_step", None, "bank", None),
+    ("air path: both observers and the decision, 10 ms", "sd_airpath_step", "typed", "airpath", None),
 ]
 TABLE_2 = [
     ("Block A: observer of cylinders", "2.70", "sd_afr_observer_step", "fourier_law"),

@@ -237,18 +237,9 @@ static void driveline_task(sd_ecu_t *self, const sd_calibration_t *page, const s
     sd_publish_row(&self->say, port, tick, SD_RATE_DRIVELINE);
 }
 
-static void say_airpath(sd_ecu_t *self, const sd_calibration_t *page, const sd_port_t *port, uint16_t why) {
-    if (page->airpath.present == 0u) { return; }
-    if (why != 0u) { sd_status_worst_of(&self->airpath_out.status, SD_DEGRADED, why); }
-    sd_say_airpath(&self->say, &self->airpath_out);
-    sd_publish_row(&self->say, port, self->task_tick, SD_RATE_AIRPATH);
-}
-
 void sd_ecu_task_begin(sd_ecu_t *self, const sd_calibration_t *page, uint32_t tick) {
     self->task_tick = tick;
-    self->airpath_crank = (sd_stage_airpath_crank_t){ .speed_rpm = self->say.signals.crank_speed_rpm,
-                                                      .health = sd_publish_judged(&self->say, SD_OWNER_CRANK).health,
-                                                      .cylinders = page->cylinders };
+    self->airpath_crank = sd_say_crank_now(&self->say, page->cylinders);
 }
 
 /* Of the inputs only samples and the clock change anything, and these wait for it. */
@@ -258,6 +249,6 @@ void sd_ecu_task_work(sd_ecu_t *self, const sd_calibration_t *page) {
 }
 
 void sd_ecu_task_say(sd_ecu_t *self, const sd_calibration_t *page, const sd_port_t *port, uint16_t why) {
-    say_airpath(self, page, port, why);
+    if (page->airpath.present != 0u) { sd_say_airpath(&self->say, port, self->task_tick, &self->airpath_out, why); }
     driveline_task(self, page, port, self->task_tick);
 }

@@ -157,9 +157,7 @@ void sd_ecu_wheel(sd_ecu_t *self, const sd_calibration_t *page, uint16_t wheel, 
 
 void sd_ecu_task_begin(sd_ecu_t *self, const sd_calibration_t *page, uint32_t tick) {
     self->task_tick = tick;
-    self->airpath_crank = (sd_stage_airpath_crank_t){ .speed_rpm = self->say.signals.crank_speed_rpm,
-                                                      .health = sd_publish_judged(&self->say, SD_OWNER_CRANK).health,
-                                                      .cylinders = page->cylinders };
+    self->airpath_crank = sd_say_crank_now(&self->say, page->cylinders);
 }
 
 void sd_ecu_task_work(sd_ecu_t *self, const sd_calibration_t *page) {
@@ -168,8 +166,5 @@ void sd_ecu_task_work(sd_ecu_t *self, const sd_calibration_t *page) {
 }
 
 void sd_ecu_task_say(sd_ecu_t *self, const sd_calibration_t *page, const sd_port_t *port, uint16_t why) {
-    if (page->airpath_q31.present == 0u) { return; }
-    if (why != 0u) { sd_status_worst_of(&self->airpath_out.status, SD_DEGRADED, why); }
-    sd_say_airpath(&self->say, &self->airpath_out);
-    sd_publish_row(&self->say, port, self->task_tick, SD_RATE_AIRPATH);
+    if (page->airpath_q31.present != 0u) { sd_say_airpath(&self->say, port, self->task_tick, &self->airpath_out, why); }
 }

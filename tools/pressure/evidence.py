@@ -1,0 +1,140 @@
+# SPDX-License-Identifier: MIT
+"""Torque and work from crank teeth against measured cylinder pressure: a page of figures, of any recording that has both."""
+import argparse
+import pathlib
+import sys
+import tempfile
+
+import numpy as np
+
+import cylinder as cyl
+import observers as obs
+import page
+import pictures
+import recording as rec
+
+
+class Measured:
+    """A recording: what sixdeg says of it, and its cycles by pressure."""
+
+    def __init__(self, path, options, folder):
+        self.path, self.options, self.folder = pathlib.Path(path), options, pathlib.Path(folder)
+        self.geometry = cyl.Geometry.read(options.engine)
+        self.cylinder = options.cylinder or self.geometry.firing_order[0]
+        self.firing_deg = self.geometry.firing_tdc_deg[self.geometry.firing_order.index(self.cylinder)]
+        numbers, names = rec.columns(path)
+        self.names = names
+        at = rec.column(names, options.pressure, path)
+        self.given = [] if options.intake is None else ["--intake", str(options.intake)]
+        self.replayed = self.replay("as recorded", self.path)
+        guess = self.replayed.summary["guess"]
+        self.t_s = numbers[:, 0] * guess["time_unit_s"] - guess["time_origin_s"]
+        self.deg = self.replayed.angle(self.t_s)
+        self.inside = np.isfinite(self.deg)
+        self.bar = options.bar * numbers[:, at]
+        self.cycles = self.cycles_at(0)
+        if len(self.cycles) < 4:
+            raise rec.Unusable(f"{path}: {len(self.cycles)} whole cycles with a known angle; at least 4 are needed")
+
+    def replay(self, name, path, *more):
+        return rec.replay(self.options.sixdeg, path, self.options.engine, self.folder / name.replace(" ", "_"), [*self.given, *self.options.replay,
+                                                                                                             *more])
+
+    def cycles_at(self, shift_deg):
+        known = self.inside
+        return cyl.cycles_of(self.geometry, self.deg[known], self.t_s[known], self.bar[known], self.firing_deg, self.options.intake, shift_deg)
+
+    def with_learned_half(self):
+        """Replayed with the tooth pattern that its first half teaches; and how many cycles the firmware learned from."""
+        half, learned = self.folder / "first_half.txt", self.folder / "learned.bin"
+        lines = self.path.read_text(encoding="utf-8", errors="replace").splitlines(keepends=True)
+        half.write_text("".join(lines[:len(lines) // 2]), encoding="utf-8")
+        try:
+            self.replay("half", half, "--learn", str(learned))
+            return self.replay("learned", self.path, "--learned", str(learned))
+        except rec.Unusable:
+            return None
+
+
+def work_figures(cycles, told):
+    """A row an observer: its figures, at TDC as it is."""
+    work = np.array([c.work_j for c in cycles])
+    half = np.mean(work[:len(work) // 2])
+    rows = {}
+    for name, values in told.items():
+        at = [i for i in sorted(values) if i < len(cycles)]
+        rows[name] = obs.Figures.of(np.array([values[i] for i in at]), work[at], half) if at else None
+    return rows
+
+
+def waveforms(measured, others, replayed, shift_deg=0):
+    """Figures of each observer's torque over the second half of the cycles (all where other recordings give the baseline)."""
+    cycles = measured.cycles_at(shift_deg)
+    half = len(cycles) // 2
+    if others:
+        means = [obs.mean_waveform(o.replayed, o.cycles) for o in others]
+        baseline, scored = (lambda deg: np.mean([m(deg) for m in means], axis=0)), cycles
+    else:
+        baseline, scored = obs.mean_waveform(measured.replayed, cycles[:half]), cycles[half:]
+    return {key: obs.waveform_figures(replayed, scored, value, health, baseline) for key, (value, health, _) in obs.WAVEFORMS.items()}
+
+
+def assess(measured, others):
+    """All figures of a recording."""
+    m = measured
+    told = obs.work_by_cycle(m.replayed, m.cycles, m.cylinder)
+    result = {"name": m.path.name, "cycles": m.cycles, "told": told, "summary": m.replayed.summary,
+              "single": len(m.geometry.firing_order) == 1, "geometry": m.geometry,
+              "tdc": cyl.tdc_shift(m.geometry, m.deg[m.inside], m.bar[m.inside], m.firing_deg),
+              "cycles_moved": {shift: m.cycles_at(shift) for shift in (-1, 1)}}
+    result["work"] = {shift: work_figures(result["cycles_moved"].get(shift, m.cycles), told) for shift in (-1, 0, 1)}
+    if result["single"]:
+        result["waveform"] = {("as built", shift): waveforms(m, others, m.replayed, shift) for shift in (-1, 0, 1)}
+        learned = m.with_learned_half()
+        if learned:
+            result["waveform"][("pattern from its own first half", 0)] = waveforms(m, others, learned)
+            result["learned_told"] = obs.work_by_cycle(learned, m.cycles, m.cylinder)
+            result["learned_work"] = work_figures(m.cycles, result["learned_told"])
+    return result
+
+
+def arguments():
+    parser = argparse.ArgumentParser(prog="tools/evidence", description=__doc__)
+    parser.add_argument("engine", metavar="ENGINE.toml")
+    parser.add_argument("recordings", nargs="+", metavar="RECORDING", help="text with time first, crank signal and cylinder pressure; others of the same "
+                        "engine give the baseline")
+    parser.add_argument("--pressure", required=True, metavar="COLUMN", help="of the pressure, number from 0 or name")
+    parser.add_argument("--bar", type=float, default=1.0, metavar="X", help="bar a unit of that column; its zero is found")
+    parser.add_argument("--intake", type=float, metavar="BAR", help="intake pressure, for the level; without it compression tells it")
+    parser.add_argument("--cylinder", type=int, metavar="N", help="whose pressure it is; the first of the firing order otherwise")
+    parser.add_argument("--replay", action="append", default=[], metavar="OPTION", help="one more word for sixdeg replay, as --replay=--column "
+                        "--replay=2")
+    parser.add_argument("--out", default="evidence.md", metavar="PAGE.md", help="page; pictures go into the folder pictures beside it")
+    parser.add_argument("--json", metavar="FILE", help="figures alone")
+    parser.add_argument("--sixdeg", default=str(pathlib.Path(__file__).resolve().parents[2] / "build/host/sixdeg"), help=argparse.SUPPRESS)
+    return parser.parse_args()
+
+
+def main():
+    options = arguments()
+    out = pathlib.Path(options.out)
+    with tempfile.TemporaryDirectory() as folder:
+        try:
+            all_of_them = [Measured(path, options, pathlib.Path(folder) / str(i)) for i, path in enumerate(options.recordings)]
+        except (rec.Unusable, OSError) as error:
+            print(f"evidence: {error}", file=sys.stderr)
+            return 2
+        results = [assess(m, [o for o in all_of_them if o is not m]) for m in all_of_them]
+        (out.parent / "pictures").mkdir(parents=True, exist_ok=True)
+        for measured, result in zip(all_of_them, results):
+            result["picture"] = f"pictures/evidence_{measured.path.stem}.png"
+            pictures.draw(out.parent / result["picture"], measured.replayed, measured.cycles, result["told"], result["name"])
+        page.write(out, results, options)
+        if options.json:
+            page.write_json(options.json, results)
+    print(f"the page: {out}")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

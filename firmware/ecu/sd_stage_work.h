@@ -14,9 +14,10 @@ void sd_stage_work_edge(sd_work_meter_t *self, const sd_calibration_t *page, con
                         sd_publish_t *say, const sd_port_t *port);
 
 /// A placed tooth. It is no burden to most of them: two comparisons.
-static inline void sd_stage_work_tooth(sd_work_meter_t *self, const sd_calibration_t *page, const sd_parameters_t *p, const sd_tooth_t *tooth,
-                                       sd_publish_t *say, const sd_port_t *port) {
-    if (sd_work_passes(self, &page->work, tooth->cycle_position, tooth->advance)) { sd_stage_work_edge(self, page, p, tooth, say, port); }
+static inline void sd_stage_work_tooth(sd_work_meter_t *self, const sd_calibration_t *page, const sd_parameters_t *p,
+                                       const sd_tooth_t *tooth, sd_publish_t *say, const sd_port_t *port) {
+    if (!sd_work_passes(self, &page->work, tooth->cycle_position, tooth->advance)) { return; }
+    sd_stage_work_edge(self, page, p, tooth, say, port);
 }
 
 /// The angle is new at this tooth.

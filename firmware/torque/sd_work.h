@@ -5,9 +5,9 @@
 /// wheel takes T ticks for it in this cycle and T' in the last one. With k = J (span)^2/2 (ticks a second)^2, J such that a crank of
 /// constant energy takes as long,
 ///     E = k / T^2        work = E - E' = E r (2 - r),   r = (T' - T) / T'
-/// is what the crank has gained since: the work of the gas in all cylinders over those 720 deg less the work of load and friction. The same
-/// teeth pass both times, so that their own errors, the inertia's course over the angle, the reciprocating masses and the motored torque
-/// cancel; no pulse, no tooth pattern and no fit goes in. The differences T' - T are exact, since times are counted.
+/// is what the crank has gained since: the work of the gas in all cylinders over those 720 deg less the work of load and friction.
+/// The same teeth pass both times, so that their own errors, the inertia's course over the angle, the reciprocating masses and the
+/// motored torque cancel; no pulse, no tooth pattern and no fit goes in. The differences T' - T are exact, since times are counted.
 ///
 /// What it cannot say: the level (load and friction are not known, so that steady running gives 0), and, of one cycle alone, the work of one
 /// cylinder. The difference of two windows in a row is how much more work the later firing did than the same cylinder's firing a cycle

@@ -12,7 +12,9 @@ namespace {
 constexpr std::size_t kLeast = 10;
 constexpr std::int64_t kSettleCycles = 15; // until the scenario's load has found its level
 
-Eigen::ArrayXd array_of(const std::vector<double> &values) { return Eigen::Map<const Eigen::ArrayXd>(values.data(), Eigen::Index(values.size())); }
+Eigen::ArrayXd array_of(const std::vector<double> &values) {
+    return Eigen::Map<const Eigen::ArrayXd>(values.data(), Eigen::Index(values.size()));
+}
 
 double rms(const Eigen::ArrayXd &x) { return x.size() > 0 ? std::sqrt(x.square().mean()) : 0; }
 

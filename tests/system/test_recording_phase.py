@@ -159,7 +159,8 @@ class RealSingle(Replayed):
         known = [w for w in work if w["work_j"]]
         self.assertGreater(len(known), 9)
         self.assertEqual([w["health"] for w in known], ["valid"] * len(known))
-        # Sums of what the crank gains from cycle to cycle are what its speed shows from the first to the last: over 300 deg of the same teeth.
+        # Sums of what the crank gains from cycle to cycle are what its speed shows from the first to the last, over 300 deg of the same
+        # teeth.
         placed = [t for t in teeth if t["angle_deg"]]
         time, deg = np.array([float(t["t_s"]) for t in placed]), np.unwrap([float(t["angle_deg"]) for t in placed], period=720)
         energy = []

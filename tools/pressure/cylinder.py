@@ -81,6 +81,12 @@ def level(geometry, deg, bar, intake_bar=None, exponent=EXPONENT):
     return compression_fit(geometry, deg, bar, exponent, (geometry.intake_close_deg - 720 + 10, -40))[1]
 
 
+def pressure_at_bdc(geometry, cycles):
+    """Of these cycles, by the polytropic line of their compression, bar absolute: what the intake pressure must have been."""
+    window = (geometry.intake_close_deg - 720 + 10, -40)
+    return float(np.mean([compression_fit(geometry, c.deg, c.bar, EXPONENT, window)[0] for c in cycles]))
+
+
 def cycles_of(geometry, deg, t_s, bar, firing_tdc_deg, intake_bar=None, shift_deg=0.0):
     """Whole cycles of the cylinder that fires at this angle. shift_deg: by how much later than the teeth say TDC is."""
     first = int(np.ceil((np.nanmin(deg) + 360 - firing_tdc_deg - shift_deg) / 720))

@@ -8,6 +8,7 @@ import tempfile
 import numpy as np
 
 import cylinder as cyl
+import gas_exchange
 import observers as obs
 import page
 import pictures
@@ -25,24 +26,43 @@ class Measured:
         numbers, names = rec.columns(path)
         self.names = names
         at = rec.column(names, options.pressure, path)
-        self.given = [] if options.intake is None else ["--intake", str(options.intake)]
-        self.replayed = self.replay("as recorded", self.path)
+        self.intake_bar = options.intake
+        self.replayed = self.replay("recorded", self.path)
         guess = self.replayed.summary["guess"]
         self.t_s = numbers[:, 0] * guess["time_unit_s"] - guess["time_origin_s"]
         self.deg = self.replayed.angle(self.t_s)
         self.inside = np.isfinite(self.deg)
         self.bar = options.bar * numbers[:, at]
         self.cycles = self.cycles_at(0)
+        if self.intake_bar is None: # stands in for the sensor that the recording lacks
+            self.intake_bar = cyl.pressure_at_bdc(self.geometry, self.cycles)
+            self.replayed = self.replay("with_intake", self.path)
         if len(self.cycles) < 4:
             raise rec.Unusable(f"{path}: {len(self.cycles)} whole cycles with a known angle; at least 4 are needed")
 
     def replay(self, name, path, *more):
-        return rec.replay(self.options.sixdeg, path, self.options.engine, self.folder / name.replace(" ", "_"), [*self.given, *self.options.replay,
-                                                                                                             *more])
+        intake = [] if self.intake_bar is None else ["--intake", f"{self.intake_bar:.3f}"]
+        words = [*intake, *self.options.replay, *more]
+        return rec.replay(self.options.sixdeg, path, self.options.engine, self.folder / name, words)
 
     def cycles_at(self, shift_deg):
-        known = self.inside
-        return cyl.cycles_of(self.geometry, self.deg[known], self.t_s[known], self.bar[known], self.firing_deg, self.options.intake, shift_deg)
+        at = self.inside
+        return cyl.cycles_of(self.geometry, self.deg[at], self.t_s[at], self.bar[at], self.firing_deg, self.options.intake, shift_deg)
+
+    def with_gas_exchange(self, told_intake):
+        """Replayed with its teeth where the gas exchange of the first half puts them; nothing where it tells no cycle. told_intake: the
+        observers know the intake pressure."""
+        until = self.cycles[len(self.cycles) // 2].tdc_deg - 360
+        pattern, cycles = gas_exchange.tooth_pattern(self.replayed, self.options.engine, self.firing_deg, until)
+        if cycles == 0:
+            return None
+        edges = self.folder / "corrected.csv"
+        gas_exchange.write_corrected(edges, self.replayed, pattern)
+        words = ["--wheel", self.replayed.summary["guess"]["wheel"]] + (["--intake", f"{self.intake_bar:.3f}"] if told_intake else [])
+        replayed = rec.replay(self.options.sixdeg, edges, self.options.engine, self.folder / "corrected", words)
+        middle = len(replayed.deg) // 2
+        replayed.deg += 720 * np.round((self.replayed.angle(replayed.t_s[middle]) - replayed.deg[middle]) / 720)
+        return replayed
 
     def with_learned_half(self):
         """Replayed with the tooth pattern that its first half teaches; and how many cycles the firmware learned from."""
@@ -84,31 +104,33 @@ def assess(measured, others):
     m = measured
     told = obs.work_by_cycle(m.replayed, m.cycles, m.cylinder)
     result = {"name": m.path.name, "cycles": m.cycles, "told": told, "summary": m.replayed.summary,
-              "single": len(m.geometry.firing_order) == 1, "geometry": m.geometry,
+              "intake_bar": m.intake_bar, "single": len(m.geometry.firing_order) == 1, "geometry": m.geometry,
               "tdc": cyl.tdc_shift(m.geometry, m.deg[m.inside], m.bar[m.inside], m.firing_deg),
               "cycles_moved": {shift: m.cycles_at(shift) for shift in (-1, 1)}}
     result["work"] = {shift: work_figures(result["cycles_moved"].get(shift, m.cycles), told) for shift in (-1, 0, 1)}
     if result["single"]:
         result["waveform"] = {("as built", shift): waveforms(m, others, m.replayed, shift) for shift in (-1, 0, 1)}
-        learned = m.with_learned_half()
-        if learned:
-            result["waveform"][("pattern from its own first half", 0)] = waveforms(m, others, learned)
-            result["learned_told"] = obs.work_by_cycle(learned, m.cycles, m.cylinder)
-            result["learned_work"] = work_figures(m.cycles, result["learned_told"])
+        result["learned_work"] = {}
+        gas = "from the gas exchange of the first half"
+        for how, replayed in (("as the firmware learns it from the first half", m.with_learned_half()), (gas, m.with_gas_exchange(True)),
+                              (f"{gas}, intake pressure not told", m.with_gas_exchange(False))):
+            if replayed:
+                result["waveform"][(how, 0)] = waveforms(m, others, replayed)
+                result["learned_work"][how] = work_figures(m.cycles, obs.work_by_cycle(replayed, m.cycles, m.cylinder))
     return result
 
 
 def arguments():
     parser = argparse.ArgumentParser(prog="tools/evidence", description=__doc__)
     parser.add_argument("engine", metavar="ENGINE.toml")
-    parser.add_argument("recordings", nargs="+", metavar="RECORDING", help="text with time first, crank signal and cylinder pressure; others of the same "
-                        "engine give the baseline")
+    parser.add_argument("recordings", nargs="+", metavar="RECORDING", help="text: time first, crank signal and cylinder pressure "
+                        "beside it; others of the same engine give the baseline")
     parser.add_argument("--pressure", required=True, metavar="COLUMN", help="of the pressure, number from 0 or name")
     parser.add_argument("--bar", type=float, default=1.0, metavar="X", help="bar a unit of that column; its zero is found")
     parser.add_argument("--intake", type=float, metavar="BAR", help="intake pressure, for the level; without it compression tells it")
     parser.add_argument("--cylinder", type=int, metavar="N", help="whose pressure it is; the first of the firing order otherwise")
-    parser.add_argument("--replay", action="append", default=[], metavar="OPTION", help="one more word for sixdeg replay, as --replay=--column "
-                        "--replay=2")
+    parser.add_argument("--replay", action="append", default=[], metavar="OPTION", help="one more word for sixdeg replay, as "
+                        "--replay=--column --replay=2")
     parser.add_argument("--out", default="evidence.md", metavar="PAGE.md", help="page; pictures go into the folder pictures beside it")
     parser.add_argument("--json", metavar="FILE", help="figures alone")
     parser.add_argument("--sixdeg", default=str(pathlib.Path(__file__).resolve().parents[2] / "build/host/sixdeg"), help=argparse.SUPPRESS)

@@ -15,7 +15,9 @@ from sixdeg_test import Folder
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tools/pressure"))
 import cylinder  # noqa: E402  (the tool's folder is no package)
+import evidence  # noqa: E402
 import gas_exchange  # noqa: E402
+import observers  # noqa: E402
 import page  # noqa: E402
 
 ENGINE = "host_sim/data/engines/single_generator.toml"
@@ -63,13 +65,29 @@ class Pressure(unittest.TestCase):
             self.assertTrue(0.5 < sd < 2.0, "an exponent off by 0.02 moves it by more than a degree")
 
 
+class OneOfSeveral(unittest.TestCase):
+    def test_change_is_compared_with_the_change(self):
+        """What is told of one cylinder of several is how it differs from the cycle before."""
+        work = [100.0, 104.0, 98.0, 101.0, 95.0]
+        cycles = [cylinder.Cycle(720.0 * i, None, None, None, 0.0, w, None) for i, w in enumerate(work)]
+        told = {i: work[i] - work[i - 1] for i in range(1, 5)}
+        figures = evidence.work_figures(cycles, {observers.CHANGE: told, observers.FILTER_FIRING: {}})
+        self.assertIsNone(figures[observers.FILTER_FIRING])
+        self.assertEqual(figures[observers.CHANGE].count, 4)
+        self.assertAlmostEqual(figures[observers.CHANGE].correlation, 1)
+        self.assertAlmostEqual(figures[observers.CHANGE].rms_percent, 0)
+        told[2] += 5
+        self.assertAlmostEqual(evidence.work_figures(cycles, {observers.CHANGE: told})[observers.CHANGE].rms_percent,
+                               100 * np.std([5, 0, 0, 0]) / np.mean(work))
+
+
 class GasExchange(unittest.TestCase):
     def test_pattern_is_what_the_teeth_have(self):
         """A crank that a steady load slows, and whose wheel is off by 0.2 deg; its mean and slope are the crank's own."""
         crank = gas_exchange.Crank(ROOT / ENGINE)
         crank.mass = 0.0 # so that what three fitted numbers take is a parabola
         true = 0.2 * np.random.default_rng(3).normal(size=60)
-        fine = np.arange(180, 540.001, 0.05)
+        fine = np.arange(178, 542.001, 0.05)
         slowness = np.sqrt(crank.at(fine) / 2 / (960 - 8 * np.radians(fine - 180))) * np.radians(0.05)
         passed = np.concatenate([[0], np.cumsum((slowness[1:] + slowness[:-1]) / 2)])
         deg = np.arange(180, 540, 6.0)

@@ -77,13 +77,15 @@ class Measured:
 
 
 def work_figures(cycles, told):
-    """A row an observer: its figures, at TDC as it is."""
+    """Of each observer, against the work of these cycles."""
     work = np.array([c.work_j for c in cycles])
     half = np.mean(work[:len(work) // 2])
     rows = {}
     for name, values in told.items():
-        at = [i for i in sorted(values) if i < len(cycles)]
-        rows[name] = obs.Figures.of(np.array([values[i] for i in at]), work[at], half) if at else None
+        change = name == obs.CHANGE
+        at = [i for i in sorted(values) if change <= i < len(cycles)]
+        truth = np.array([work[i] - (work[i - 1] if change else 0) for i in at])
+        rows[name] = obs.Figures.of(np.array([values[i] for i in at]), truth, 0 if change else half, np.mean(work))
     return rows
 
 
@@ -102,13 +104,14 @@ def waveforms(measured, others, replayed, shift_deg=0):
 def assess(measured, others):
     """All figures of a recording."""
     m = measured
-    told = obs.work_by_cycle(m.replayed, m.cycles, m.cylinder)
+    single = len(m.geometry.firing_order) == 1
+    told = obs.work_by_cycle(m.replayed, m.cycles, m.cylinder, single)
     result = {"name": m.path.name, "cycles": m.cycles, "told": told, "summary": m.replayed.summary,
-              "intake_bar": m.intake_bar, "single": len(m.geometry.firing_order) == 1, "geometry": m.geometry,
+              "intake_bar": m.intake_bar, "geometry": m.geometry,
               "tdc": cyl.tdc_shift(m.geometry, m.deg[m.inside], m.bar[m.inside], m.firing_deg),
               "cycles_moved": {shift: m.cycles_at(shift) for shift in (-1, 1)}}
     result["work"] = {shift: work_figures(result["cycles_moved"].get(shift, m.cycles), told) for shift in (-1, 0, 1)}
-    if result["single"]:
+    if single:
         result["waveform"] = {("as built", shift): waveforms(m, others, m.replayed, shift) for shift in (-1, 0, 1)}
         result["learned_work"] = {}
         gas = "from the gas exchange of the first half"
@@ -116,7 +119,7 @@ def assess(measured, others):
                               (f"{gas}, intake pressure not told", m.with_gas_exchange(False))):
             if replayed:
                 result["waveform"][(how, 0)] = waveforms(m, others, replayed)
-                result["learned_work"][how] = work_figures(m.cycles, obs.work_by_cycle(replayed, m.cycles, m.cylinder))
+                result["learned_work"][how] = work_figures(m.cycles, obs.work_by_cycle(replayed, m.cycles, m.cylinder, single))
     return result
 
 

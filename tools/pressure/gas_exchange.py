@@ -35,12 +35,14 @@ def lateness_of(crank, deg, t_s):
     speed = np.radians(deg[-1] - deg[0]) / (t_s[-1] - t_s[0])
     energy = crank.at(deg).mean() / 2 * speed ** 2
 
-    def late(p):
-        slowness = np.sqrt(crank.at(grid) / 2 / (energy * (p[1] - p[2] * (grid - FROM_DEG) / 360))) * np.radians(STEP_DEG)
-        passed = np.concatenate([[0], np.cumsum((slowness[1:] + slowness[:-1]) / 2)])
-        return (t_s - t_s[0] - p[0] * 1e-5 - np.interp(deg, grid, passed)) * speed
+    def late_s(p):
+        slowness = np.sqrt(crank.at(grid) / 2 / (energy * (p[1] - p[2] * (grid - FROM_DEG) / 360)))
+        passed = np.concatenate([[0], np.cumsum((slowness[1:] + slowness[:-1]) / 2 * np.radians(STEP_DEG))])
+        return t_s - t_s[0] - p[0] * 1e-5 - np.interp(deg, grid, passed), np.interp(deg, grid, slowness)
 
-    return np.degrees(late(least_squares(late, [0.0, 1.0, 0.02]).x))
+    found = least_squares(lambda p: late_s(p)[0] * speed, [0.0, 1.0, 0.02])
+    late, slowness = late_s(found.x)
+    return np.degrees(late / slowness)
 
 
 def tooth_pattern(replayed, engine_path, firing_tdc_deg, until_deg):

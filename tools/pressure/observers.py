@@ -7,6 +7,7 @@ import numpy as np
 import recording as rec
 
 SAME_TEETH = "energy at the same teeth (`work.cycle`)"
+CHANGE = "energy at the same teeth, against the cycle before (`work.change`)"  # the one value that is of one cylinder of several
 FILTER_FIRING = "filter on tooth times, its firing (`firing.torque`)"
 WAVEFORMS = {"filter": ("torque_nm", "torque_health", "filter on tooth times (`firing.waveform`)"),
              "fourier": ("fourier_nm", "fourier_health", "Fourier observer (`torque.mass`)")}
@@ -23,10 +24,10 @@ class Figures:
     skill: float  # 1 less the mean square error over that of the baseline
 
     @classmethod
-    def of(cls, x, y, baseline):
+    def of(cls, x, y, baseline, mean):
         if len(x) < 3:
             return None
-        a, b, scale = x - np.mean(x), y - np.mean(y), 100 / np.mean(y)
+        a, b, scale = x - np.mean(x), y - np.mean(y), 100 / mean
         both = np.sqrt(np.mean(a ** 2) * np.mean(b ** 2))
         error = np.mean((a - b) ** 2)
         return cls(len(x), float(np.mean(a * b) / both) if both > 0 else 0.0, float(scale * np.sqrt(error)),
@@ -40,8 +41,8 @@ def usable(rows, value, health):
     return x
 
 
-def work_by_cycle(replayed, cycles, cylinder):
-    """Each observer's work of the cycles that it tells, by index into `cycles`, J."""
+def work_by_cycle(replayed, cycles, cylinder, single):
+    """Each observer's work of the cycles that it tells, by index into `cycles`, J; of one cylinder of several what is its own alone."""
     tdc = np.array([c.tdc_deg for c in cycles])
 
     def by_tdc(deg, values):
@@ -56,7 +57,10 @@ def work_by_cycle(replayed, cycles, cylinder):
         own = [r for r in rows if int(r["cylinder"]) == cylinder]
         return by_tdc(replayed.angle(rec.numbers(own, "t_s")), factor * usable(own, value, "health")) if own else {}
 
-    told = {SAME_TEETH: of_table(replayed.work, "work_j", 1.0), FILTER_FIRING: of_table(replayed.firings, "torque_nm", np.pi)}
+    same = {SAME_TEETH: of_table(replayed.work, "work_j", 1.0)} if single else {CHANGE: of_table(replayed.work, "change_j", 1.0)}
+    told = {**same, FILTER_FIRING: of_table(replayed.firings, "torque_nm", np.pi)}
+    if not single:
+        return told
     for value, health, name in WAVEFORMS.values():
         torque = usable(replayed.known, value, health)
         means = [np.mean(torque[np.abs(replayed.deg - top) <= 360]) for top in tdc] # NaN where any tooth has none

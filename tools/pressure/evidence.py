@@ -118,7 +118,7 @@ def assess(measured, others):
         for how, replayed in (("as the firmware learns it from the first half", m.with_learned_half()), (gas, m.with_gas_exchange(True)),
                               (f"{gas}, intake pressure not told", m.with_gas_exchange(False))):
             if replayed:
-                result["waveform"][(how, 0)] = waveforms(m, others, replayed)
+                result["waveform"].update({(how, shift): waveforms(m, others, replayed, shift) for shift in (-1, 0, 1)})
                 result["learned_work"][how] = work_figures(m.cycles, obs.work_by_cycle(replayed, m.cycles, m.cylinder, single))
     return result
 

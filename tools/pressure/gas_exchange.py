@@ -2,9 +2,9 @@
 """Where each tooth of a single cylinder's wheel stands, from the revolution in which it does not fire, by teeth alone.
 
 From BDC behind the firing to BDC ahead of the compression the gas does next to no work, so that the crank turns by its energy, the
-reciprocating mass and a steady load: t(a) = t0 + integral of sqrt(J(a) / 2 (E - L a)) da. t0, E and L are fitted to each cycle; what is left of a
-tooth, averaged over cycles, is its lateness. Load and the wheel's first two orders look alike in one revolution, so an error of the
-reciprocating mass goes into the pattern.
+reciprocating mass and a steady load: t(a) = t0 + integral of sqrt(J(a) / 2 (E - L a)) da. t0, E and L are fitted to each cycle; what is
+left of a tooth, averaged over cycles, is its lateness. Load and the wheel's first two orders look alike in one revolution, so an error of
+the reciprocating mass goes into the pattern.
 """
 import tomllib
 

@@ -4,12 +4,14 @@ import json
 import pathlib
 import shlex
 import sys
+import textwrap
 
 import numpy as np
 
 import observers as obs
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
+WIDTH = 138
 GOALS = {"correlation": 0.97, "rms": 1.5, "r2": 0.75}
 
 HEAD = """<!-- SPDX-License-Identifier: MIT -->
@@ -34,8 +36,8 @@ several percent and the differences between cycles little; hence the columns wit
 
 **Tooth pattern.** As built: none is known, as the firmware starts. As the firmware learns it: the first half of the recording through
 `sixdeg replay --learn`, then the whole with `--learned`. From the gas exchange: what a single cylinder's wheel shows in the revolution in
-which it does not fire, by teeth alone (tools/pressure/gas_exchange.py, outside of the firmware), of the first half, taken off the edge times.
-Each is scored on the second half. An intake pressure that is not told counts as 1 bar.
+which it does not fire, by teeth alone (tools/pressure/gas_exchange.py, outside of the firmware), of the first half, taken off the edge
+times. Each is scored on the second half. An intake pressure that is not told counts as 1 bar.
 """
 
 
@@ -123,8 +125,8 @@ def section(result):
            f"{len(cycles)} whole cycles by pressure: work {work.mean():.1f} J (IMEP {imep.mean():.2f} bar), which varies by "
            f"{100 * work.std() / work.mean():.1f} %; {result['summary']['rpm_last']:.0f} rpm at the end.",
            f"With TDC a degree earlier or later the mean work is {moved[0]:.1f} or {moved[1]:.1f} J. By its compression TDC stands",
-           f"{shift:+.1f} deg from where the engine file has it, give or take {shift_sd:.1f} deg. Level added to the pressure {level:+.2f} bar, "
-           f"from {'the intake pressure' if by_intake else 'compression'}. {intake}.", ""]
+           f"{shift:+.1f} deg from where the engine file has it, give or take {shift_sd:.1f} deg. Level added to the pressure "
+           f"{level:+.2f} bar, from {'the intake pressure' if by_intake else 'compression'}. {intake}.", ""]
     out += work_table(result["work"], len(cycles)) + [""]
     if result.get("learned_work"):
         for how, rows in result["learned_work"].items():
@@ -139,14 +141,22 @@ def section(result):
     return out
 
 
+def wrapped(line):
+    """Prose in lines of the house's length; a table, a picture or a command as it is."""
+    if len(line) <= WIDTH or line[0] in "|! ":
+        return line
+    return textwrap.fill(line, WIDTH, subsequent_indent="  " if line[0] == "-" else "", break_long_words=False, break_on_hyphens=False)
+
+
 def write(path, results, options):
     lines = [HEAD.format(command=command_of(sys.argv[1:]))]
-    lines += [f"Goals: work of a cycle, correlation at least {GOALS['correlation']} and rms at most {GOALS['rms']} %; torque over the angle with "
-              f"the pattern of its own half, R2 at least {GOALS['r2']}.", ""]
+    lines += [f"Goals: work of a cycle, correlation at least {GOALS['correlation']} and rms at most {GOALS['rms']} %; torque over the "
+              f"angle with the pattern of its own half, R2 at least {GOALS['r2']}.", ""]
     for result in results:
         result["by_intake"] = options.intake is not None
         lines += section(result)
-    pathlib.Path(path).write_text("\n".join(lines).rstrip() + "\n", encoding="utf-8")
+    text = "\n".join(lines).rstrip()
+    pathlib.Path(path).write_text("\n".join(map(wrapped, text.split("\n"))) + "\n", encoding="utf-8")
 
 
 def write_json(path, results):

@@ -58,7 +58,7 @@ class RunTables {
     std::size_t works_ = 0;   ///< Of which the work is.
     std::map<std::pair<std::int64_t, std::size_t>, Work> works_said_; ///< By cycle of the plant and index into firing_order.
     std::string teeth_ =
-        "t_s,angle_deg,rpm_true,rpm,torque_true_nm,torque_nm,class,tooth,tooth_true,health,torque_health\n";
+        "t_s,angle_deg,rpm_true,rpm,torque_true_nm,torque_nm,class,tooth,tooth_true,health,torque_health,waveform_nm,firing_health\n";
     std::vector<CycleTruth> truths_;
     std::map<std::int64_t, FirmwareCycle> firmware_;
 };

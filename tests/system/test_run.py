@@ -69,7 +69,8 @@ class Torque(RunFolder):
         """Against the integral of p dV in all cylinders, while the load stays; fuel unlike, so that pattern and pulse would show. One
         firing against the cycle before, too. Worse fails, and so does what is too good to be true."""
         for rpm, rms, change in ((1500, 0.25, 0.5), (3000, 0.5, 2.5)):
-            scenario = self.scenario("cycles = 80", f'rpm = {rpm}\nmode = "free"', cylinders="fuel_percent = [10, 0, 0, -10]", more="[cyclic]\ncov_percent = 5")
+            scenario = self.scenario("cycles = 80", f'rpm = {rpm}\nmode = "free"', cylinders="fuel_percent = [10, 0, 0, -10]",
+                                     more="[cyclic]\ncov_percent = 5")
             work = self.summary(scenario, "--nominal")["work"]
             self.assertGreater(work["cycles"], 150)
             self.assertGreater(work["correlation"], 0.98)

@@ -23,7 +23,8 @@ std::string edges_csv(const SetRun &run, const EngineFile &file) {
 std::string firings_csv(const SetRun &run) {
     std::string csv = "cycle,cylinder,tdc_s,fuel_mg,misfire\n";
     for (const SetFiring &f : run.firings)
-        fmt::format_to(std::back_inserter(csv), "{},{},{:.6f},{:.4f},{}\n", f.cycle, f.cylinder, f.tdc_time_s, f.fuel_mg, f.misfire ? 1 : 0);
+        fmt::format_to(std::back_inserter(csv), "{},{},{:.6f},{:.4f},{}\n", f.cycle, f.cylinder, f.tdc_time_s, f.fuel_mg,
+                       f.misfire ? 1 : 0);
     return csv;
 }
 
@@ -39,7 +40,8 @@ void SetWriter::add(const SetEngine &engine, const SetPoint &point, const SetRun
     ++count_;
     fmt::format_to(std::back_inserter(runs_), "{},{},{},{},{:.4f},{:.4f},{:.4f},{},{:g},{:g},{:g},{:.4f},{:g},{}\n", count_,
                    name_of(engine.kind), name_of(engine.physics), engine.seed, engine.gamma, engine.wall_factor, engine.pattern_rms_deg,
-                   point.rpm, point.bmep_bar, point.road_rms_nm, point.jitter_deg, run.intake_pa / kPaPerBar, file.tick_hz, file.cylinders());
+                   point.rpm, point.bmep_bar, point.road_rms_nm, point.jitter_deg, run.intake_pa / kPaPerBar, file.tick_hz,
+                   file.cylinders());
     out_->stream(fmt::format("edges_{:04}.csv", count_)) << edges_csv(run, file);
     out_->stream(fmt::format("firings_{:04}.csv", count_)) << firings_csv(run);
 }

@@ -95,7 +95,7 @@ static sd_gain_q31_t between(float low, sd_q31_t share, float high, int bits) {
     const sd_scaled_t a = sd_scaled_of(low), b = sd_scaled_of(high);
     const int32_t exponent = (((b.mantissa == 0) || ((a.mantissa != 0) && (a.exponent > b.exponent))) ? a.exponent : b.exponent) + 1;
     const int32_t from = sd_scaled_fit(a.mantissa, a.exponent - exponent), to = sd_scaled_fit(b.mantissa, b.exponent - exponent);
-    return sd_gain_scaled_q31((sd_scaled_t){ from + sd_part_q31(share, to - from), exponent + bits });
+    return sd_gain_scaled_q31((sd_scaled_t){ sd_add_q31(from, sd_part_q31(share, sd_sub_q31(to, from))), exponent + bits });
 }
 
 #include "sd_driveline_guard.inc"

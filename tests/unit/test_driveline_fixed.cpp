@@ -4,6 +4,8 @@
 #include <functional>
 #include <gtest/gtest.h>
 #include <limits>
+#include <memory>
+#include <random>
 
 #include "plant/engine/units.hpp"
 #include "studies/driveline/fixed_beside.hpp"
@@ -139,4 +141,40 @@ TEST(FixedGuard, RefusesWhatHasNoRoomInItsBase) {
     nothing.tick_s = std::numeric_limits<float>::quiet_NaN();
     EXPECT_EQ(sd_driveline_guard_init_q31(&q31, &nothing), SD_ERR_CONFIG);
     EXPECT_EQ(std::memcmp(&q31, &kept, sizeof q31), 0);
+}
+
+// What a sanitizer watches: no state, tables or tooth leads out of the integers or the tables.
+TEST(FixedGuard, AnyStateAndAnyTooth) {
+    std::mt19937_64 random(1);
+    const auto fill = [&](auto &object) {
+        auto *byte = reinterpret_cast<unsigned char *>(&object);
+        for (std::size_t i = 0; i < sizeof object; ++i) byte[i] = random() % 5 ? (unsigned char)random() : random() % 2 ? 0xff : 0;
+    };
+    const auto half = [&] { return sd_q31_t(random() & 0x3fffffff); };
+    auto tables = std::make_unique<sd_driveline_tables_t>();
+    int placed = 0;
+    for (int k = 0; k < 30000; ++k) {
+        if (k % 64 == 0) fill(*tables);
+        tables->gears = std::uint8_t(random() % (SD_DRIVELINE_GEARS_MAX + 1));
+        sd_driveline_guard_q31_t filter;
+        fill(filter);
+        for (sd_gain_q31_t &gain : filter.gain) gain.exponent = int(random() % 41) - 20;
+        filter.gear = std::uint8_t(random() % (SD_DRIVELINE_GEARS_MAX + 1));
+        sd_driveline_model_q31_t &m = filter.model;
+        m.tick &= 0x7fffffff, m.tick_down %= 64;
+        for (sd_q31_t *x : {&m.pitch_rad, &m.wheel_pitch_rad, &m.shortest_s, &m.per_inertia, &m.per_vehicle, &m.kink_rad, &m.rolling_nm,
+                            &m.drag_nms2}) *x &= INT32_MAX;
+        m.ratio = half(), m.viscous_nms = half(), m.soft_nmprad = half(), m.stiff_nmprad = half(), m.damping_nms = half();
+        sd_driveline_tooth_q31_t tooth;
+        fill(tooth);
+        if (random() % 2) tooth.advance = std::uint16_t(1 + random() % 3);
+        if (random() % 2) tooth.gear = filter.gear;
+        sd_driveline_out_q31_t out{};
+        for (int i = 0; i < 3; ++i) sd_driveline_guard_step_q31(&filter, tables.get(), &tooth, &out);
+        EXPECT_LE(out.location, 3);
+        EXPECT_LE(out.status.health, SD_INVALID);
+        placed += out.location != 0;
+        sd_driveline_guard_wheel_q31(&filter, tables.get(), std::uint32_t(random()), std::uint16_t(random()));
+    }
+    EXPECT_GT(placed, 1000);
 }

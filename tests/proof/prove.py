@@ -52,7 +52,7 @@ def eva_of(driver):
     ends = [""] + [f"_{i}" for i in range(len(kernels))]  # a static function of a header has a name for each file
     includes = (re.search(r"/\* include: (.*?) \*/", text) or [None, ""])[1].split()
     specified = [] if driver.stem == "scaled_make" else ["sd_scaled_make", "sd_scaled_narrow"]
-    specified += ["sd_inverse_of"] if driver.stem == "crank" else []
+    specified += (re.search(r"/\* specified: (.*?) \*/", text) or [None, ""])[1].split()
     makes = [f"{name}{end}" for name in specified for end in ends]
     # The core without extensions: the verbs' portable forms are what is analysed. A float is only carried, so that its value is not judged.
     extra = f"-U__SSE2__ -D__arm__=1 -I{HERE}/eva -include any.h -include contracts.h " + " ".join(

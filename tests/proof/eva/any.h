@@ -36,15 +36,15 @@ int32_t any_zero(void);
 #define __builtin_fabsf(x) (((x) < 0.0f) ? -(x) : (x))
 static inline bool any_add_overflow(int32_t a, int32_t b, int32_t *sum) {
     const int64_t exact = (int64_t)a + b;
-    const bool over = (exact > INT32_MAX) || (exact < INT32_MIN);
-    *sum = over ? 0 : (int32_t)exact;
-    return over;
+    if ((exact > INT32_MAX) || (exact < INT32_MIN)) { *sum = 0; return true; }
+    *sum = (int32_t)exact;
+    return false;
 }
 static inline bool any_sub_overflow(int32_t a, int32_t b, int32_t *difference) {
     const int64_t exact = (int64_t)a - b;
-    const bool over = (exact > INT32_MAX) || (exact < INT32_MIN);
-    *difference = over ? 0 : (int32_t)exact;
-    return over;
+    if ((exact > INT32_MAX) || (exact < INT32_MIN)) { *difference = 0; return true; }
+    *difference = (int32_t)exact;
+    return false;
 }
 #define __builtin_add_overflow(a, b, to) any_add_overflow(a, b, to)
 #define __builtin_sub_overflow(a, b, to) any_sub_overflow(a, b, to)

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The air path's diagnosis in q31: any state, any tables and thresholds in range, any measurements at all. */
 /* specified: sd_sat_q31 sd_over_q31 sd_inverse_q31 sd_root_q31 */
-/* options: -machdep gcc_x86_64 -eva-precision 0 -eva-slevel 40 -eva-slevel-function sd_cusum_step_q31:2000 -eva-auto-loop-unroll 20 */
+/* options: -machdep gcc_x86_64 -eva-precision 0 -eva-slevel 40 -eva-min-loop-unroll 4 -eva-auto-loop-unroll 20 */
 /* include: contracts_bases.h */
 /* kernel: firmware/airpath/sd_airpath_q31.c */
 #include "any_q31.h"

@@ -17,6 +17,13 @@ static inline bool any_bool(void) { return any_of(0, 1) != 0; }
 /// A float of [low, high].
 static inline float any_float(float low, float high) { return Frama_C_float_interval(low, high); }
 
+/// Any float at all, NaN and infinite included, as a result of arithmetic: comparisons narrow it, which bytes they do not.
+static inline float any_number(void) {
+    float x;
+    Frama_C_make_unknown((char *)&x, sizeof x);
+    return x + 0.0f;
+}
+
 /// Every byte of it may be anything.
 #define ANY_BYTES(object) Frama_C_make_unknown((char *)&(object), sizeof(object))
 

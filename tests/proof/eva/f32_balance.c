@@ -19,7 +19,8 @@ static void fill_state(void) {
 int main(void) {
     sd_balance_config_t config;
     float any;
-    ANY_BYTES(deviation), ANY_BYTES(sd), ANY_BYTES(config), ANY_BYTES(any);
+    ANY_BYTES(deviation), ANY_BYTES(sd), ANY_BYTES(config);
+    any = any_number();
     const sd_balance_input_t input = { deviation, sd, any, (uint8_t)any_upto(1u), (uint8_t)any_upto(255u), (uint8_t)any_upto(1u) };
     fill_state();
     sd_balance_begin(&self, &input);

@@ -24,7 +24,8 @@ static void call_all(uint32_t cycle) {
     sd_afr_estimate_t estimate;
     sd_uego_gains_t gains;
     float any;
-    ANY_BYTES(sine), ANY_BYTES(now), ANY_BYTES(gains), ANY_BYTES(any);
+    ANY_BYTES(sine), ANY_BYTES(now), ANY_BYTES(gains);
+    any = any_number();
     now.count = (uint8_t)any_upto(SD_AFR_CYLINDERS_MAX);
     for (uint32_t i = 0; i < SD_AFR_CYLINDERS_MAX; i++) { now.flowing[i] = (uint8_t)any_upto(SD_AFR_CYLINDERS_MAX - 1u); }
     fill_state(cycle);

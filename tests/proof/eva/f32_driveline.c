@@ -46,7 +46,7 @@ static void call_rest(float any) {
 
 int main(void) {
     float any;
-    ANY_BYTES(any);
+    any = any_number();
     call_guard();
     call_rest(any);
     return 0;

@@ -26,7 +26,9 @@ int main(void) {
     sd_exhaust_point_t point;
     sd_exhaust_config_t config;
     float any;
-    ANY_BYTES(psi), ANY_BYTES(share), ANY_BYTES(point), ANY_BYTES(config), ANY_BYTES(any);
+    ANY_BYTES(psi), ANY_BYTES(share), ANY_BYTES(config);
+    any = any_number();
+    point = (sd_exhaust_point_t){ any_number(), any_number(), any_number(), any_number(), any_number(), any_number() };
     fill_state();
     sd_exhaust_step_f32(&self, psi, any_u32(), &now);
     sd_exhaust_measured_f32(&self, any);

@@ -64,7 +64,8 @@ static void call_delay(uint32_t cylinders, float any) {
 int main(void) {
     sd_exhaust_now_f32_t now;
     float any;
-    ANY_BYTES(any), ANY_BYTES(gains), ANY_BYTES(trim), ANY_BYTES(now);
+    any = any_number();
+    ANY_BYTES(gains), ANY_BYTES(trim), ANY_BYTES(now);
     now.count = (uint8_t)any_upto(SD_AFR_CYLINDERS_MAX);
     for (uint32_t i = 0; i < SD_AFR_CYLINDERS_MAX; i++) { now.flowing[i] = (uint8_t)any_upto(SD_AFR_CYLINDERS_MAX - 1u); }
     sd_afr_inflow_of(&now, &in);

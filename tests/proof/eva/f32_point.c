@@ -25,7 +25,8 @@ static void fill_state(void) {
 int main(void) {
     sd_afr_conditions_t at;
     float any;
-    ANY_BYTES(grid), ANY_BYTES(at), ANY_BYTES(any);
+    ANY_BYTES(grid), ANY_BYTES(at);
+    any = any_number();
     fill_state();
     (void)sd_afr_point_begin_f32(&self, &at, any);
     for (uint32_t piece = 0; piece <= SD_AFR_PIECES; piece++) {

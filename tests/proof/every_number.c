@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* every_number: three functions of sd_num.h and sd_bases.h with every argument that there is, under a sanitizer: what Frama-C's intervals cannot show of
- * Newton's steps, and take for granted (eva/contracts_bases.h). Some minutes. */
+/* every_number: three functions of sd_num.h and sd_bases.h with every argument that there is, under a sanitizer: what Frama-C's intervals
+ * cannot show of Newton's steps, and take for granted (eva/contracts_bases.h). Some minutes. */
 #include <stdio.h>
 
 #include "sd_bases.h"
@@ -17,7 +17,8 @@ int main(void) {
         const sd_q31_t root = sd_root_q31((sd_q31_t)x);
         /* within three units of the true root */
         const uint64_t exact = (uint64_t)x << 31, r = (uint64_t)(uint32_t)root;
-        if ((root <= 3) || (((r - 3u) * (r - 3u)) > exact) || (((r + 3u) * (r + 3u)) <= exact)) { return printf("sd_root_q31(%u) = %d\n", x, root), 1; }
+        const bool right = (root > 3) && ((r - 3u) * (r - 3u) <= exact) && ((r + 3u) * (r + 3u) > exact);
+        if (!right) { return printf("sd_root_q31(%u) = %d\n", x, root), 1; }
     }
     for (uint32_t bits = 0x00800000u; bits < 0x7f800000u; bits++) {
         const float x = sd_of_bits(bits);

@@ -13,10 +13,10 @@ OTHERS = [
     ),
     (
         "numbers of float kernels: that they stay finite and in range",
-        "not proved: covariances and series are bounded by relations that intervals do not hold; with any bits in the state there is nothing"
-        " to start from",
-        "each checks its state at every step and starts afresh or rejects, NaN included (in_unit, sd_within): the unit test of each gives it"
-        " what is no number",
+        "not proved: covariances and series are bounded by relations that intervals do not hold; with any bits in the state there is"
+        " nothing to start from",
+        "each checks its state at every step and starts afresh or rejects, NaN included (in_unit, sd_within): the unit test of each"
+        " gives it what is no number",
     ),
     (
         "that the position of a tooth is one of the wheel's",
@@ -25,11 +25,20 @@ OTHERS = [
     ),
 ]
 # Where a driver has alarms that stay: how many, and what they are.
+NO_NUMBER = (
+    "Frama-C 25 keeps NaN in the range of x where x > 0 has been asked; the conversion is bounded on both sides by comparisons, which leave"
+    " NaN out"
+)
 KEPT = {
+    "f32_airpath": (1, NO_NUMBER),
+    "f32_exhaust": (2, NO_NUMBER),
+    "f32_joint": (1, NO_NUMBER),
+    "f32_point": (1, NO_NUMBER),
+    "f32_misfire": (1, "a firing's cylinder is set where its index is one of the engine's, and asked for where it is again"),
     "f32_driveline": (
         3,
-        "blend: the octave of a step is read from the bits of a float that was clamped to [1, 256), and a gear is compared with"
-        " another number than its array's size",
+        "the octave of a step is read from the bits of a float that was clamped to [1, 256); gears are counted before they are looked"
+        " at, in one expression",
     ),
 }
 WHAT = {
@@ -44,8 +53,8 @@ WHAT = {
     "point_q31": "operating point: begin, every piece of its work, gains of the sensor's inversion; any page at all",
     "trims_q31": "trims of the ecu of fixed point: any state, parameters and estimate at all; 1 to 8 cylinders",
     "crank": (
-        "decoder on any wheel that init takes: edges, cam, stall, lost sync in each mode, from any state in its ranges; and that it is in them"
-        " again afterwards"
+        "decoder on any wheel that init takes: edges, cam, stall, lost sync in each mode, from any state in its ranges; and that it is in"
+        " them again afterwards"
     ),
     "crank_init": "decoder's init, any configuration at all: what it leaves is in those ranges",
     "airpath_q31": "air path's diagnosis: tables looked at, step, hold, wait; any state, tables in range, any measurements",
@@ -107,8 +116,9 @@ What this does not cover:
 FLOATS = """
 ## Float kernels, whatever bits they are given
 
-State, tables and inputs may be any bits, NaN and infinite included, but for counts and indices, which are in the ranges that init leaves: no
-index out of bounds, no read of what was never written, no overflow of whole numbers, no conversion of a float that no whole number holds.
+State, tables and inputs may be any bits, NaN and infinite included, but for counts and indices, which are in the ranges that init leaves:
+no index out of bounds, no read of what was never written, no overflow of whole numbers, no conversion of a float that no whole
+number holds. Where a number of alarms stays, its reason stands beside it.
 What it says of a number's value is nothing: below.
 
 """

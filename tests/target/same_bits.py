@@ -120,7 +120,8 @@ def main():
                 teeth += run.teeth
                 of_fixed += run.teeth if run.name in FIXED else 0
             turn += 1
-    print(f"{teeth} teeth, {of_fixed} of them also by the ecu of fixed point, on {', '.join(processors)}: " + ("NOT the same bits" if wrong else "the same bits as on this machine"))
+    print(f"{teeth} teeth, {of_fixed} of them also by the ecu of fixed point, on {', '.join(processors)}: "
+          + ("NOT the same bits" if wrong else "the same bits as on this machine"))
     return 1 if wrong else 0
 
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The decoder's init with any configuration at all: what it leaves of a wheel that it takes, and the state to begin with, are in the
  * ranges from which crank.c goes on. */
-/* options: -eva-precision 1 -eva-slevel 100 -eva-auto-loop-unroll 20 -eva-slevel-function main:200,check_wheel:200,sd_crank_init:3000,sd_wheel_init:3000,collect_marks:3000,marks_stand_apart:500 */
+/* options: -eva-precision 1 -eva-slevel 100 -eva-auto-loop-unroll 20 -eva-slevel-function sd_crank_init:3000,sd_wheel_init:3000,collect_marks:3000,marks_stand_apart:500 */
 /* specified: sd_inverse_of */
 /* include: contracts_crank.h */
 /* kernel: firmware/crank/sd_crank.c firmware/crank/sd_crank_clock.c firmware/crank/sd_crank_mark.c firmware/crank/sd_crank_memory.c firmware/crank/sd_crank_search.c firmware/crank/sd_crank_track.c firmware/crank/sd_crank_wheel.c */

@@ -52,7 +52,8 @@ static void rest_driveline(sd_ecu_t *self, uint16_t why) {
     self->driveline_word = (uint8_t)SD_DRIVELINE_UNKNOWN;
 }
 
-static void jump(sd_ecu_t *self, sd_course_jump_t jump) {
+static void jump(sd_ecu_t *self, const sd_calibration_t *page, const sd_tooth_t *tooth, sd_course_jump_t jump) {
+    sd_stage_work_jump(&self->energy, page, tooth);
     sd_stage_torque_jump(&self->torque, jump);
     restart_firings(self);
     sd_stage_mixture_restart(&self->mixture);
@@ -163,9 +164,10 @@ static bool step_firings(sd_ecu_t *self, const sd_calibration_t *page, const sd_
 void sd_ecu_tooth(sd_ecu_t *self, const sd_calibration_t *page, const sd_port_t *port, const sd_tooth_t *tooth, float speed_radps) {
     sd_cycle_t cycle;
     const sd_course_jump_t moved = sd_course_follow(&self->course, tooth, page->positions);
-    if (moved != SD_COURSE_NONE) { jump(self, moved); }
+    if (moved != SD_COURSE_NONE) { jump(self, page, tooth, moved); }
     if (sd_course_ended(&self->course, tooth, page->positions, page->tick_hz, &cycle)) { end_cycle(self, page, port, &cycle); }
     step_torque(self, page, tooth);
+    sd_stage_work_tooth(&self->energy, page, &self->working, tooth, &self->say, port);
     const bool firing_read = (self->shed < (uint8_t)SD_SHED_FIRINGS) && step_firings(self, page, port, tooth, speed_radps);
     /* A tooth has one burden beside its own position: positions passed without an edge, a firing, mixture that waits, or a piece. */
     const bool burdened = firing_read || (tooth->advance > 1u);

@@ -36,6 +36,7 @@
 #include "sd_stage_mixture.h"
 #include "sd_stage_torque.h"
 #include "sd_stage_trims.h"
+#include "sd_stage_work.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -59,6 +60,7 @@ typedef struct sd_ecu {
     sd_course_t        course;
     sd_stage_torque_t  torque;
     sd_firings_t       firings;
+    sd_work_meter_t    energy;  ///< Work of a cycle.
     sd_stage_misfire_t misfire;
     sd_stage_mixture_t mixture;
     sd_stage_trims_t   trims;

@@ -37,7 +37,8 @@ sd_result_t sd_ecu_init(sd_ecu_t *self, const sd_calibration_t *page) {
 
 /* ---- a tooth --------------------------------------------------------------------------------------------------- */
 
-static void jump(sd_ecu_t *self, sd_course_jump_t jump) {
+static void jump(sd_ecu_t *self, const sd_calibration_t *page, const sd_tooth_t *tooth, sd_course_jump_t jump) {
+    sd_stage_work_jump(&self->energy, page, tooth);
     if (jump == SD_COURSE_SHIFTED) { sd_fourier_shift_revolution_q31(&self->torque); } else { sd_fourier_restart_q31(&self->torque); }
     sd_fixed_misfire_restart(&self->misfire);
     sd_publish_judge(&self->say, SD_OWNER_MISFIRE, &self->misfire.status);
@@ -89,12 +90,13 @@ void sd_ecu_tooth(sd_ecu_t *self, const sd_calibration_t *page, const sd_port_t 
     sd_cycle_t cycle;
     (void)speed_radps; /* nobody here asks for it */
     const sd_course_jump_t moved = sd_course_follow(&self->course, tooth, page->positions);
-    if (moved != SD_COURSE_NONE) { jump(self, moved); }
+    if (moved != SD_COURSE_NONE) { jump(self, page, tooth, moved); }
     if (sd_course_ended(&self->course, tooth, page->positions, page->tick_hz, &cycle)) {
         self->torque_ended = self->torque; /* read by the first piece */
         sd_fixed_begin_work(self, page, port, &cycle);
     }
     step_torque(self, page, tooth);
+    sd_stage_work_tooth(&self->energy, page, &self->working, tooth, &self->say, port);
     const bool firing_read = (self->shed < (uint8_t)SD_SHED_FIRINGS) && step_misfire(self, page, port, tooth);
     const bool burdened = firing_read || (tooth->advance > 1u); /* a tooth has one burden beside its own position */
     const bool catches_up = (self->shed < (uint8_t)SD_SHED_MIXTURE) &&

@@ -25,6 +25,7 @@
 #include "sd_inputs.h"
 #include "sd_publish.h"
 #include "sd_stage_airpath.h"
+#include "sd_stage_work.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -51,6 +52,7 @@ typedef struct sd_ecu {
     sd_fourier_q31_t   torque;
     sd_fourier_q31_t   torque_ended; ///< As it was at the end of the last cycle, from which cylinders are read.
     sd_fourier_estimate_t ended;  ///< What that says.
+    sd_work_meter_t    energy;    ///< Work of a cycle.
     sd_fixed_misfire_t misfire;
     sd_fixed_mixture_t mixture;
     sd_fixed_trims_t   trims;

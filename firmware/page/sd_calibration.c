@@ -78,6 +78,11 @@ static bool wheel_ok(const sd_calibration_t *page) {
     return bases && ((w->positions == 0u) || ((w->positions == page->positions) && (w->cylinders == page->cylinders)));
 }
 
+static bool work_ok(const sd_calibration_t *page) {
+    const sd_work_tables_t *w = &page->work;
+    return sd_work_tables_ok(w) && ((w->windows == 0u) || ((w->windows == page->cylinders) && (w->cycle == 2u * page->positions)));
+}
+
 static bool airpath_ok(const sd_calibration_t *page) {
 #ifndef SD_ECU_FIXED /* which does not read these */
     if (!sd_airpath_tables_ok_f32(&page->airpath)) { return false; }
@@ -89,7 +94,8 @@ static bool airpath_ok(const sd_calibration_t *page) {
 bool sd_calibration_in_range(const sd_calibration_t *page) {
     const float *parameter = (const float *)&page->parameters;
     bool ok = within(page->position_0_deg, 0.0f, 360.0f) && within(page->tick_hz, 1e5f, 2e8f) && cylinders_ok(page) &&
-              ((page->kalman.positions == 0u) || (page->kalman.positions == page->positions)) && wheel_ok(page) && airpath_ok(page);
+              ((page->kalman.positions == 0u) || (page->kalman.positions == page->positions)) && wheel_ok(page) && airpath_ok(page) &&
+              work_ok(page);
     for (uint32_t i = 0; ok && (i < SD_PARAMETER_COUNT); ++i) {
         ok = within(parameter[i], sd_parameter_infos[i].low, sd_parameter_infos[i].high);
     }

@@ -17,6 +17,7 @@
 #include "sd_page.h"
 #include "sd_signals.h"
 #include "sd_switched_wheel.h"
+#include "sd_work.h"
 
 #include <stddef.h>
 
@@ -54,6 +55,7 @@ typedef struct sd_calibration {
     sd_parameters_t   parameters;   ///< As the firmware starts with them.
     sd_fourier_tables_t fourier;    ///< Of the torque observer; the AFR blocks take its sines too.
     sd_cylinder_map_t cylinder_map; ///< Of the gains in `parameters`.
+    sd_work_tables_t  work;         ///< windows 0: the crank is elastic, or its teeth leave no room.
     sd_afr_grid_t     afr;          ///< present 0: the engine file names no exhaust.
     sd_airpath_tables_f32_t airpath;     ///< present 0: the engine file names no air path with a design.
     sd_airpath_tables_q31_t airpath_q31; ///< The same in fixed point; present 0: there is none, or its numbers do not fit.

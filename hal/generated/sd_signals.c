@@ -37,6 +37,11 @@ const sd_signal_info_t sd_signal_infos[SD_SIGNAL_COUNT] = {
     { "firing.mean", "Nm", -20000.0f, 20000.0f, 0.0f, SD_RATE_FIRING, SD_OWNER_FIRING, 0 },
     { "firing.mean_sd", "Nm", 0.0f, 20000.0f, 0.0f, SD_RATE_FIRING, SD_OWNER_FIRING, 0 },
     { "firing.rough", "", 0.0f, 1.0f, 0.0f, SD_RATE_FIRING, SD_OWNER_FIRING, 0 },
+    { "work.cycle", "J", -1000000.0f, 1000000.0f, 0.0f, SD_RATE_WORK, SD_OWNER_WORK, 0 },
+    { "work.sd", "J", 0.0f, 1000000.0f, 0.0f, SD_RATE_WORK, SD_OWNER_WORK, 0 },
+    { "work.change", "J", -2000000.0f, 2000000.0f, 0.0f, SD_RATE_WORK, SD_OWNER_WORK, 0 },
+    { "work.firing", "", 0.0f, 7.0f, 0.0f, SD_RATE_WORK, SD_OWNER_WORK, 0 },
+    { "work.cylinder", "", 0.0f, 8.0f, 0.0f, SD_RATE_WORK, SD_OWNER_WORK, 0 },
     { "afr.cylinder_burned[1]", "", -1.0f, 2.0f, 0.0f, SD_RATE_CYCLE, SD_OWNER_AFR, 0 },
     { "afr.cylinder_burned[2]", "", -1.0f, 2.0f, 0.0f, SD_RATE_CYCLE, SD_OWNER_AFR, 0 },
     { "afr.cylinder_burned[3]", "", -1.0f, 2.0f, 0.0f, SD_RATE_CYCLE, SD_OWNER_AFR, 0 },
@@ -153,6 +158,7 @@ const sd_owner_info_t sd_owner_infos[SD_OWNER_COUNT] = {
     { "torque", 0x0u, 0x0u },
     { "cylinder", 0x1u, 0x0u },
     { "firing", 0x1u, 0x0u },
+    { "work", 0x0u, 0x0u },
     { "misfire", 0x1u, 0x2u },
     { "afr", 0x0u, 0x13u },
     { "balance", 0x202u, 0x0u },
@@ -173,13 +179,13 @@ static const uint8_t owners_edge[] = {
 static const uint16_t channels_cycle[] = {
     8, 9, 10, 11, 12, 13, 14, 15,
     16, 17, 18, 19, 20, 21, 22, 23,
-    24, 26, 27, 34, 35, 36, 37, 38,
-    39, 40, 41, 42, 43, 44, 45, 46,
-    47, 48, 49, 50, 51, 52, 53, 54,
-    55, 56, 57, 58, 59, 60, 61, 62,
-    72, 73, 74, 75, 76, 77, 78, 79,
-    80, 81, 82, 83, 84, 85, 86, 87,
-    88, 89, 90, 91, 92,
+    24, 26, 27, 39, 40, 41, 42, 43,
+    44, 45, 46, 47, 48, 49, 50, 51,
+    52, 53, 54, 55, 56, 57, 58, 59,
+    60, 61, 62, 63, 64, 65, 66, 67,
+    77, 78, 79, 80, 81, 82, 83, 84,
+    85, 86, 87, 88, 89, 90, 91, 92,
+    93, 94, 95, 96, 97,
 };
 static const uint8_t owners_cycle[] = {
     SD_OWNER_CRANK, SD_OWNER_CYLINDER, SD_OWNER_CYLINDER, SD_OWNER_CYLINDER, SD_OWNER_CYLINDER, SD_OWNER_CYLINDER, SD_OWNER_CYLINDER, SD_OWNER_CYLINDER,
@@ -193,34 +199,40 @@ static const uint8_t owners_cycle[] = {
     SD_OWNER_MISFIRE, SD_OWNER_MISFIRE, SD_OWNER_MISFIRE, SD_OWNER_MISFIRE, SD_OWNER_MISFIRE,
 };
 static const uint16_t channels_firing[] = {
-    28, 29, 30, 31, 32, 33, 63, 64,
-    65, 66, 67, 68, 69, 70, 71,
+    28, 29, 30, 31, 32, 33, 68, 69,
+    70, 71, 72, 73, 74, 75, 76,
 };
 static const uint8_t owners_firing[] = {
     SD_OWNER_FIRING, SD_OWNER_FIRING, SD_OWNER_FIRING, SD_OWNER_FIRING, SD_OWNER_FIRING, SD_OWNER_FIRING, SD_OWNER_MISFIRE, SD_OWNER_MISFIRE,
     SD_OWNER_MISFIRE, SD_OWNER_MISFIRE, SD_OWNER_MISFIRE, SD_OWNER_MISFIRE, SD_OWNER_MISFIRE, SD_OWNER_MISFIRE, SD_OWNER_MISFIRE,
 };
 static const uint16_t channels_task[] = {
-    105, 106, 107, 108,
+    110, 111, 112, 113,
 };
 static const uint8_t owners_task[] = {
     SD_OWNER_INPUTS, SD_OWNER_INPUTS, SD_OWNER_INPUTS, SD_OWNER_INPUTS,
 };
 static const uint16_t channels_airpath[] = {
-    93, 94, 95, 96, 97, 98, 99, 100,
-    101, 102, 103, 104,
+    98, 99, 100, 101, 102, 103, 104, 105,
+    106, 107, 108, 109,
 };
 static const uint8_t owners_airpath[] = {
     SD_OWNER_AIRPATH, SD_OWNER_AIRPATH, SD_OWNER_AIRPATH, SD_OWNER_AIRPATH, SD_OWNER_AIRPATH, SD_OWNER_AIRPATH, SD_OWNER_AIRPATH, SD_OWNER_AIRPATH,
     SD_OWNER_AIRPATH, SD_OWNER_AIRPATH, SD_OWNER_AIRPATH, SD_OWNER_AIRPATH,
 };
 static const uint16_t channels_driveline[] = {
-    109, 110, 111, 112, 113, 114, 115, 116,
-    117, 118, 119, 120, 121,
+    114, 115, 116, 117, 118, 119, 120, 121,
+    122, 123, 124, 125, 126,
 };
 static const uint8_t owners_driveline[] = {
     SD_OWNER_DRIVELINE, SD_OWNER_DRIVELINE, SD_OWNER_DRIVELINE, SD_OWNER_DRIVELINE, SD_OWNER_DRIVELINE, SD_OWNER_DRIVELINE, SD_OWNER_DRIVELINE, SD_OWNER_DRIVELINE,
     SD_OWNER_DRIVELINE_REFERENCE, SD_OWNER_DRIVELINE_REFERENCE, SD_OWNER_DRIVELINE_REFERENCE, SD_OWNER_DRIVELINE_REFERENCE, SD_OWNER_DRIVELINE_REFERENCE,
+};
+static const uint16_t channels_work[] = {
+    34, 35, 36, 37, 38,
+};
+static const uint8_t owners_work[] = {
+    SD_OWNER_WORK, SD_OWNER_WORK, SD_OWNER_WORK, SD_OWNER_WORK, SD_OWNER_WORK,
 };
 const sd_rate_info_t sd_rate_infos[SD_RATE_COUNT] = {
     { "edge", 0.0f, channels_edge, owners_edge, 9u },
@@ -229,6 +241,7 @@ const sd_rate_info_t sd_rate_infos[SD_RATE_COUNT] = {
     { "task", 0.01f, channels_task, owners_task, 4u },
     { "airpath", 0.01f, channels_airpath, owners_airpath, 12u },
     { "driveline", 0.01f, channels_driveline, owners_driveline, 13u },
+    { "work", 0.0f, channels_work, owners_work, 5u },
 };
 
 const sd_signal_info_t sd_parameter_infos[SD_PARAMETER_COUNT] = {
@@ -243,6 +256,7 @@ const sd_signal_info_t sd_parameter_infos[SD_PARAMETER_COUNT] = {
     { "torque.speed_base", "rpm", 500.0f, 19000.0f, 8000.0f, SD_RATE_EDGE, SD_OWNER_TORQUE, 0 },
     { "torque.torque_base", "Nm", 0.0f, 20000.0f, 0.0f, SD_RATE_EDGE, SD_OWNER_TORQUE, 0 },
     { "torque.fixed_point", "", 0.0f, 1.0f, 0.0f, SD_RATE_EDGE, SD_OWNER_TORQUE, 0 },
+    { "work.window", "deg", 0.0f, 360.0f, 0.0f, SD_RATE_EDGE, SD_OWNER_WORK, 1 },
     { "firing.enabled", "", 0.0f, 1.0f, 1.0f, SD_RATE_EDGE, SD_OWNER_FIRING, 0 },
     { "firing.harmonics", "", 0.0f, 12.0f, 0.0f, SD_RATE_EDGE, SD_OWNER_FIRING, 1 },
     { "firing.edge_sd", "deg", 0.0001f, 1.0f, 0.01f, SD_RATE_EDGE, SD_OWNER_FIRING, 1 },

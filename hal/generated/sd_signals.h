@@ -11,7 +11,7 @@ extern "C" {
 #endif
 
 /// Changes whenever the table does; calibration pages and logs carry it.
-#define SD_SIGNALS_SIGNATURE 0xff83c37au
+#define SD_SIGNALS_SIGNATURE 0x839c7e78u
 
 /// Channel of an SD_EVENT_SAMPLE.
 typedef enum sd_input {
@@ -58,52 +58,57 @@ typedef enum sd_signal {
     SD_SIGNAL_FIRING_MEAN = 31, ///< Mean of the cylinder's last 10 firings. [Nm]
     SD_SIGNAL_FIRING_MEAN_SD = 32, ///< Standard deviation of firing.mean less that of all cylinders: of the imbalance. [Nm]
     SD_SIGNAL_FIRING_ROUGH = 33, ///< 1: the road is rough, and all of firing comes from the filter whose gains let the load move. [-]
-    SD_SIGNAL_AFR_CYLINDER_BURNED = 34, ///< Burned share of each cylinder's exhaust gas, by physical number: lambda = 1 - air/gas of document 004, above 1 where air is missing. [-, 8 channels]
-    SD_SIGNAL_AFR_CYLINDER_SD = 42, ///< Standard deviation of a cylinder's deviation from the mean, over the mean: as the filter states it; of the chain, what it scatters by. [-, 8 channels]
-    SD_SIGNAL_AFR_SLOW = 50, ///< 1: the sensor is too slow for this speed; the filter learns over some tens of seconds, the chain stays degraded. [-]
-    SD_SIGNAL_AFR_LATE = 51, ///< How much later than calibrated the gas reaches the lambda sensor, as learned from the trims. [s]
-    SD_SIGNAL_AFR_LATE_SD = 52, ///< Its standard deviation; 0.01 before anything was learned. [s]
-    SD_SIGNAL_AFR_LAG = 53, ///< By what share the lambda sensor's lags are longer than calibrated, as learned from a probe. [-]
-    SD_SIGNAL_AFR_PROBING = 54, ///< 1: a trim on one cylinder asks the sensor for its delay. [-]
-    SD_SIGNAL_BALANCE_TRIM = 55, ///< Fuel to add to each cylinder, over its nominal, by physical number; their mean is 0. [-, 8 channels]
-    SD_SIGNAL_MISFIRE_INDEX = 63, ///< Work of the firing over the work expected of its fuel, by the method that judges: 1 healthy, 0 a misfire; 0 when not judged. [-]
-    SD_SIGNAL_MISFIRE_LIMIT = 64, ///< Index below which this firing counted as a misfire; 0 when not judged. [-]
-    SD_SIGNAL_MISFIRE_VERDICT = 65, ///< 0 healthy, 1 partial burn (the monitor only), 2 misfire, 3 not judged; of the method that judges. [-]
-    SD_SIGNAL_MISFIRE_INHIBIT = 66, ///< Why not judged, bits: 1 start, 2 fuel cut or too little fuel, 4 gear shift, 8 no estimate, 16 fuel cut or shift ended a moment ago, 32 a faulty tooth or unknown fuel, 64 the tank is nearly empty. [-]
-    SD_SIGNAL_MISFIRE_FIRING = 67, ///< Which firing of the firing order, from 0. [-]
-    SD_SIGNAL_MISFIRE_CYLINDER = 68, ///< Its physical cylinder. [-]
-    SD_SIGNAL_MISFIRE_MONITOR = 69, ///< The monitor's own verdict, whatever misfire.method is; 3 where the filter on tooth times rests. [-]
-    SD_SIGNAL_MISFIRE_ACCELERATION = 70, ///< Angular acceleration of the crank by document 000's observer, mean from the firing's TDC to the next one; 0 when not judged, and with method 0. [rad/s2]
-    SD_SIGNAL_MISFIRE_RESIDUAL = 71, ///< The same less what the commanded fuel should give against the load as learned: what the firing lacks. [rad/s2]
-    SD_SIGNAL_MISFIRE_RATE_200 = 72, ///< Misfires of the cylinder in the last complete window of 200 judged revolutions, of its firings. [%, 8 channels]
-    SD_SIGNAL_MISFIRE_RATE_1000 = 80, ///< The same in 1000. [%, 8 channels]
-    SD_SIGNAL_MISFIRE_CONTINUOUS = 88, ///< Bit n - 1: cylinder n misfires each time. [-]
-    SD_SIGNAL_MISFIRE_SUSPECTS = 89, ///< Bit n - 1: cylinder n had over a tenth of the misfires of the window that moved the lamp. [-]
-    SD_SIGNAL_MISFIRE_LAMP = 90, ///< Decision in the shape of OBD II, not verified against it: 0 off, 1 pending, 2 on, 3 blinking. [-]
-    SD_SIGNAL_MISFIRE_COUNT = 91, ///< Misfires since init. [-]
-    SD_SIGNAL_MISFIRE_PARTIAL_BURNS = 92, ///< Partial burns since init. [-]
-    SD_SIGNAL_AIRPATH_RESIDUAL = 93, ///< Residuals without the learned offset: 1 sees the turbine's vanes and not the EGR valve, 2 the valve and not the vanes. [kPa, 2 channels]
-    SD_SIGNAL_AIRPATH_DECISION = 95, ///< Decision functions of an EGR valve that is further open than it says and further closed, of vanes further closed and further open; above 0 it is named. [-, 4 channels]
-    SD_SIGNAL_AIRPATH_FAULT = 99, ///< 0 none, 1 the EGR valve, 2 the turbine's vanes, 3 both residuals at once: both actuators, or something else. [-]
-    SD_SIGNAL_AIRPATH_SINCE = 100, ///< Time since the most likely beginning of the fault that is named. [s]
-    SD_SIGNAL_AIRPATH_PHASE = 101, ///< 0 waits for its inputs, 1 settles, 2 learns the residuals' offsets, 3 decides. [-]
-    SD_SIGNAL_AIRPATH_OFFSET = 102, ///< Learned offset of each residual, over what a fault of 0.05 leaves in it. From 0.5 on, a fault that was there at the start may have been learned. [-, 2 channels]
-    SD_SIGNAL_AIRPATH_TRACKING = 104, ///< Actuators whose position does not follow its command, bits: 1 the EGR valve, 2 the turbine's vanes. [-]
-    SD_SIGNAL_INPUTS_STALE = 105, ///< Inputs read once whose last reading is older than it counts: bit i of element n is input 16 (n - 1) + i. [-, 2 channels]
-    SD_SIGNAL_INPUTS_MISSING = 107, ///< The same of inputs never read. [-, 2 channels]
-    SD_SIGNAL_DRIVELINE_LOCATION = 109, ///< Where the shaft is: 1 wound up backward and stiff, 2 soft, 3 wound up forward and stiff; 0: not known. [-]
-    SD_SIGNAL_DRIVELINE_TORSION = 110, ///< Torsion of the shaft, at the wheels. [rad]
-    SD_SIGNAL_DRIVELINE_WINDING = 111, ///< Rate of the torsion. [rad/s]
-    SD_SIGNAL_DRIVELINE_SHAFT = 112, ///< Torque of the shaft, spring and damping, at the crank. [Nm]
-    SD_SIGNAL_DRIVELINE_WHEEL_SPEED = 113, ///< Speed of the driven wheels, as the filter has it. [rad/s]
-    SD_SIGNAL_DRIVELINE_BIAS = 114, ///< What the engine's torque is believed to lack, at the crank. [Nm]
-    SD_SIGNAL_DRIVELINE_MOVING = 115, ///< 1: the shaft winds or unwinds fast, or did within the last quarter of a second. Firings and misfires are judged by it. [-]
-    SD_SIGNAL_DRIVELINE_DAMPING_REQUEST = 116, ///< Torque at the crank to be added to what the driver wants, so that the swing dies out; 0 unless driveline.damping is 1. [Nm]
-    SD_SIGNAL_DRIVELINE_REFERENCE_LOCATION = 117, ///< Location by document 003's identification; 0: it rests. [-]
-    SD_SIGNAL_DRIVELINE_REFERENCE_TORSION = 118, ///< Torsion by its continuous observer. [rad]
-    SD_SIGNAL_DRIVELINE_REFERENCE_RESIDUAL = 119, ///< Residual of location n. [rpm, 3 channels]
+    SD_SIGNAL_WORK_CYCLE = 34, ///< Kinetic energy that the crank has gained over the last 720 deg: indicated work of all cylinders less that of load and friction, so about 0 in steady running. Less its own mean, how far the indicated work is from its mean while the load stays. In proportion to the inertia. [J]
+    SD_SIGNAL_WORK_SD = 35, ///< Standard deviation of work.cycle from errors of the tooth times (torque.tooth_sd, timer); an error of the inertia is not in it. Of work.change 1.4 times as much. [J]
+    SD_SIGNAL_WORK_CHANGE = 36, ///< work.cycle less that of the firing before: how much more work this firing did than the same cylinder's firing a cycle earlier. 0 where not known. [J]
+    SD_SIGNAL_WORK_FIRING = 37, ///< Which firing of the firing order the stretch of teeth lies behind, from 0. [-]
+    SD_SIGNAL_WORK_CYLINDER = 38, ///< Physical cylinder whose own work.change is; 0: not known, or firings are so close that over a tenth of it is another's. [-]
+    SD_SIGNAL_AFR_CYLINDER_BURNED = 39, ///< Burned share of each cylinder's exhaust gas, by physical number: lambda = 1 - air/gas of document 004, above 1 where air is missing. [-, 8 channels]
+    SD_SIGNAL_AFR_CYLINDER_SD = 47, ///< Standard deviation of a cylinder's deviation from the mean, over the mean: as the filter states it; of the chain, what it scatters by. [-, 8 channels]
+    SD_SIGNAL_AFR_SLOW = 55, ///< 1: the sensor is too slow for this speed; the filter learns over some tens of seconds, the chain stays degraded. [-]
+    SD_SIGNAL_AFR_LATE = 56, ///< How much later than calibrated the gas reaches the lambda sensor, as learned from the trims. [s]
+    SD_SIGNAL_AFR_LATE_SD = 57, ///< Its standard deviation; 0.01 before anything was learned. [s]
+    SD_SIGNAL_AFR_LAG = 58, ///< By what share the lambda sensor's lags are longer than calibrated, as learned from a probe. [-]
+    SD_SIGNAL_AFR_PROBING = 59, ///< 1: a trim on one cylinder asks the sensor for its delay. [-]
+    SD_SIGNAL_BALANCE_TRIM = 60, ///< Fuel to add to each cylinder, over its nominal, by physical number; their mean is 0. [-, 8 channels]
+    SD_SIGNAL_MISFIRE_INDEX = 68, ///< Work of the firing over the work expected of its fuel, by the method that judges: 1 healthy, 0 a misfire; 0 when not judged. [-]
+    SD_SIGNAL_MISFIRE_LIMIT = 69, ///< Index below which this firing counted as a misfire; 0 when not judged. [-]
+    SD_SIGNAL_MISFIRE_VERDICT = 70, ///< 0 healthy, 1 partial burn (the monitor only), 2 misfire, 3 not judged; of the method that judges. [-]
+    SD_SIGNAL_MISFIRE_INHIBIT = 71, ///< Why not judged, bits: 1 start, 2 fuel cut or too little fuel, 4 gear shift, 8 no estimate, 16 fuel cut or shift ended a moment ago, 32 a faulty tooth or unknown fuel, 64 the tank is nearly empty. [-]
+    SD_SIGNAL_MISFIRE_FIRING = 72, ///< Which firing of the firing order, from 0. [-]
+    SD_SIGNAL_MISFIRE_CYLINDER = 73, ///< Its physical cylinder. [-]
+    SD_SIGNAL_MISFIRE_MONITOR = 74, ///< The monitor's own verdict, whatever misfire.method is; 3 where the filter on tooth times rests. [-]
+    SD_SIGNAL_MISFIRE_ACCELERATION = 75, ///< Angular acceleration of the crank by document 000's observer, mean from the firing's TDC to the next one; 0 when not judged, and with method 0. [rad/s2]
+    SD_SIGNAL_MISFIRE_RESIDUAL = 76, ///< The same less what the commanded fuel should give against the load as learned: what the firing lacks. [rad/s2]
+    SD_SIGNAL_MISFIRE_RATE_200 = 77, ///< Misfires of the cylinder in the last complete window of 200 judged revolutions, of its firings. [%, 8 channels]
+    SD_SIGNAL_MISFIRE_RATE_1000 = 85, ///< The same in 1000. [%, 8 channels]
+    SD_SIGNAL_MISFIRE_CONTINUOUS = 93, ///< Bit n - 1: cylinder n misfires each time. [-]
+    SD_SIGNAL_MISFIRE_SUSPECTS = 94, ///< Bit n - 1: cylinder n had over a tenth of the misfires of the window that moved the lamp. [-]
+    SD_SIGNAL_MISFIRE_LAMP = 95, ///< Decision in the shape of OBD II, not verified against it: 0 off, 1 pending, 2 on, 3 blinking. [-]
+    SD_SIGNAL_MISFIRE_COUNT = 96, ///< Misfires since init. [-]
+    SD_SIGNAL_MISFIRE_PARTIAL_BURNS = 97, ///< Partial burns since init. [-]
+    SD_SIGNAL_AIRPATH_RESIDUAL = 98, ///< Residuals without the learned offset: 1 sees the turbine's vanes and not the EGR valve, 2 the valve and not the vanes. [kPa, 2 channels]
+    SD_SIGNAL_AIRPATH_DECISION = 100, ///< Decision functions of an EGR valve that is further open than it says and further closed, of vanes further closed and further open; above 0 it is named. [-, 4 channels]
+    SD_SIGNAL_AIRPATH_FAULT = 104, ///< 0 none, 1 the EGR valve, 2 the turbine's vanes, 3 both residuals at once: both actuators, or something else. [-]
+    SD_SIGNAL_AIRPATH_SINCE = 105, ///< Time since the most likely beginning of the fault that is named. [s]
+    SD_SIGNAL_AIRPATH_PHASE = 106, ///< 0 waits for its inputs, 1 settles, 2 learns the residuals' offsets, 3 decides. [-]
+    SD_SIGNAL_AIRPATH_OFFSET = 107, ///< Learned offset of each residual, over what a fault of 0.05 leaves in it. From 0.5 on, a fault that was there at the start may have been learned. [-, 2 channels]
+    SD_SIGNAL_AIRPATH_TRACKING = 109, ///< Actuators whose position does not follow its command, bits: 1 the EGR valve, 2 the turbine's vanes. [-]
+    SD_SIGNAL_INPUTS_STALE = 110, ///< Inputs read once whose last reading is older than it counts: bit i of element n is input 16 (n - 1) + i. [-, 2 channels]
+    SD_SIGNAL_INPUTS_MISSING = 112, ///< The same of inputs never read. [-, 2 channels]
+    SD_SIGNAL_DRIVELINE_LOCATION = 114, ///< Where the shaft is: 1 wound up backward and stiff, 2 soft, 3 wound up forward and stiff; 0: not known. [-]
+    SD_SIGNAL_DRIVELINE_TORSION = 115, ///< Torsion of the shaft, at the wheels. [rad]
+    SD_SIGNAL_DRIVELINE_WINDING = 116, ///< Rate of the torsion. [rad/s]
+    SD_SIGNAL_DRIVELINE_SHAFT = 117, ///< Torque of the shaft, spring and damping, at the crank. [Nm]
+    SD_SIGNAL_DRIVELINE_WHEEL_SPEED = 118, ///< Speed of the driven wheels, as the filter has it. [rad/s]
+    SD_SIGNAL_DRIVELINE_BIAS = 119, ///< What the engine's torque is believed to lack, at the crank. [Nm]
+    SD_SIGNAL_DRIVELINE_MOVING = 120, ///< 1: the shaft winds or unwinds fast, or did within the last quarter of a second. Firings and misfires are judged by it. [-]
+    SD_SIGNAL_DRIVELINE_DAMPING_REQUEST = 121, ///< Torque at the crank to be added to what the driver wants, so that the swing dies out; 0 unless driveline.damping is 1. [Nm]
+    SD_SIGNAL_DRIVELINE_REFERENCE_LOCATION = 122, ///< Location by document 003's identification; 0: it rests. [-]
+    SD_SIGNAL_DRIVELINE_REFERENCE_TORSION = 123, ///< Torsion by its continuous observer. [rad]
+    SD_SIGNAL_DRIVELINE_REFERENCE_RESIDUAL = 124, ///< Residual of location n. [rpm, 3 channels]
 } sd_signal_t;
-#define SD_SIGNAL_COUNT 122u
+#define SD_SIGNAL_COUNT 127u
 
 /// Present values, in channel order.
 typedef struct sd_signals {
@@ -127,6 +132,11 @@ typedef struct sd_signals {
     float firing_mean_nm;
     float firing_mean_sd_nm;
     float firing_rough;
+    float work_cycle_j;
+    float work_sd_j;
+    float work_change_j;
+    float work_firing;
+    float work_cylinder;
     float afr_cylinder_burned[8];
     float afr_cylinder_sd[8];
     float afr_slow;
@@ -182,10 +192,11 @@ typedef struct sd_parameters {
     float torque_gain_reference_per_rad2; ///< L_ref; harmonic i adapts with i L_ref. `sixdeg calibrate` refuses a set that does not converge.
     float torque_reject_energy; ///< Share of the kinetic energy by which a tooth may miss its prediction before it is left out.
     float torque_settle_cycles; ///< Cycles after a start during which the estimate is flagged as converging.
-    float torque_tooth_sd_deg; ///< Random error of a tooth edge, standard deviation, beside the timer's rounding; scales cycle.cylinder_sd.
+    float torque_tooth_sd_deg; ///< Random error of a tooth edge, standard deviation, beside the timer's rounding; scales cycle.cylinder_sd and work.sd.
     float torque_speed_base_rpm; ///< Highest speed; base of the fixed-point variant.
     float torque_torque_base_nm; ///< Highest instantaneous torque, beyond which the observer starts anew; base of the fixed-point variant; 0: 40 bar times a cylinder's displacement.
     float torque_fixed_point; ///< 1 runs the q31 variant, 0 the float one.
+    float work_window_deg; ///< Longest stretch of teeth behind a firing over which the crank's energy is read. 0: from the firing's exhaust to the next compression, and 60 deg where these are not apart.
     float firing_enabled; ///< 1 runs the filter on tooth times beside the Fourier observer; it needs the engine file's heat release.
     float firing_harmonics; ///< 0: the filter's basis is the known pulse of each cylinder. Otherwise harmonics of the cycle: a waveform, but no single firings.
     float firing_edge_sd_deg; ///< Timing error of an edge that the gains are made for, the timer's rounding not included.
@@ -255,7 +266,7 @@ typedef struct sd_parameters {
     float driveline_damping_rate_nmps; ///< Fastest change of the request.
     float driveline_damping_drop_nmps; ///< The same on its way to 0, once the estimate is not valid.
 } sd_parameters_t;
-#define SD_PARAMETER_COUNT 79u
+#define SD_PARAMETER_COUNT 80u
 
 /// What is said together, and when.
 typedef enum sd_rate {
@@ -265,8 +276,9 @@ typedef enum sd_rate {
     SD_RATE_TASK = 3, ///< Every 10 ms, with the clock event, whether the engine turns or not.
     SD_RATE_AIRPATH = 4, ///< Every 10 ms, with the clock event, of a page with an air path.
     SD_RATE_DRIVELINE = 5, ///< Every 10 ms, with the clock event, where the page has a driveline.
+    SD_RATE_WORK = 6, ///< Each firing, at the end of the stretch of teeth over which the crank's energy is read, mostly some 195 deg after its TDC.
 } sd_rate_t;
-#define SD_RATE_COUNT 6u
+#define SD_RATE_COUNT 7u
 
 /// Whose health comes with a value.
 typedef enum sd_owner {
@@ -274,15 +286,16 @@ typedef enum sd_owner {
     SD_OWNER_TORQUE = 1, ///< The Fourier observer of the torque.
     SD_OWNER_CYLINDER = 2, ///< Torque of each cylinder, from the harmonics.
     SD_OWNER_FIRING = 3, ///< The filter on tooth times: torque of each firing.
-    SD_OWNER_MISFIRE = 4, ///< The misfire monitor. A firing whose fuel is unknown is not judged; a tank or a gearbox that says nothing forbids nothing.
-    SD_OWNER_AFR = 5, ///< Mixture of each cylinder, from the lambda sensor.
-    SD_OWNER_BALANCE = 6, ///< Trims of the fuel. They hold while the estimate that they follow is not valid, whatever it lacks.
-    SD_OWNER_AIRPATH = 7, ///< Diagnosis of the EGR valve and of the turbine's vanes, of a page with an air path.
-    SD_OWNER_DRIVELINE = 8, ///< The guard filter: torsion of the driveline from crank teeth, and the damping of its swing.
-    SD_OWNER_DRIVELINE_REFERENCE = 9, ///< Document 003's observers of the same, which want a speed without noise.
-    SD_OWNER_INPUTS = 10, ///< What the ecu knows of its inputs; always valid.
+    SD_OWNER_WORK = 4, ///< Work of a cycle, from the crank's energy at the same teeth a cycle apart. Invalid without a phase, but where the engine fires at the same angles a revolution later: there degraded.
+    SD_OWNER_MISFIRE = 5, ///< The misfire monitor. A firing whose fuel is unknown is not judged; a tank or a gearbox that says nothing forbids nothing.
+    SD_OWNER_AFR = 6, ///< Mixture of each cylinder, from the lambda sensor.
+    SD_OWNER_BALANCE = 7, ///< Trims of the fuel. They hold while the estimate that they follow is not valid, whatever it lacks.
+    SD_OWNER_AIRPATH = 8, ///< Diagnosis of the EGR valve and of the turbine's vanes, of a page with an air path.
+    SD_OWNER_DRIVELINE = 9, ///< The guard filter: torsion of the driveline from crank teeth, and the damping of its swing.
+    SD_OWNER_DRIVELINE_REFERENCE = 10, ///< Document 003's observers of the same, which want a speed without noise.
+    SD_OWNER_INPUTS = 11, ///< What the ecu knows of its inputs; always valid.
 } sd_owner_t;
-#define SD_OWNER_COUNT 11u
+#define SD_OWNER_COUNT 12u
 
 /// One row of the table. `value` is the default of a parameter.
 typedef struct sd_signal_info {

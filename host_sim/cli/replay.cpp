@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// sixdeg replay: a recording of crank edges, or an event log, through the firmware; summary.json, teeth.csv, cycles.csv, firings.csv.
+// sixdeg replay: a recording of crank edges, or an event log, through the firmware; summary.json, teeth.csv, cycles.csv, firings.csv,
+// work.csv.
 #include "cli/replay_command.hpp"
 
 #include <charconv>
@@ -231,8 +232,7 @@ void run(const ReplayOptions &options) {
         inputs.notes.push_back(found.note);
     }
     const std::optional<sd_calibration_t> page = page_for(inputs);
-    ReplayOutput out(options, inputs.engine.firing_order, double(inputs.tune.afr_stoichiometric),
-                     CycleWork(inputs.engine.wheel.positions, inputs.engine_given ? inputs.engine.inertia_kgm2 : 0));
+    ReplayOutput out(options, {inputs.engine.firing_order, double(inputs.tune.afr_stoichiometric), inputs.engine_given});
     const ReplayResult result = run_recording(options, inputs, out.sink(), page);
     for (std::string &note : cam_notes(inputs.found, inputs.engine, result)) inputs.notes.push_back(std::move(note));
     const std::optional<std::string> failure = why_not_followed(inputs.found, result);
@@ -276,7 +276,7 @@ void add_replay(Command &app) {
     command.option("--learned", options->learned, "tooth pattern learned before, as in run");
     command.option("--learn", options->learn, "where the tooth pattern goes at the end");
     command.option("--truth", options->truth, "folder of the run that an event log is of: its truth beside the replay");
-    command.output_folder(options->out, "folder for summary.json, teeth.csv, cycles.csv and firings.csv");
+    command.output_folder(options->out, "folder for summary.json, teeth.csv, cycles.csv, firings.csv and work.csv");
     command.option("--json", options->json, "the summary alone");
     command.runs([options] { is_log(options->file) ? replay_event_log(*options) : run(*options); });
 }

@@ -25,10 +25,10 @@ nlohmann::ordered_json decoder_json(const ReplayResult &result);
 nlohmann::ordered_json misfire_json(const ReplayResult &result, const std::vector<int> &firing_order);
 void print_counts(const ReplayResult &result);
 
-/// The three tables of a replay, where the options want them: on their way to the disk, or nowhere.
+/// The tables of a replay, where the options want them: on their way to the disk, or nowhere.
 class ReplayOutput {
   public:
-    ReplayOutput(const ReplayOptions &options, const std::vector<int> &firing_order, double stoichiometric, const CycleWork &work);
+    ReplayOutput(const ReplayOptions &options, const ReplayEngine &engine);
     ReplaySink &sink() { return tables_ ? static_cast<ReplaySink &>(*tables_) : nowhere_; }
     /// The summary beside them; everything appears at once.
     void commit(const nlohmann::ordered_json &summary);

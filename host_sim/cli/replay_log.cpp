@@ -71,11 +71,11 @@ void write_beside_truth(const ReplayOptions &options, const Json &about, const L
 }
 
 void write_tables(const ReplayOptions &options, const sd_calibration_t &page, const LogReplay &replayed, const Json &summary) {
-    ReplayOutput out(options, {page.firing_order, page.firing_order + page.cylinders}, double(page.parameters.afr_stoichiometric),
-                     CycleWork(page.positions, 0));
+    ReplayOutput out(options, {{page.firing_order, page.firing_order + page.cylinders}, double(page.parameters.afr_stoichiometric), true});
     std::size_t i = 0;
     // A cycle takes its cylinders from the firings before it, so rows go in order of time.
     std::size_t firing = 0, cycle = 0;
+    for (std::size_t work = 0; work < replayed.works.size(); ++work) out.sink().work(work, replayed.works[work]);
     for (const ToothRow &row : replayed.teeth) {
         out.sink().tooth(i++, row);
         for (; firing < replayed.firings.size() && replayed.firings[firing].t_s <= row.t_s; ++firing)

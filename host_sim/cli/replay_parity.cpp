@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "cli/replay_command.hpp"
+#include "loop/phase_finder.hpp"
 
 namespace sixdeg {
 

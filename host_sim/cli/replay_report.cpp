@@ -52,12 +52,11 @@ void print_counts(const ReplayResult &result) {
         fmt::print("{:.1f} rpm in the last revolution followed, which ended at {:.3f} s\n", *result.rpm_last, result.rpm_last_s);
 }
 
-ReplayOutput::ReplayOutput(const ReplayOptions &options, const std::vector<int> &firing_order, double stoichiometric,
-                           const CycleWork &work) : options_(options) {
+ReplayOutput::ReplayOutput(const ReplayOptions &options, const ReplayEngine &engine) : options_(options) {
     if (options.out.empty()) return;
     folder_.emplace(options.out);
-    std::ostream &teeth = folder_->stream("teeth.csv"), &cycles = folder_->stream("cycles.csv"), &firings = folder_->stream("firings.csv");
-    tables_.emplace(teeth, cycles, firings, firing_order, stoichiometric, work);
+    const auto stream = [&](const char *name) -> std::ostream & { return folder_->stream(name); };
+    tables_.emplace(ReplayStreams{stream("teeth.csv"), stream("cycles.csv"), stream("firings.csv"), stream("work.csv")}, engine);
 }
 
 void ReplayOutput::commit(const Json &summary) {

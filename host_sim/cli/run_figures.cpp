@@ -51,6 +51,26 @@ Json balance_json(const std::optional<BalanceFigures> &balance) {
             {"gave_up_cycles", balance->gave_up_cycles}};
 }
 
+Json work_json(const std::optional<WorkFigures> &work) {
+    if (!work) return Json();
+    return {{"cycles", work->cycles},
+            {"mean_j", work->mean_j},
+            {"spread_percent", work->spread_percent},
+            {"correlation", work->correlation},
+            {"rms_percent", work->rms_percent},
+            {"stated_percent", work->stated_percent},
+            {"change_rms_percent", work->change_rms_percent}};
+}
+
+void print_work(const std::optional<WorkFigures> &work) {
+    if (!work) return;
+    fmt::print("work of a cycle, less its mean, {} times: true {:.1f} J, which varies by {:.2f} % of it; correlation {:.3f}, {:.2f} % rms, "
+               "stated {:.2f} %{}\n", work->cycles, work->mean_j, work->spread_percent, work->correlation, work->rms_percent,
+               work->stated_percent,
+               work->change_rms_percent > 0 ? fmt::format("; of a firing against the cycle before {:.2f} % of a firing's", work->change_rms_percent)
+                                            : std::string());
+}
+
 Json driveline_json(const std::optional<DrivelineFigures> &driveline) {
     if (!driveline) return Json();
     return {{"rows", driveline->rows},
@@ -99,6 +119,7 @@ void add_figures(Json &summary, const RunResult &nominal, const std::optional<Pe
     summary["cylinders"] = cylinders_json(nominal.cylinders);
     summary["afr"] = afr_json(nominal.afr);
     summary["balance"] = balance_json(nominal.balance);
+    summary["work"] = work_json(nominal.work);
     if (nominal.driveline) summary["driveline"] = driveline_json(nominal.driveline);
     summary["perturbed"] = Json();
     if (!perturbed) return;
@@ -148,6 +169,7 @@ void print_driveline(const std::optional<DrivelineFigures> &driveline) {
 void print_accuracy(const RunResult &nominal, const std::optional<PerturbedRun> &perturbed) {
     print_driveline(nominal.driveline);
     print_mixture(nominal, perturbed);
+    print_work(nominal.work);
     if (!nominal.torque) {
         fmt::print("torque against truth: none, no settled cycle or the speed is prescribed\n");
         return;

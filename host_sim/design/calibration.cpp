@@ -13,6 +13,7 @@
 #include "design/torque/cylinder_map.hpp"
 #include "design/torque/known_torque.hpp"
 #include "design/torque/observer_map.hpp"
+#include "design/torque/work_windows.hpp"
 #include "design/afr/exhaust_tables.hpp"
 #include "design/driveline/driveline_page.hpp"
 #include "common/error.hpp"
@@ -189,6 +190,7 @@ sd_calibration_t calibrate(const EngineFile &engine, const sd_parameters_t &tune
     }
     c.fourier = fourier_tables(engine);
     c.parameters = resolve(engine, tune);
+    c.work = work_windows(engine, double(c.parameters.work_window_deg));
     add_air_path(engine, tune_name, c);
     c.wheel = wheel_tables(engine, c);
     if (c.wheel.positions == 0 && c.parameters.misfire_method > 0.5f)

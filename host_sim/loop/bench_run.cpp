@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <utility>
 
 #include "common/error.hpp"
 #include "common/stop.hpp"
@@ -23,7 +24,7 @@ class Run {
           truth_(truth),
           score_(int(calibration.parameters.torque_harmonics), plant_.model().tables().steps, kScoredCycles),
           waveform_(kWaveformHarmonics, plant_.model().tables().steps, kScoredCycles),
-          cylinder_score_(scenario.engine.shared.cylinders(), kScoredCycles), firing_(scenario.engine.shared),
+          cylinder_score_(scenario.engine.shared.cylinders(), kScoredCycles), firing_(scenario.engine.shared), work_(scenario.engine.shared),
           misfire_(scenario.engine.shared), monitor_(scenario.engine.shared), afr_score_(kScoredCycles), balance_score_(kScoredCycles),
           driveline_score_(double(calibration.tick_hz)) {
         if (plant_.car()) plant_.watch_steps([this] { note_car(); });
@@ -52,6 +53,7 @@ class Run {
         result_.waveform = waveform_.result();
         result_.cylinders = cylinder_score_.result();
         result_.firing = firing_.result();
+        result_.work = work_.result();
         return result_;
     }
 
@@ -207,6 +209,7 @@ class Run {
         if (sure && int(s.crank_tooth) == edge.tooth && s.crank_phase_known > 0 && std::abs(off_deg) > kWrongRevolutionDeg)
             ++result_.wrong_revolutions;
         take_firing(sent.crank_deg);
+        take_work(sent.crank_deg);
         if (cycle_ended) end_cycle(edge.time_s);
         if (tables_) tables_->edge(edge, sent.crank_deg, said_, cycle_ended);
         if (s.crank_edge_class == SD_EDGE_SPURIOUS) return; // left out, so the estimate did not move
@@ -214,6 +217,13 @@ class Run {
         score_.edge(sent.crank_deg, edge.net_torque_nm, double(s.torque_mass_nm), settled);
         const bool followed = is_placed(s) && said_.health(SD_OWNER_FIRING) == SD_VALID && !edge.backward;
         waveform_.edge(sent.crank_deg, edge.net_torque_nm, double(s.firing_waveform_nm), followed);
+    }
+
+    void take_work(double crank_deg) {
+        if (std::exchange(works_, said_.works()) == said_.works() || said_.health(SD_OWNER_WORK) == SD_INVALID) return;
+        const sd_signals_t &s = said_.signals();
+        const auto change = s.work_cylinder > 0.5f ? std::optional(double(s.work_change_j)) : std::nullopt;
+        work_.said(crank_deg, std::size_t(s.work_firing), double(s.work_cycle_j), double(s.work_sd_j), change);
     }
 
     void take_firing(double crank_deg) {
@@ -232,6 +242,7 @@ class Run {
             ++result_.true_cycles;
             result_.misfires += cycle.misfire;
             firing_.truth(cycle);
+            work_.truth(cycle);
             misfire_.truth(cycle);
             monitor_.truth(cycle);
             cylinder_score_.truth(cycle);
@@ -249,11 +260,12 @@ class Run {
     TorqueScore score_, waveform_;
     CylinderScore cylinder_score_;
     FiringScore firing_;
+    WorkScore work_;
     MisfireScore misfire_, monitor_;
     AfrScore afr_score_;
     BalanceScore balance_score_;
     DrivelineScore driveline_score_;
-    std::size_t firings_ = 0;
+    std::size_t firings_ = 0, works_ = 0;
     std::vector<Sent> sent_;
     std::vector<sd_event_t> heard_;
     Answers answers_;

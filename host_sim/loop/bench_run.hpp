@@ -14,6 +14,7 @@
 #include "score/misfire_score.hpp"
 #include "io/tables/run_tables.hpp"
 #include "score/torque_score.hpp"
+#include "score/work_score.hpp"
 #include "plant/scenario/scenario.hpp"
 
 namespace sixdeg {
@@ -37,6 +38,7 @@ struct RunResult {
     std::optional<CylinderFigures> cylinders; ///< The same.
     std::optional<TorqueFigures> waveform; ///< As torque, of the filter on tooth times, on kWaveformHarmonics.
     std::optional<FiringFigures> firing;
+    std::optional<WorkFigures> work;
     MisfireFigures misfire; ///< Of the method that judges.
     MisfireFigures monitor; ///< Of the monitor beside it; the same where it is the method.
     sd_pattern_sums_t learned{};         ///< Tooth pattern at the end of the run,

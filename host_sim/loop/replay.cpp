@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <utility>
 #include <memory>
 #include <utility>
 
@@ -44,10 +45,8 @@ template <typename Bench> class Replayer {
 
     void crank_edge(double t_s) {
         bench_.tell_time_until(t_s);
-        const std::size_t firings = bench_.said().firings();
         const bool cycle_ended = bench_.exchange(SD_EVENT_CRANK_EDGE, bench_.tick_at(t_s));
-        const EcuSaid &said = bench_.said();
-        rows_.edge(t_s, cycle_ended, said, said.firings() != firings);
+        rows_.edge(t_s, cycle_ended, bench_.said());
         if (plan_.parity) count_parity(t_s);
     }
 
@@ -88,12 +87,14 @@ template <typename Bench> class Replayer {
 
 } // namespace
 
-void ReplayRows::edge(double t_s, bool cycle_ended, const EcuSaid &said, bool fired) {
+void ReplayRows::edge(double t_s, bool cycle_ended, const EcuSaid &said) {
     const ToothRow row{t_s, said.signals(), said.health(SD_OWNER_CRANK), said.health(SD_OWNER_TORQUE), said.health(SD_OWNER_FIRING)};
     count_time(row);
     count_revolutions(row);
     sink_.tooth(result_.edges++, row);
-    if (fired) {
+    if (std::exchange(works_, said.works()) != said.works())
+        sink_.work(result_.works++, {t_s, row.signals, said.health(SD_OWNER_WORK)});
+    if (std::exchange(firings_, said.firings()) != said.firings()) {
         count_misfires(row.signals);
         sink_.firing(result_.firings++, {t_s, row.signals, row.firing_health, said.health(SD_OWNER_MISFIRE), said.health(SD_OWNER_AFR)});
     }

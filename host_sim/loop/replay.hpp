@@ -35,12 +35,20 @@ struct FiringRow {
     std::uint8_t firing_health, misfire_health, afr_health;
 };
 
+/// What it said of the work of a cycle.
+struct WorkRow {
+    double t_s;
+    sd_signals_t signals;
+    std::uint8_t health;
+};
+
 /// Takes rows as they come. Each call has the row's index from 0.
 struct ReplaySink {
     virtual ~ReplaySink() = default;
     virtual void tooth(std::size_t, const ToothRow &) {}
     virtual void cycle(std::size_t, const CycleRow &) {}
     virtual void firing(std::size_t, const FiringRow &) {}
+    virtual void work(std::size_t, const WorkRow &) {}
     virtual void load(double /*nm*/) {} ///< The torque that the engine works against, from now on.
 };
 
@@ -50,7 +58,7 @@ struct MisfireCounts {
 };
 
 struct ReplayResult {
-    std::size_t edges = 0, cycles = 0, firings = 0;
+    std::size_t edges = 0, cycles = 0, firings = 0, works = 0;
     sd_crank_counts_t counts{};
     std::vector<double> mark_spacings; ///< Learned width of each mark, in tooth spacings.
     std::optional<std::size_t> first_sync_edge;
@@ -70,7 +78,7 @@ class ReplayRows {
   public:
     explicit ReplayRows(ReplaySink &sink) : sink_(sink) {}
     /// The bench has just answered a crank edge.
-    void edge(double t_s, bool cycle_ended, const EcuSaid &said, bool fired);
+    void edge(double t_s, bool cycle_ended, const EcuSaid &said);
     void cam_edge() { ++result_.cam_edges; }
     ReplayResult finish(const sd_crank_t &crank);
 
@@ -81,6 +89,7 @@ class ReplayRows {
 
     ReplaySink &sink_;
     ReplayResult result_;
+    std::size_t firings_ = 0, works_ = 0; ///< As the ecu has said them, of which the rows are taken.
     std::optional<double> last_edge_s_, last_zero_s_;
     float last_tooth_ = 0;
     std::size_t placed_ = 0, most_placed_ = 0; ///< Edges since tooth 0; most between two.

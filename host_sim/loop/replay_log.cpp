@@ -55,6 +55,7 @@ struct Keep : ReplaySink {
     void tooth(std::size_t, const ToothRow &row) override { log.teeth.push_back(row); }
     void cycle(std::size_t, const CycleRow &row) override { log.cycles.push_back(row); }
     void firing(std::size_t, const FiringRow &row) override { log.firings.push_back(row); }
+    void work(std::size_t, const WorkRow &row) override { log.works.push_back(row); }
     LogReplay &log;
 };
 
@@ -84,11 +85,10 @@ LogReplay replay_log(const EventLog &log, const sd_calibration_t &calibration) {
         }
         ++result.events_in;
         const double t_s = clock.seconds(event.tick);
-        const std::size_t firings = bench->said().firings();
         const bool cycle_ended = bench->exchange(event);
         if (event.kind == SD_EVENT_CAM_EDGE) rows.cam_edge();
         if (event.kind != SD_EVENT_CRANK_EDGE) continue;
-        rows.edge(t_s, cycle_ended, bench->said(), bench->said().firings() != firings);
+        rows.edge(t_s, cycle_ended, bench->said());
         result.edge_ticks.push_back(event.tick);
     }
     result.rows = rows.finish(bench->crank());

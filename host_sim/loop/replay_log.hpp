@@ -15,6 +15,7 @@ struct LogReplay {
     std::vector<ToothRow> teeth;             ///< t_s is the time of the capture timer.
     std::vector<CycleRow> cycles;
     std::vector<FiringRow> firings;
+    std::vector<WorkRow> works;
     std::vector<sd_event_t> said;            ///< Events out.
     std::vector<std::uint32_t> edge_ticks;   ///< Of the crank edges in.
     std::size_t events_in = 0, recorded_out = 0, replayed_out = 0;

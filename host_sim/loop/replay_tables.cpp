@@ -23,19 +23,16 @@ void write(std::ostream &out, const fmt::memory_buffer &text) { out.write(text.d
 
 } // namespace
 
-ReplayTables::ReplayTables(std::ostream &teeth, std::ostream &cycles, std::ostream &firings, std::vector<int> firing_order,
-                           double stoichiometric, const CycleWork &work)
-    : teeth_(teeth), cycles_(cycles), firings_(firings), firing_order_(std::move(firing_order)), stoichiometric_(stoichiometric),
-      work_(work) {
-    teeth_ << "edge,t_s,class,tooth,angle_deg,rpm,accel,torque_nm,health,torque_health,fourier_nm,fourier_health\n";
-    cycles_ << "cycle,t_s,cylinder,rpm,torque_nm,sd_nm,health,fourier_nm,fourier_sd_nm,fourier_health\n";
-    firings_ << "firing,t_s,cylinder,torque_nm,sd_nm,mean_nm,mean_sd_nm,health,misfire_index,misfire_limit,verdict,lambda,lambda_health,"
-                "work_j,work_sd_j\n";
+ReplayTables::ReplayTables(const ReplayStreams &streams, const ReplayEngine &engine) : to_(streams), engine_(engine) {
+    to_.teeth << "edge,t_s,class,tooth,angle_deg,rpm,accel,torque_nm,health,torque_health,fourier_nm,fourier_health\n";
+    to_.cycles << "cycle,t_s,cylinder,rpm,torque_nm,sd_nm,health,fourier_nm,fourier_sd_nm,fourier_health\n";
+    to_.firings << "firing,t_s,cylinder,torque_nm,sd_nm,mean_nm,mean_sd_nm,health,misfire_index,misfire_limit,verdict,lambda,"
+                   "lambda_health\n";
+    to_.work << "work,t_s,cylinder,work_j,sd_j,change_j,health\n";
 }
 
 void ReplayTables::tooth(std::size_t index, const ToothRow &row) {
     const sd_signals_t &s = row.signals;
-    work_.tooth(row);
     const bool placed = is_placed(s), filter = placed && row.firing_health != SD_INVALID,
                fourier = placed && row.torque_health != SD_INVALID;
     fmt::memory_buffer text;
@@ -49,11 +46,11 @@ void ReplayTables::tooth(std::size_t index, const ToothRow &row) {
                    health_name(placed ? row.firing_health : std::uint8_t(SD_INVALID)));
     put(text, fourier, double(s.torque_mass_nm), 3);
     fmt::format_to(std::back_inserter(text), ",{}\n", health_name(row.torque_health));
-    write(teeth_, text);
+    write(to_.teeth, text);
 }
 
 void ReplayTables::cycle(std::size_t index, const CycleRow &row) {
-    for (const int number : firing_order_) {
+    for (const int number : engine_.firing_order) {
         const Cylinder &cylinder = cylinders_[std::size_t(number - 1)];
         const bool known = cylinder.health != SD_INVALID;
         fmt::memory_buffer text;
@@ -63,7 +60,7 @@ void ReplayTables::cycle(std::size_t index, const CycleRow &row) {
         fmt::format_to(std::back_inserter(text), ",{},{:.3f},{:.3f},{}\n", health_name(cylinder.health),
                        row.signals.cycle_cylinder_torque_nm[number - 1], row.signals.cycle_cylinder_sd_nm[number - 1],
                        health_name(row.cylinder_health));
-        write(cycles_, text);
+        write(to_.cycles, text);
     }
 }
 
@@ -85,13 +82,24 @@ void ReplayTables::firing(std::size_t index, const FiringRow &row) {
     put(text, judged, double(s.misfire_index), 4);
     put(text, judged, double(s.misfire_limit), 4);
     fmt::format_to(std::back_inserter(text), ",{}", judged ? verdict_name(s.misfire_verdict) : "not judged");
-    put(text, mixture, mixture ? ((1 + stoichiometric_) / burned - 1) / stoichiometric_ : 0, 4);
+    put(text, mixture, mixture ? ((1 + engine_.stoichiometric) / burned - 1) / engine_.stoichiometric : 0, 4);
     fmt::format_to(std::back_inserter(text), ",{}", health_name(row.afr_health));
-    const auto work = work_.last();
-    put(text, work.has_value(), work ? work->first + load_nm_ * 4 * M_PI : 0, 3);
-    put(text, work.has_value(), work ? work->second : 0, 3);
     text.push_back('\n');
-    write(firings_, text);
+    write(to_.firings, text);
+}
+
+void ReplayTables::work(std::size_t index, const WorkRow &row) {
+    const sd_signals_t &s = row.signals;
+    const auto firing = std::size_t(s.work_firing);
+    if (firing >= engine_.firing_order.size()) return;
+    const bool known = engine_.inertia_known && row.health != SD_INVALID;
+    fmt::memory_buffer text;
+    fmt::format_to(std::back_inserter(text), "{},{:.9f},{}", index, row.t_s, engine_.firing_order[firing]);
+    put(text, known, double(s.work_cycle_j) + load_nm_ * 4 * M_PI, 3);
+    put(text, known, double(s.work_sd_j), 3);
+    put(text, known && s.work_cylinder > 0.5f, double(s.work_change_j), 3);
+    fmt::format_to(std::back_inserter(text), ",{}\n", health_name(known ? row.health : std::uint8_t(SD_INVALID)));
+    write(to_.work, text);
 }
 
 } // namespace sixdeg

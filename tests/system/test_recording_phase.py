@@ -2,13 +2,12 @@
 # SPDX-License-Identifier: MIT
 """Which revolution of the cycle is which in a recording: cams of several teeth, moving ones, with faults, no cam at all; work of a cycle;
 what is learned of one recording and used in the next."""
-import csv
 import json
 import unittest
 
 import numpy as np
 
-from sixdeg_test import Folder
+from sixdeg_test import Folder, table
 from test_replay import ENGINES, RECORDINGS, sixdeg
 
 PITCH_DEG, FIRST_DEG = 6, 282  # of vw_aba.toml: angle of position 0
@@ -38,8 +37,7 @@ class Replayed(Folder):
         out = self.folder / "out"
         done = sixdeg("replay", recording, "--out", out, *options)
         self.assertEqual(done.returncode, 0, done.stderr)
-        with open(out / "teeth.csv", encoding="utf-8") as teeth, open(out / "firings.csv", encoding="utf-8") as firings:
-            tables = list(csv.DictReader(teeth)), list(csv.DictReader(firings))
+        tables = table(out / "teeth.csv"), table(out / "firings.csv")
         return json.loads((out / "summary.json").read_text()), *tables, done.stdout
 
 
@@ -156,19 +154,26 @@ class RealSingle(Replayed):
         self.assertGreater(len(firings), 6)
 
     def test_work_of_a_cycle(self):
-        _, teeth, firings, _ = self.replay(self.recording, *self.options)
-        known = [f for f in firings if f["work_j"]]
-        self.assertGreater(len(known), 5)
-        rpm = {t["t_s"]: float(t["rpm"]) for t in teeth if t["rpm"]}
-        work = np.array([float(f["work_j"]) for f in known])
-        # Sums of what the crank gains from cycle to cycle are what its speed shows from the first to the last.
-        ends = []
-        for f in (known[0], known[-1]):
-            near = [r for t, r in rpm.items() if -0.0033 < float(t) - float(f["t_s"]) <= 0]
-            ends.append(np.mean(np.square(near)) * (np.pi / 30) ** 2)
-        self.assertAlmostEqual(work[1:].sum(), 0.0195 / 2 * (ends[1] - ends[0]), delta=0.05 * np.abs(work).sum())
-        _, _, loaded, _ = self.replay(self.recording, *self.options, "--load", "8.1")
-        more = [float(b["work_j"]) - float(a["work_j"]) for a, b in zip(firings, loaded) if a["work_j"]]
+        _, teeth, _, _ = self.replay(self.recording, *self.options)
+        work = table(self.folder / "out" / "work.csv")
+        known = [w for w in work if w["work_j"]]
+        self.assertGreater(len(known), 9)
+        self.assertEqual([w["health"] for w in known], ["valid"] * len(known))
+        # Sums of what the crank gains from cycle to cycle are what its speed shows from the first to the last, over 300 deg of the same
+        # teeth.
+        placed = [t for t in teeth if t["angle_deg"]]
+        time, deg = np.array([float(t["t_s"]) for t in placed]), np.unwrap([float(t["angle_deg"]) for t in placed], period=720)
+        energy = []
+        for w in (known[0], known[-1]):
+            end = np.interp(float(w["t_s"]), time, deg)
+            energy.append(0.0195 / 2 * (np.radians(300) / (float(w["t_s"]) - np.interp(end - 300, deg, time))) ** 2)
+        gained = np.array([float(w["work_j"]) for w in known])
+        self.assertAlmostEqual(gained[1:].sum(), energy[1] - energy[0], delta=0.05 * np.abs(gained).sum())
+        for w, before in zip(known[1:], known):
+            self.assertAlmostEqual(float(w["change_j"]), float(w["work_j"]) - float(before["work_j"]), delta=0.002)
+        self.replay(self.recording, *self.options, "--load", "8.1")
+        loaded = table(self.folder / "out" / "work.csv")
+        more = [float(b["work_j"]) - float(a["work_j"]) for a, b in zip(work, loaded) if a["work_j"]]
         self.assertAlmostEqual(np.mean(more), 4 * np.pi * 8.1, delta=0.01)
 
     def test_given_parity_overrules(self):

@@ -5476,6 +5476,283 @@ bool sd_bus_firing_2_misfire_residual_is_in_phys_range(double value)
     return ((value >= -1000000.0) && (value <= 1000000.0));
 }
 
+int sd_bus_work_pack(
+    uint8_t *dst_p,
+    const struct sd_bus_work_t *src_p,
+    size_t size)
+{
+    uint32_t work_change;
+    uint32_t work_cycle;
+    uint32_t work_cylinder;
+    uint32_t work_firing;
+    uint32_t work_sd;
+
+    if (size < 32u) {
+        return (-EINVAL);
+    }
+
+    memset(&dst_p[0], 0, 32);
+
+    dst_p[0] |= pack_left_shift_u32(src_p->tick, 0u, 0xffu);
+    dst_p[1] |= pack_right_shift_u32(src_p->tick, 8u, 0xffu);
+    dst_p[2] |= pack_right_shift_u32(src_p->tick, 16u, 0xffu);
+    dst_p[3] |= pack_right_shift_u32(src_p->tick, 24u, 0xffu);
+    dst_p[4] |= pack_left_shift_u8(src_p->work_health, 0u, 0xffu);
+    dst_p[5] |= pack_left_shift_u16(src_p->work_why, 0u, 0xffu);
+    dst_p[6] |= pack_right_shift_u16(src_p->work_why, 8u, 0xffu);
+    memcpy(&work_cycle, &src_p->work_cycle, sizeof(work_cycle));
+    dst_p[7] |= pack_left_shift_u32(work_cycle, 0u, 0xffu);
+    dst_p[8] |= pack_right_shift_u32(work_cycle, 8u, 0xffu);
+    dst_p[9] |= pack_right_shift_u32(work_cycle, 16u, 0xffu);
+    dst_p[10] |= pack_right_shift_u32(work_cycle, 24u, 0xffu);
+    memcpy(&work_sd, &src_p->work_sd, sizeof(work_sd));
+    dst_p[11] |= pack_left_shift_u32(work_sd, 0u, 0xffu);
+    dst_p[12] |= pack_right_shift_u32(work_sd, 8u, 0xffu);
+    dst_p[13] |= pack_right_shift_u32(work_sd, 16u, 0xffu);
+    dst_p[14] |= pack_right_shift_u32(work_sd, 24u, 0xffu);
+    memcpy(&work_change, &src_p->work_change, sizeof(work_change));
+    dst_p[15] |= pack_left_shift_u32(work_change, 0u, 0xffu);
+    dst_p[16] |= pack_right_shift_u32(work_change, 8u, 0xffu);
+    dst_p[17] |= pack_right_shift_u32(work_change, 16u, 0xffu);
+    dst_p[18] |= pack_right_shift_u32(work_change, 24u, 0xffu);
+    memcpy(&work_firing, &src_p->work_firing, sizeof(work_firing));
+    dst_p[19] |= pack_left_shift_u32(work_firing, 0u, 0xffu);
+    dst_p[20] |= pack_right_shift_u32(work_firing, 8u, 0xffu);
+    dst_p[21] |= pack_right_shift_u32(work_firing, 16u, 0xffu);
+    dst_p[22] |= pack_right_shift_u32(work_firing, 24u, 0xffu);
+    memcpy(&work_cylinder, &src_p->work_cylinder, sizeof(work_cylinder));
+    dst_p[23] |= pack_left_shift_u32(work_cylinder, 0u, 0xffu);
+    dst_p[24] |= pack_right_shift_u32(work_cylinder, 8u, 0xffu);
+    dst_p[25] |= pack_right_shift_u32(work_cylinder, 16u, 0xffu);
+    dst_p[26] |= pack_right_shift_u32(work_cylinder, 24u, 0xffu);
+
+    return (32);
+}
+
+int sd_bus_work_unpack(
+    struct sd_bus_work_t *dst_p,
+    const uint8_t *src_p,
+    size_t size)
+{
+    uint32_t work_change;
+    uint32_t work_cycle;
+    uint32_t work_cylinder;
+    uint32_t work_firing;
+    uint32_t work_sd;
+
+    if (size < 32u) {
+        return (-EINVAL);
+    }
+
+    dst_p->tick = unpack_right_shift_u32(src_p[0], 0u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[1], 8u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[2], 16u, 0xffu);
+    dst_p->tick |= unpack_left_shift_u32(src_p[3], 24u, 0xffu);
+    dst_p->work_health = unpack_right_shift_u8(src_p[4], 0u, 0xffu);
+    dst_p->work_why = unpack_right_shift_u16(src_p[5], 0u, 0xffu);
+    dst_p->work_why |= unpack_left_shift_u16(src_p[6], 8u, 0xffu);
+    work_cycle = unpack_right_shift_u32(src_p[7], 0u, 0xffu);
+    work_cycle |= unpack_left_shift_u32(src_p[8], 8u, 0xffu);
+    work_cycle |= unpack_left_shift_u32(src_p[9], 16u, 0xffu);
+    work_cycle |= unpack_left_shift_u32(src_p[10], 24u, 0xffu);
+    memcpy(&dst_p->work_cycle, &work_cycle, sizeof(dst_p->work_cycle));
+    work_sd = unpack_right_shift_u32(src_p[11], 0u, 0xffu);
+    work_sd |= unpack_left_shift_u32(src_p[12], 8u, 0xffu);
+    work_sd |= unpack_left_shift_u32(src_p[13], 16u, 0xffu);
+    work_sd |= unpack_left_shift_u32(src_p[14], 24u, 0xffu);
+    memcpy(&dst_p->work_sd, &work_sd, sizeof(dst_p->work_sd));
+    work_change = unpack_right_shift_u32(src_p[15], 0u, 0xffu);
+    work_change |= unpack_left_shift_u32(src_p[16], 8u, 0xffu);
+    work_change |= unpack_left_shift_u32(src_p[17], 16u, 0xffu);
+    work_change |= unpack_left_shift_u32(src_p[18], 24u, 0xffu);
+    memcpy(&dst_p->work_change, &work_change, sizeof(dst_p->work_change));
+    work_firing = unpack_right_shift_u32(src_p[19], 0u, 0xffu);
+    work_firing |= unpack_left_shift_u32(src_p[20], 8u, 0xffu);
+    work_firing |= unpack_left_shift_u32(src_p[21], 16u, 0xffu);
+    work_firing |= unpack_left_shift_u32(src_p[22], 24u, 0xffu);
+    memcpy(&dst_p->work_firing, &work_firing, sizeof(dst_p->work_firing));
+    work_cylinder = unpack_right_shift_u32(src_p[23], 0u, 0xffu);
+    work_cylinder |= unpack_left_shift_u32(src_p[24], 8u, 0xffu);
+    work_cylinder |= unpack_left_shift_u32(src_p[25], 16u, 0xffu);
+    work_cylinder |= unpack_left_shift_u32(src_p[26], 24u, 0xffu);
+    memcpy(&dst_p->work_cylinder, &work_cylinder, sizeof(dst_p->work_cylinder));
+
+    return (0);
+}
+
+int sd_bus_work_init(struct sd_bus_work_t *msg_p)
+{
+    if (msg_p == NULL) return -1;
+
+    memset(msg_p, 0, sizeof(struct sd_bus_work_t));
+
+    return 0;
+}
+
+uint32_t sd_bus_work_tick_encode(double value)
+{
+    return (uint32_t)(cantools_unsigned_from_double(round(value)));
+}
+
+double sd_bus_work_tick_decode(uint32_t value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_work_tick_is_in_range(uint32_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool sd_bus_work_tick_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 4294967295.0));
+}
+
+uint8_t sd_bus_work_work_health_encode(double value)
+{
+    return (uint8_t)(cantools_unsigned_from_double(round(value)));
+}
+
+double sd_bus_work_work_health_decode(uint8_t value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_work_work_health_is_in_range(uint8_t value)
+{
+    return (value <= 2u);
+}
+
+bool sd_bus_work_work_health_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 2.0));
+}
+
+uint16_t sd_bus_work_work_why_encode(double value)
+{
+    return (uint16_t)(cantools_unsigned_from_double(round(value)));
+}
+
+double sd_bus_work_work_why_decode(uint16_t value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_work_work_why_is_in_range(uint16_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool sd_bus_work_work_why_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 65535.0));
+}
+
+float sd_bus_work_work_cycle_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_work_work_cycle_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_work_work_cycle_is_in_range(float value)
+{
+    return ((value >= -1000000.0f) && (value <= 1000000.0f));
+}
+
+bool sd_bus_work_work_cycle_is_in_phys_range(double value)
+{
+    return ((value >= -1000000.0) && (value <= 1000000.0));
+}
+
+float sd_bus_work_work_sd_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_work_work_sd_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_work_work_sd_is_in_range(float value)
+{
+    return ((value >= 0.0f) && (value <= 1000000.0f));
+}
+
+bool sd_bus_work_work_sd_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 1000000.0));
+}
+
+float sd_bus_work_work_change_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_work_work_change_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_work_work_change_is_in_range(float value)
+{
+    return ((value >= -2000000.0f) && (value <= 2000000.0f));
+}
+
+bool sd_bus_work_work_change_is_in_phys_range(double value)
+{
+    return ((value >= -2000000.0) && (value <= 2000000.0));
+}
+
+float sd_bus_work_work_firing_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_work_work_firing_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_work_work_firing_is_in_range(float value)
+{
+    return ((value >= 0.0f) && (value <= 7.0f));
+}
+
+bool sd_bus_work_work_firing_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 7.0));
+}
+
+float sd_bus_work_work_cylinder_encode(double value)
+{
+    return (float)(value);
+}
+
+double sd_bus_work_work_cylinder_decode(float value)
+{
+    return ((double)value);
+}
+
+bool sd_bus_work_work_cylinder_is_in_range(float value)
+{
+    return ((value >= 0.0f) && (value <= 8.0f));
+}
+
+bool sd_bus_work_work_cylinder_is_in_phys_range(double value)
+{
+    return ((value >= 0.0) && (value <= 8.0));
+}
+
 int sd_bus_airpath_pack(
     uint8_t *dst_p,
     const struct sd_bus_airpath_t *src_p,

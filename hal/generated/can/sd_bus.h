@@ -58,9 +58,10 @@ extern "C" {
 #define SD_BUS_CYCLE_6_FRAME_ID (0xb6u)
 #define SD_BUS_FIRING_1_FRAME_ID (0xb7u)
 #define SD_BUS_FIRING_2_FRAME_ID (0xb8u)
-#define SD_BUS_AIRPATH_FRAME_ID (0xb9u)
-#define SD_BUS_TASK_FRAME_ID (0xbau)
-#define SD_BUS_DRIVELINE_FRAME_ID (0xbbu)
+#define SD_BUS_WORK_FRAME_ID (0xb9u)
+#define SD_BUS_AIRPATH_FRAME_ID (0xbau)
+#define SD_BUS_TASK_FRAME_ID (0xbbu)
+#define SD_BUS_DRIVELINE_FRAME_ID (0xbcu)
 #define SD_BUS_PARAMETER_REQUEST_FRAME_ID (0xc0u)
 #define SD_BUS_PARAMETER_FRAME_ID (0xc1u)
 #define SD_BUS_CLAIM_FRAME_ID (0xc2u)
@@ -99,6 +100,7 @@ extern "C" {
 #define SD_BUS_CYCLE_6_LENGTH (24u)
 #define SD_BUS_FIRING_1_LENGTH (64u)
 #define SD_BUS_FIRING_2_LENGTH (16u)
+#define SD_BUS_WORK_LENGTH (32u)
 #define SD_BUS_AIRPATH_LENGTH (64u)
 #define SD_BUS_TASK_LENGTH (24u)
 #define SD_BUS_DRIVELINE_LENGTH (64u)
@@ -140,6 +142,7 @@ extern "C" {
 #define SD_BUS_CYCLE_6_IS_EXTENDED (0)
 #define SD_BUS_FIRING_1_IS_EXTENDED (0)
 #define SD_BUS_FIRING_2_IS_EXTENDED (0)
+#define SD_BUS_WORK_IS_EXTENDED (0)
 #define SD_BUS_AIRPATH_IS_EXTENDED (0)
 #define SD_BUS_TASK_IS_EXTENDED (0)
 #define SD_BUS_DRIVELINE_IS_EXTENDED (0)
@@ -481,6 +484,10 @@ extern "C" {
 #define SD_BUS_FIRING_2_MISFIRE_HEALTH_DEGRADED_CHOICE (1u)
 #define SD_BUS_FIRING_2_MISFIRE_HEALTH_INVALID_CHOICE (2u)
 
+#define SD_BUS_WORK_WORK_HEALTH_VALID_CHOICE (0u)
+#define SD_BUS_WORK_WORK_HEALTH_DEGRADED_CHOICE (1u)
+#define SD_BUS_WORK_WORK_HEALTH_INVALID_CHOICE (2u)
+
 #define SD_BUS_AIRPATH_AIRPATH_HEALTH_VALID_CHOICE (0u)
 #define SD_BUS_AIRPATH_AIRPATH_HEALTH_DEGRADED_CHOICE (1u)
 #define SD_BUS_AIRPATH_AIRPATH_HEALTH_INVALID_CHOICE (2u)
@@ -513,74 +520,75 @@ extern "C" {
 #define SD_BUS_PARAMETER_REQUEST_INDEX_TORQUE_SPEED_BASE_CHOICE (8u)
 #define SD_BUS_PARAMETER_REQUEST_INDEX_TORQUE_TORQUE_BASE_CHOICE (9u)
 #define SD_BUS_PARAMETER_REQUEST_INDEX_TORQUE_FIXED_POINT_CHOICE (10u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_FIRING_ENABLED_CHOICE (11u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_FIRING_HARMONICS_CHOICE (12u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_FIRING_EDGE_SD_CHOICE (13u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_FIRING_PATTERN_CHOICE (14u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_FIRING_LOAD_WALK_CHOICE (15u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_FIRING_ROUGH_WALK_CHOICE (16u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_FIRING_CHANGE_CHOICE (17u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_FIRING_SHAPE_WALK_CHOICE (18u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_FIRING_REJECT_CHOICE (19u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_FIRING_SETTLE_CHOICE (20u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_WORK_PER_FUEL_CHOICE (21u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_CYCLIC_CHOICE (22u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_Z_FALSE_CHOICE (23u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_Z_MISSED_CHOICE (24u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_DEFINITION_CHOICE (25u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_PARTIAL_CHOICE (26u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_FUEL_MIN_CHOICE (27u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_FUEL_LEVEL_MIN_CHOICE (28u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_TORQUE_MIN_CHOICE (29u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_SPEED_CHANGE_CHOICE (30u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_START_CHOICE (31u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_HOLD_CHOICE (32u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_CONTINUOUS_CHOICE (33u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_EMISSION_CHOICE (34u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_CATALYST_CHOICE (35u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_EMISSION_WINDOWS_CHOICE (36u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_CATALYST_WINDOWS_CHOICE (37u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_METHOD_CHOICE (38u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_ARITHMETIC_CHOICE (39u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_METHOD_CHOICE (40u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_ARITHMETIC_CHOICE (41u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_GAIN_MASS_CHOICE (42u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_TURBINE_DROP_CHOICE (43u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_TURBINE_RATED_CHOICE (44u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_GAIN_AIR_CHOICE (45u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_GAIN_CYLINDER_CHOICE (46u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_INVERSION_GAIN_CHOICE (47u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_INVERSION_FLOOR_CHOICE (48u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_NOISE_CHOICE (49u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_DRIFT_CHOICE (50u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_JUMP_CHOICE (51u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_DRIFT_SLOW_CHOICE (52u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_SLOW_ABOVE_CHOICE (53u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_STOICHIOMETRIC_CHOICE (54u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_IDENTIFY_CHOICE (55u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_PROBE_CHOICE (56u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_LATE_ERROR_CHOICE (57u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_LAG_ERROR_CHOICE (58u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_SOURCE_CHOICE (59u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_GAIN_CHOICE (60u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_PROPORTIONAL_CHOICE (61u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_RATE_CHOICE (62u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_LIMIT_CHOICE (63u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_SD_MAX_CHOICE (64u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_HOLD_CHOICE (65u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AIRPATH_DETECT_CHOICE (66u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AIRPATH_ISOLATE_CHOICE (67u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AIRPATH_SETTLE_CHOICE (68u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AIRPATH_WINDOW_CHOICE (69u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AIRPATH_LATE_CHOICE (70u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AIRPATH_STUCK_CHOICE (71u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AIRPATH_TRACKING_CHOICE (72u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_AIRPATH_ARITHMETIC_CHOICE (73u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_DRIVELINE_DAMPING_CHOICE (74u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_DRIVELINE_DAMPING_GAIN_CHOICE (75u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_DRIVELINE_DAMPING_LIMIT_CHOICE (76u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_DRIVELINE_DAMPING_RATE_CHOICE (77u)
-#define SD_BUS_PARAMETER_REQUEST_INDEX_DRIVELINE_DAMPING_DROP_CHOICE (78u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_WORK_WINDOW_CHOICE (11u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_FIRING_ENABLED_CHOICE (12u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_FIRING_HARMONICS_CHOICE (13u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_FIRING_EDGE_SD_CHOICE (14u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_FIRING_PATTERN_CHOICE (15u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_FIRING_LOAD_WALK_CHOICE (16u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_FIRING_ROUGH_WALK_CHOICE (17u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_FIRING_CHANGE_CHOICE (18u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_FIRING_SHAPE_WALK_CHOICE (19u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_FIRING_REJECT_CHOICE (20u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_FIRING_SETTLE_CHOICE (21u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_WORK_PER_FUEL_CHOICE (22u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_CYCLIC_CHOICE (23u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_Z_FALSE_CHOICE (24u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_Z_MISSED_CHOICE (25u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_DEFINITION_CHOICE (26u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_PARTIAL_CHOICE (27u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_FUEL_MIN_CHOICE (28u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_FUEL_LEVEL_MIN_CHOICE (29u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_TORQUE_MIN_CHOICE (30u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_SPEED_CHANGE_CHOICE (31u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_START_CHOICE (32u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_HOLD_CHOICE (33u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_CONTINUOUS_CHOICE (34u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_EMISSION_CHOICE (35u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_CATALYST_CHOICE (36u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_EMISSION_WINDOWS_CHOICE (37u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_CATALYST_WINDOWS_CHOICE (38u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_METHOD_CHOICE (39u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_MISFIRE_ARITHMETIC_CHOICE (40u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_METHOD_CHOICE (41u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_ARITHMETIC_CHOICE (42u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_GAIN_MASS_CHOICE (43u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_TURBINE_DROP_CHOICE (44u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_TURBINE_RATED_CHOICE (45u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_GAIN_AIR_CHOICE (46u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_GAIN_CYLINDER_CHOICE (47u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_INVERSION_GAIN_CHOICE (48u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_INVERSION_FLOOR_CHOICE (49u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_NOISE_CHOICE (50u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_DRIFT_CHOICE (51u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_JUMP_CHOICE (52u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_DRIFT_SLOW_CHOICE (53u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_SLOW_ABOVE_CHOICE (54u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_STOICHIOMETRIC_CHOICE (55u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_IDENTIFY_CHOICE (56u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_PROBE_CHOICE (57u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_LATE_ERROR_CHOICE (58u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AFR_LAG_ERROR_CHOICE (59u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_SOURCE_CHOICE (60u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_GAIN_CHOICE (61u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_PROPORTIONAL_CHOICE (62u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_RATE_CHOICE (63u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_LIMIT_CHOICE (64u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_SD_MAX_CHOICE (65u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_BALANCE_HOLD_CHOICE (66u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AIRPATH_DETECT_CHOICE (67u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AIRPATH_ISOLATE_CHOICE (68u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AIRPATH_SETTLE_CHOICE (69u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AIRPATH_WINDOW_CHOICE (70u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AIRPATH_LATE_CHOICE (71u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AIRPATH_STUCK_CHOICE (72u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AIRPATH_TRACKING_CHOICE (73u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_AIRPATH_ARITHMETIC_CHOICE (74u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_DRIVELINE_DAMPING_CHOICE (75u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_DRIVELINE_DAMPING_GAIN_CHOICE (76u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_DRIVELINE_DAMPING_LIMIT_CHOICE (77u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_DRIVELINE_DAMPING_RATE_CHOICE (78u)
+#define SD_BUS_PARAMETER_REQUEST_INDEX_DRIVELINE_DAMPING_DROP_CHOICE (79u)
 #define SD_BUS_PARAMETER_REQUEST_INDEX_ALL_CHOICE (255u)
 
 #define SD_BUS_PARAMETER_COMMAND_READ_CHOICE (0u)
@@ -599,74 +607,75 @@ extern "C" {
 #define SD_BUS_PARAMETER_INDEX_TORQUE_SPEED_BASE_CHOICE (8u)
 #define SD_BUS_PARAMETER_INDEX_TORQUE_TORQUE_BASE_CHOICE (9u)
 #define SD_BUS_PARAMETER_INDEX_TORQUE_FIXED_POINT_CHOICE (10u)
-#define SD_BUS_PARAMETER_INDEX_FIRING_ENABLED_CHOICE (11u)
-#define SD_BUS_PARAMETER_INDEX_FIRING_HARMONICS_CHOICE (12u)
-#define SD_BUS_PARAMETER_INDEX_FIRING_EDGE_SD_CHOICE (13u)
-#define SD_BUS_PARAMETER_INDEX_FIRING_PATTERN_CHOICE (14u)
-#define SD_BUS_PARAMETER_INDEX_FIRING_LOAD_WALK_CHOICE (15u)
-#define SD_BUS_PARAMETER_INDEX_FIRING_ROUGH_WALK_CHOICE (16u)
-#define SD_BUS_PARAMETER_INDEX_FIRING_CHANGE_CHOICE (17u)
-#define SD_BUS_PARAMETER_INDEX_FIRING_SHAPE_WALK_CHOICE (18u)
-#define SD_BUS_PARAMETER_INDEX_FIRING_REJECT_CHOICE (19u)
-#define SD_BUS_PARAMETER_INDEX_FIRING_SETTLE_CHOICE (20u)
-#define SD_BUS_PARAMETER_INDEX_MISFIRE_WORK_PER_FUEL_CHOICE (21u)
-#define SD_BUS_PARAMETER_INDEX_MISFIRE_CYCLIC_CHOICE (22u)
-#define SD_BUS_PARAMETER_INDEX_MISFIRE_Z_FALSE_CHOICE (23u)
-#define SD_BUS_PARAMETER_INDEX_MISFIRE_Z_MISSED_CHOICE (24u)
-#define SD_BUS_PARAMETER_INDEX_MISFIRE_DEFINITION_CHOICE (25u)
-#define SD_BUS_PARAMETER_INDEX_MISFIRE_PARTIAL_CHOICE (26u)
-#define SD_BUS_PARAMETER_INDEX_MISFIRE_FUEL_MIN_CHOICE (27u)
-#define SD_BUS_PARAMETER_INDEX_MISFIRE_FUEL_LEVEL_MIN_CHOICE (28u)
-#define SD_BUS_PARAMETER_INDEX_MISFIRE_TORQUE_MIN_CHOICE (29u)
-#define SD_BUS_PARAMETER_INDEX_MISFIRE_SPEED_CHANGE_CHOICE (30u)
-#define SD_BUS_PARAMETER_INDEX_MISFIRE_START_CHOICE (31u)
-#define SD_BUS_PARAMETER_INDEX_MISFIRE_HOLD_CHOICE (32u)
-#define SD_BUS_PARAMETER_INDEX_MISFIRE_CONTINUOUS_CHOICE (33u)
-#define SD_BUS_PARAMETER_INDEX_MISFIRE_EMISSION_CHOICE (34u)
-#define SD_BUS_PARAMETER_INDEX_MISFIRE_CATALYST_CHOICE (35u)
-#define SD_BUS_PARAMETER_INDEX_MISFIRE_EMISSION_WINDOWS_CHOICE (36u)
-#define SD_BUS_PARAMETER_INDEX_MISFIRE_CATALYST_WINDOWS_CHOICE (37u)
-#define SD_BUS_PARAMETER_INDEX_MISFIRE_METHOD_CHOICE (38u)
-#define SD_BUS_PARAMETER_INDEX_MISFIRE_ARITHMETIC_CHOICE (39u)
-#define SD_BUS_PARAMETER_INDEX_AFR_METHOD_CHOICE (40u)
-#define SD_BUS_PARAMETER_INDEX_AFR_ARITHMETIC_CHOICE (41u)
-#define SD_BUS_PARAMETER_INDEX_AFR_GAIN_MASS_CHOICE (42u)
-#define SD_BUS_PARAMETER_INDEX_AFR_TURBINE_DROP_CHOICE (43u)
-#define SD_BUS_PARAMETER_INDEX_AFR_TURBINE_RATED_CHOICE (44u)
-#define SD_BUS_PARAMETER_INDEX_AFR_GAIN_AIR_CHOICE (45u)
-#define SD_BUS_PARAMETER_INDEX_AFR_GAIN_CYLINDER_CHOICE (46u)
-#define SD_BUS_PARAMETER_INDEX_AFR_INVERSION_GAIN_CHOICE (47u)
-#define SD_BUS_PARAMETER_INDEX_AFR_INVERSION_FLOOR_CHOICE (48u)
-#define SD_BUS_PARAMETER_INDEX_AFR_NOISE_CHOICE (49u)
-#define SD_BUS_PARAMETER_INDEX_AFR_DRIFT_CHOICE (50u)
-#define SD_BUS_PARAMETER_INDEX_AFR_JUMP_CHOICE (51u)
-#define SD_BUS_PARAMETER_INDEX_AFR_DRIFT_SLOW_CHOICE (52u)
-#define SD_BUS_PARAMETER_INDEX_AFR_SLOW_ABOVE_CHOICE (53u)
-#define SD_BUS_PARAMETER_INDEX_AFR_STOICHIOMETRIC_CHOICE (54u)
-#define SD_BUS_PARAMETER_INDEX_AFR_IDENTIFY_CHOICE (55u)
-#define SD_BUS_PARAMETER_INDEX_AFR_PROBE_CHOICE (56u)
-#define SD_BUS_PARAMETER_INDEX_AFR_LATE_ERROR_CHOICE (57u)
-#define SD_BUS_PARAMETER_INDEX_AFR_LAG_ERROR_CHOICE (58u)
-#define SD_BUS_PARAMETER_INDEX_BALANCE_SOURCE_CHOICE (59u)
-#define SD_BUS_PARAMETER_INDEX_BALANCE_GAIN_CHOICE (60u)
-#define SD_BUS_PARAMETER_INDEX_BALANCE_PROPORTIONAL_CHOICE (61u)
-#define SD_BUS_PARAMETER_INDEX_BALANCE_RATE_CHOICE (62u)
-#define SD_BUS_PARAMETER_INDEX_BALANCE_LIMIT_CHOICE (63u)
-#define SD_BUS_PARAMETER_INDEX_BALANCE_SD_MAX_CHOICE (64u)
-#define SD_BUS_PARAMETER_INDEX_BALANCE_HOLD_CHOICE (65u)
-#define SD_BUS_PARAMETER_INDEX_AIRPATH_DETECT_CHOICE (66u)
-#define SD_BUS_PARAMETER_INDEX_AIRPATH_ISOLATE_CHOICE (67u)
-#define SD_BUS_PARAMETER_INDEX_AIRPATH_SETTLE_CHOICE (68u)
-#define SD_BUS_PARAMETER_INDEX_AIRPATH_WINDOW_CHOICE (69u)
-#define SD_BUS_PARAMETER_INDEX_AIRPATH_LATE_CHOICE (70u)
-#define SD_BUS_PARAMETER_INDEX_AIRPATH_STUCK_CHOICE (71u)
-#define SD_BUS_PARAMETER_INDEX_AIRPATH_TRACKING_CHOICE (72u)
-#define SD_BUS_PARAMETER_INDEX_AIRPATH_ARITHMETIC_CHOICE (73u)
-#define SD_BUS_PARAMETER_INDEX_DRIVELINE_DAMPING_CHOICE (74u)
-#define SD_BUS_PARAMETER_INDEX_DRIVELINE_DAMPING_GAIN_CHOICE (75u)
-#define SD_BUS_PARAMETER_INDEX_DRIVELINE_DAMPING_LIMIT_CHOICE (76u)
-#define SD_BUS_PARAMETER_INDEX_DRIVELINE_DAMPING_RATE_CHOICE (77u)
-#define SD_BUS_PARAMETER_INDEX_DRIVELINE_DAMPING_DROP_CHOICE (78u)
+#define SD_BUS_PARAMETER_INDEX_WORK_WINDOW_CHOICE (11u)
+#define SD_BUS_PARAMETER_INDEX_FIRING_ENABLED_CHOICE (12u)
+#define SD_BUS_PARAMETER_INDEX_FIRING_HARMONICS_CHOICE (13u)
+#define SD_BUS_PARAMETER_INDEX_FIRING_EDGE_SD_CHOICE (14u)
+#define SD_BUS_PARAMETER_INDEX_FIRING_PATTERN_CHOICE (15u)
+#define SD_BUS_PARAMETER_INDEX_FIRING_LOAD_WALK_CHOICE (16u)
+#define SD_BUS_PARAMETER_INDEX_FIRING_ROUGH_WALK_CHOICE (17u)
+#define SD_BUS_PARAMETER_INDEX_FIRING_CHANGE_CHOICE (18u)
+#define SD_BUS_PARAMETER_INDEX_FIRING_SHAPE_WALK_CHOICE (19u)
+#define SD_BUS_PARAMETER_INDEX_FIRING_REJECT_CHOICE (20u)
+#define SD_BUS_PARAMETER_INDEX_FIRING_SETTLE_CHOICE (21u)
+#define SD_BUS_PARAMETER_INDEX_MISFIRE_WORK_PER_FUEL_CHOICE (22u)
+#define SD_BUS_PARAMETER_INDEX_MISFIRE_CYCLIC_CHOICE (23u)
+#define SD_BUS_PARAMETER_INDEX_MISFIRE_Z_FALSE_CHOICE (24u)
+#define SD_BUS_PARAMETER_INDEX_MISFIRE_Z_MISSED_CHOICE (25u)
+#define SD_BUS_PARAMETER_INDEX_MISFIRE_DEFINITION_CHOICE (26u)
+#define SD_BUS_PARAMETER_INDEX_MISFIRE_PARTIAL_CHOICE (27u)
+#define SD_BUS_PARAMETER_INDEX_MISFIRE_FUEL_MIN_CHOICE (28u)
+#define SD_BUS_PARAMETER_INDEX_MISFIRE_FUEL_LEVEL_MIN_CHOICE (29u)
+#define SD_BUS_PARAMETER_INDEX_MISFIRE_TORQUE_MIN_CHOICE (30u)
+#define SD_BUS_PARAMETER_INDEX_MISFIRE_SPEED_CHANGE_CHOICE (31u)
+#define SD_BUS_PARAMETER_INDEX_MISFIRE_START_CHOICE (32u)
+#define SD_BUS_PARAMETER_INDEX_MISFIRE_HOLD_CHOICE (33u)
+#define SD_BUS_PARAMETER_INDEX_MISFIRE_CONTINUOUS_CHOICE (34u)
+#define SD_BUS_PARAMETER_INDEX_MISFIRE_EMISSION_CHOICE (35u)
+#define SD_BUS_PARAMETER_INDEX_MISFIRE_CATALYST_CHOICE (36u)
+#define SD_BUS_PARAMETER_INDEX_MISFIRE_EMISSION_WINDOWS_CHOICE (37u)
+#define SD_BUS_PARAMETER_INDEX_MISFIRE_CATALYST_WINDOWS_CHOICE (38u)
+#define SD_BUS_PARAMETER_INDEX_MISFIRE_METHOD_CHOICE (39u)
+#define SD_BUS_PARAMETER_INDEX_MISFIRE_ARITHMETIC_CHOICE (40u)
+#define SD_BUS_PARAMETER_INDEX_AFR_METHOD_CHOICE (41u)
+#define SD_BUS_PARAMETER_INDEX_AFR_ARITHMETIC_CHOICE (42u)
+#define SD_BUS_PARAMETER_INDEX_AFR_GAIN_MASS_CHOICE (43u)
+#define SD_BUS_PARAMETER_INDEX_AFR_TURBINE_DROP_CHOICE (44u)
+#define SD_BUS_PARAMETER_INDEX_AFR_TURBINE_RATED_CHOICE (45u)
+#define SD_BUS_PARAMETER_INDEX_AFR_GAIN_AIR_CHOICE (46u)
+#define SD_BUS_PARAMETER_INDEX_AFR_GAIN_CYLINDER_CHOICE (47u)
+#define SD_BUS_PARAMETER_INDEX_AFR_INVERSION_GAIN_CHOICE (48u)
+#define SD_BUS_PARAMETER_INDEX_AFR_INVERSION_FLOOR_CHOICE (49u)
+#define SD_BUS_PARAMETER_INDEX_AFR_NOISE_CHOICE (50u)
+#define SD_BUS_PARAMETER_INDEX_AFR_DRIFT_CHOICE (51u)
+#define SD_BUS_PARAMETER_INDEX_AFR_JUMP_CHOICE (52u)
+#define SD_BUS_PARAMETER_INDEX_AFR_DRIFT_SLOW_CHOICE (53u)
+#define SD_BUS_PARAMETER_INDEX_AFR_SLOW_ABOVE_CHOICE (54u)
+#define SD_BUS_PARAMETER_INDEX_AFR_STOICHIOMETRIC_CHOICE (55u)
+#define SD_BUS_PARAMETER_INDEX_AFR_IDENTIFY_CHOICE (56u)
+#define SD_BUS_PARAMETER_INDEX_AFR_PROBE_CHOICE (57u)
+#define SD_BUS_PARAMETER_INDEX_AFR_LATE_ERROR_CHOICE (58u)
+#define SD_BUS_PARAMETER_INDEX_AFR_LAG_ERROR_CHOICE (59u)
+#define SD_BUS_PARAMETER_INDEX_BALANCE_SOURCE_CHOICE (60u)
+#define SD_BUS_PARAMETER_INDEX_BALANCE_GAIN_CHOICE (61u)
+#define SD_BUS_PARAMETER_INDEX_BALANCE_PROPORTIONAL_CHOICE (62u)
+#define SD_BUS_PARAMETER_INDEX_BALANCE_RATE_CHOICE (63u)
+#define SD_BUS_PARAMETER_INDEX_BALANCE_LIMIT_CHOICE (64u)
+#define SD_BUS_PARAMETER_INDEX_BALANCE_SD_MAX_CHOICE (65u)
+#define SD_BUS_PARAMETER_INDEX_BALANCE_HOLD_CHOICE (66u)
+#define SD_BUS_PARAMETER_INDEX_AIRPATH_DETECT_CHOICE (67u)
+#define SD_BUS_PARAMETER_INDEX_AIRPATH_ISOLATE_CHOICE (68u)
+#define SD_BUS_PARAMETER_INDEX_AIRPATH_SETTLE_CHOICE (69u)
+#define SD_BUS_PARAMETER_INDEX_AIRPATH_WINDOW_CHOICE (70u)
+#define SD_BUS_PARAMETER_INDEX_AIRPATH_LATE_CHOICE (71u)
+#define SD_BUS_PARAMETER_INDEX_AIRPATH_STUCK_CHOICE (72u)
+#define SD_BUS_PARAMETER_INDEX_AIRPATH_TRACKING_CHOICE (73u)
+#define SD_BUS_PARAMETER_INDEX_AIRPATH_ARITHMETIC_CHOICE (74u)
+#define SD_BUS_PARAMETER_INDEX_DRIVELINE_DAMPING_CHOICE (75u)
+#define SD_BUS_PARAMETER_INDEX_DRIVELINE_DAMPING_GAIN_CHOICE (76u)
+#define SD_BUS_PARAMETER_INDEX_DRIVELINE_DAMPING_LIMIT_CHOICE (77u)
+#define SD_BUS_PARAMETER_INDEX_DRIVELINE_DAMPING_RATE_CHOICE (78u)
+#define SD_BUS_PARAMETER_INDEX_DRIVELINE_DAMPING_DROP_CHOICE (79u)
 #define SD_BUS_PARAMETER_INDEX_ALL_CHOICE (255u)
 
 #define SD_BUS_PARAMETER_RESULT_OK_CHOICE (0u)
@@ -687,6 +696,7 @@ extern "C" {
 #define SD_BUS_CYCLE_6_NAME "cycle_6"
 #define SD_BUS_FIRING_1_NAME "firing_1"
 #define SD_BUS_FIRING_2_NAME "firing_2"
+#define SD_BUS_WORK_NAME "work"
 #define SD_BUS_AIRPATH_NAME "airpath"
 #define SD_BUS_TASK_NAME "task"
 #define SD_BUS_DRIVELINE_NAME "driveline"
@@ -885,6 +895,14 @@ extern "C" {
 #define SD_BUS_FIRING_2_MISFIRE_WHY_NAME "misfire_why"
 #define SD_BUS_FIRING_2_MISFIRE_ACCELERATION_NAME "misfire_acceleration"
 #define SD_BUS_FIRING_2_MISFIRE_RESIDUAL_NAME "misfire_residual"
+#define SD_BUS_WORK_TICK_NAME "tick"
+#define SD_BUS_WORK_WORK_HEALTH_NAME "work_health"
+#define SD_BUS_WORK_WORK_WHY_NAME "work_why"
+#define SD_BUS_WORK_WORK_CYCLE_NAME "work_cycle"
+#define SD_BUS_WORK_WORK_SD_NAME "work_sd"
+#define SD_BUS_WORK_WORK_CHANGE_NAME "work_change"
+#define SD_BUS_WORK_WORK_FIRING_NAME "work_firing"
+#define SD_BUS_WORK_WORK_CYLINDER_NAME "work_cylinder"
 #define SD_BUS_AIRPATH_TICK_NAME "tick"
 #define SD_BUS_AIRPATH_AIRPATH_HEALTH_NAME "airpath_health"
 #define SD_BUS_AIRPATH_AIRPATH_WHY_NAME "airpath_why"
@@ -2573,6 +2591,87 @@ struct sd_bus_firing_2_t {
      * Offset: 0
      */
     float misfire_residual;
+};
+
+/**
+ * Signals in message work.
+ *
+ * Signals of rate work, one row a tick.
+ *
+ * All signal values are as on the CAN bus.
+ */
+struct sd_bus_work_t {
+    /**
+     * Capture tick of the event that caused it.
+     *
+     * Range: 0..4294967295 (0..4294967295 tick)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint32_t tick;
+
+    /**
+     * How far the values of work may be trusted.
+     *
+     * Range: 0..2 (0..2 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t work_health;
+
+    /**
+     * Why not, bits: sd_why_t.
+     *
+     * Range: 0..65535 (0..65535 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint16_t work_why;
+
+    /**
+     * Kinetic energy that the crank has gained over the last 720 deg: indicated work of all cylinders less that of load and friction, so about 0 in steady running. Less its own mean, how far the indicated work is from its mean while the load stays. In proportion to the inertia.
+     *
+     * Range: -1000000.0..1000000.0 (-1000000..1000000 J)
+     * Scale: 1
+     * Offset: 0
+     */
+    float work_cycle;
+
+    /**
+     * Standard deviation of work.cycle from errors of the tooth times (torque.tooth_sd, timer); an error of the inertia is not in it. Of work.change 1.4 times as much.
+     *
+     * Range: 0.0..1000000.0 (0..1000000 J)
+     * Scale: 1
+     * Offset: 0
+     */
+    float work_sd;
+
+    /**
+     * work.cycle less that of the firing before: how much more work this firing did than the same cylinder's firing a cycle earlier. 0 where not known.
+     *
+     * Range: -2000000.0..2000000.0 (-2000000..2000000 J)
+     * Scale: 1
+     * Offset: 0
+     */
+    float work_change;
+
+    /**
+     * Which firing of the firing order the stretch of teeth lies behind, from 0.
+     *
+     * Range: 0.0..7.0 (0..7 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    float work_firing;
+
+    /**
+     * Physical cylinder whose own work.change is; 0: not known, or firings are so close that over a tenth of it is another's.
+     *
+     * Range: 0.0..8.0 (0..8 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    float work_cylinder;
 };
 
 /**
@@ -10847,6 +10946,363 @@ bool sd_bus_firing_2_misfire_residual_is_in_range(float value);
  * @return true if in range, false otherwise.
  */
 bool sd_bus_firing_2_misfire_residual_is_in_phys_range(double value);
+
+/**
+ * Pack message work.
+ *
+ * @param[out] dst_p Buffer to pack the message into.
+ * @param[in] src_p Data to pack.
+ * @param[in] size Size of dst_p.
+ *
+ * @return Size of packed data, or negative error code.
+ */
+int sd_bus_work_pack(
+    uint8_t *dst_p,
+    const struct sd_bus_work_t *src_p,
+    size_t size);
+
+/**
+ * Unpack message work.
+ *
+ * @param[out] dst_p Object to unpack the message into.
+ * @param[in] src_p Message to unpack.
+ * @param[in] size Size of src_p.
+ *
+ * @return zero(0) or negative error code.
+ */
+int sd_bus_work_unpack(
+    struct sd_bus_work_t *dst_p,
+    const uint8_t *src_p,
+    size_t size);
+
+/**
+ * Init message fields to default values from work.
+ *
+ * @param[in] msg_p Message to init.
+ *
+ * @return zero(0) on success or (-1) in case of nullptr argument.
+ */
+int sd_bus_work_init(struct sd_bus_work_t *msg_p);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint32_t sd_bus_work_tick_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_work_tick_decode(uint32_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_work_tick_is_in_range(uint32_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_work_tick_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint8_t sd_bus_work_work_health_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_work_work_health_decode(uint8_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_work_work_health_is_in_range(uint8_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_work_work_health_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+uint16_t sd_bus_work_work_why_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_work_work_why_decode(uint16_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_work_work_why_is_in_range(uint16_t value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_work_work_why_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_work_work_cycle_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_work_work_cycle_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_work_work_cycle_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_work_work_cycle_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_work_work_sd_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_work_work_sd_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_work_work_sd_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_work_work_sd_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_work_work_change_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_work_work_change_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_work_work_change_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_work_work_change_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_work_work_firing_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_work_work_firing_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_work_work_firing_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_work_work_firing_is_in_phys_range(double value);
+
+/**
+ * Encode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to encode.
+ *
+ * @return Encoded signal.
+ */
+float sd_bus_work_work_cylinder_encode(double value);
+
+/**
+ * Decode given signal by applying scaling and offset.
+ *
+ * @param[in] value Signal to decode.
+ *
+ * @return Decoded signal.
+ */
+double sd_bus_work_work_cylinder_decode(float value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_work_work_cylinder_is_in_range(float value);
+
+/**
+ * Check that given physical value is in allowed range before encoding.
+ *
+ * Use this BEFORE calling _encode() to avoid silent integer overflow:
+ *   encode(-1.0) on a [0,100] signal wraps to 255 and passes is_in_range().
+ *   is_in_phys_range(-1.0) correctly returns false.
+ *
+ * @param[in] value Physical signal value to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool sd_bus_work_work_cylinder_is_in_phys_range(double value);
 
 /**
  * Pack message airpath.

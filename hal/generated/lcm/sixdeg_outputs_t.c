@@ -23,7 +23,8 @@ uint64_t __sixdeg_outputs_t_hash_recursive(const __lcm_hash_ptr *p)
     cp.v = (void*)__sixdeg_outputs_t_get_hash;
     (void) cp;
 
-    uint64_t hash = (uint64_t)0x37b8b4e8e84fc9bcLL
+    uint64_t hash = (uint64_t)0xae1982ebec63982fLL
+         + __int32_t_hash_recursive(&cp)
          + __int32_t_hash_recursive(&cp)
          + __int32_t_hash_recursive(&cp)
          + __int32_t_hash_recursive(&cp)
@@ -38,6 +39,7 @@ uint64_t __sixdeg_outputs_t_hash_recursive(const __lcm_hash_ptr *p)
          + __sixdeg_edge_t_hash_recursive(&cp)
          + __sixdeg_cycle_t_hash_recursive(&cp)
          + __sixdeg_firing_t_hash_recursive(&cp)
+         + __sixdeg_work_t_hash_recursive(&cp)
          + __sixdeg_airpath_t_hash_recursive(&cp)
          + __sixdeg_task_t_hash_recursive(&cp)
          + __sixdeg_driveline_t_hash_recursive(&cp)
@@ -72,6 +74,9 @@ int __sixdeg_outputs_t_encode_array(void *buf, int offset, int maxlen, const six
         thislen = __int32_t_encode_array(buf, offset + pos, maxlen - pos, &(p[element].firings), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
+        thislen = __int32_t_encode_array(buf, offset + pos, maxlen - pos, &(p[element].works), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
         thislen = __int32_t_encode_array(buf, offset + pos, maxlen - pos, &(p[element].airpaths), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
@@ -103,6 +108,9 @@ int __sixdeg_outputs_t_encode_array(void *buf, int offset, int maxlen, const six
         if (thislen < 0) return thislen; else pos += thislen;
 
         thislen = __sixdeg_firing_t_encode_array(buf, offset + pos, maxlen - pos, p[element].firing, p[element].firings);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __sixdeg_work_t_encode_array(buf, offset + pos, maxlen - pos, p[element].work, p[element].works);
         if (thislen < 0) return thislen; else pos += thislen;
 
         thislen = __sixdeg_airpath_t_encode_array(buf, offset + pos, maxlen - pos, p[element].airpath, p[element].airpaths);
@@ -143,6 +151,8 @@ int __sixdeg_outputs_t_encoded_array_size(const sixdeg_outputs_t *p, int element
 
         size += __int32_t_encoded_array_size(&(p[element].firings), 1);
 
+        size += __int32_t_encoded_array_size(&(p[element].works), 1);
+
         size += __int32_t_encoded_array_size(&(p[element].airpaths), 1);
 
         size += __int32_t_encoded_array_size(&(p[element].tasks), 1);
@@ -164,6 +174,8 @@ int __sixdeg_outputs_t_encoded_array_size(const sixdeg_outputs_t *p, int element
         size += __sixdeg_cycle_t_encoded_array_size(p[element].cycle, p[element].cycles);
 
         size += __sixdeg_firing_t_encoded_array_size(p[element].firing, p[element].firings);
+
+        size += __sixdeg_work_t_encoded_array_size(p[element].work, p[element].works);
 
         size += __sixdeg_airpath_t_encoded_array_size(p[element].airpath, p[element].airpaths);
 
@@ -193,6 +205,9 @@ int __sixdeg_outputs_t_decode_array(const void *buf, int offset, int maxlen, six
         if (thislen < 0) return thislen; else pos += thislen;
 
         thislen = __int32_t_decode_array(buf, offset + pos, maxlen - pos, &(p[element].firings), 1);
+        if (thislen < 0) return thislen; else pos += thislen;
+
+        thislen = __int32_t_decode_array(buf, offset + pos, maxlen - pos, &(p[element].works), 1);
         if (thislen < 0) return thislen; else pos += thislen;
 
         thislen = __int32_t_decode_array(buf, offset + pos, maxlen - pos, &(p[element].airpaths), 1);
@@ -231,6 +246,10 @@ int __sixdeg_outputs_t_decode_array(const void *buf, int offset, int maxlen, six
         thislen = __sixdeg_firing_t_decode_array(buf, offset + pos, maxlen - pos, p[element].firing, p[element].firings);
         if (thislen < 0) return thislen; else pos += thislen;
 
+        p[element].work = (sixdeg_work_t*) lcm_malloc(sizeof(sixdeg_work_t) * p[element].works);
+        thislen = __sixdeg_work_t_decode_array(buf, offset + pos, maxlen - pos, p[element].work, p[element].works);
+        if (thislen < 0) return thislen; else pos += thislen;
+
         p[element].airpath = (sixdeg_airpath_t*) lcm_malloc(sizeof(sixdeg_airpath_t) * p[element].airpaths);
         thislen = __sixdeg_airpath_t_decode_array(buf, offset + pos, maxlen - pos, p[element].airpath, p[element].airpaths);
         if (thislen < 0) return thislen; else pos += thislen;
@@ -258,6 +277,8 @@ int __sixdeg_outputs_t_decode_array_cleanup(sixdeg_outputs_t *p, int elements)
 
         __int32_t_decode_array_cleanup(&(p[element].firings), 1);
 
+        __int32_t_decode_array_cleanup(&(p[element].works), 1);
+
         __int32_t_decode_array_cleanup(&(p[element].airpaths), 1);
 
         __int32_t_decode_array_cleanup(&(p[element].tasks), 1);
@@ -282,6 +303,9 @@ int __sixdeg_outputs_t_decode_array_cleanup(sixdeg_outputs_t *p, int elements)
 
         __sixdeg_firing_t_decode_array_cleanup(p[element].firing, p[element].firings);
         if (p[element].firing) free(p[element].firing);
+
+        __sixdeg_work_t_decode_array_cleanup(p[element].work, p[element].works);
+        if (p[element].work) free(p[element].work);
 
         __sixdeg_airpath_t_decode_array_cleanup(p[element].airpath, p[element].airpaths);
         if (p[element].airpath) free(p[element].airpath);
@@ -328,6 +352,8 @@ int __sixdeg_outputs_t_clone_array(const sixdeg_outputs_t *p, sixdeg_outputs_t *
 
         __int32_t_clone_array(&(p[element].firings), &(q[element].firings), 1);
 
+        __int32_t_clone_array(&(p[element].works), &(q[element].works), 1);
+
         __int32_t_clone_array(&(p[element].airpaths), &(q[element].airpaths), 1);
 
         __int32_t_clone_array(&(p[element].tasks), &(q[element].tasks), 1);
@@ -352,6 +378,9 @@ int __sixdeg_outputs_t_clone_array(const sixdeg_outputs_t *p, sixdeg_outputs_t *
 
         q[element].firing = (sixdeg_firing_t*) lcm_malloc(sizeof(sixdeg_firing_t) * q[element].firings);
         __sixdeg_firing_t_clone_array(p[element].firing, q[element].firing, p[element].firings);
+
+        q[element].work = (sixdeg_work_t*) lcm_malloc(sizeof(sixdeg_work_t) * q[element].works);
+        __sixdeg_work_t_clone_array(p[element].work, q[element].work, p[element].works);
 
         q[element].airpath = (sixdeg_airpath_t*) lcm_malloc(sizeof(sixdeg_airpath_t) * q[element].airpaths);
         __sixdeg_airpath_t_clone_array(p[element].airpath, q[element].airpath, p[element].airpaths);

@@ -19,6 +19,7 @@ extern "C" {
 #include "sixdeg_edge_t.h"
 #include "sixdeg_cycle_t.h"
 #include "sixdeg_firing_t.h"
+#include "sixdeg_work_t.h"
 #include "sixdeg_airpath_t.h"
 #include "sixdeg_task_t.h"
 #include "sixdeg_driveline_t.h"
@@ -29,6 +30,7 @@ struct _sixdeg_outputs_t
     int32_t    edges;
     int32_t    cycles;
     int32_t    firings;
+    int32_t    works;
     int32_t    airpaths;
     int32_t    tasks;
     int32_t    drivelines;
@@ -40,6 +42,7 @@ struct _sixdeg_outputs_t
     sixdeg_edge_t *edge;
     sixdeg_cycle_t *cycle;
     sixdeg_firing_t *firing;
+    sixdeg_work_t *work;
     sixdeg_airpath_t *airpath;
     sixdeg_task_t *task;
     sixdeg_driveline_t *driveline;

@@ -30,6 +30,7 @@ bool EcuSaid::take(const sd_event_t &event) {
     const sd_signal_info_t &info = sd_signal_infos[event.channel];
     health_[info.owner] = std::uint8_t(event.flags & 0xff);
     firings_ += event.channel == SD_SIGNAL_FIRING_CYLINDER;
+    works_ += event.channel == SD_SIGNAL_WORK_CYCLE;
     if (event.channel == SD_SIGNAL_CRANK_EDGE_CLASS) {
         sync_losses_ += synced_ && value == SD_EDGE_UNSYNCED;
         synced_ = is_placed(signals_) || (synced_ && value == SD_EDGE_SPURIOUS);

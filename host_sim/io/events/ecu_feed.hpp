@@ -33,6 +33,8 @@ class EcuSaid {
     std::size_t sync_losses() const { return sync_losses_; }
     /// Firings said so far; signals() holds the last one.
     std::size_t firings() const { return firings_; }
+    /// The same of the rows on the work of a cycle.
+    std::size_t works() const { return works_; }
 
   private:
     sd_signals_t signals_{};
@@ -42,7 +44,7 @@ class EcuSaid {
     std::bitset<SD_SIGNAL_COUNT> gathered_; ///< Of the cycle whose row is coming in.
     std::uint32_t gathering_tick_ = 0, cycle_tick_ = 0;
     bool synced_ = false;
-    std::size_t sync_losses_ = 0, firings_ = 0;
+    std::size_t sync_losses_ = 0, firings_ = 0, works_ = 0;
 };
 
 /// Where events go.

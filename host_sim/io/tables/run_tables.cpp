@@ -55,6 +55,15 @@ void RunTables::tooth(const EncoderEdge &truth, const EcuSaid &ecu) {
     teeth_ += '\n';
 }
 
+void RunTables::note_work(double crank_deg, const EcuSaid &ecu) {
+    const sd_signals_t &s = ecu.signals();
+    const auto lane = std::size_t(s.work_firing);
+    if (ecu.health(SD_OWNER_WORK) == SD_INVALID || lane >= engine_.firing_tdc_deg.size()) return;
+    const auto cycle = std::int64_t(std::floor((crank_deg - engine_.firing_tdc_deg[lane]) / 720));
+    works_said_[{cycle, lane}] = {double(s.work_cycle_j), double(s.work_sd_j),
+                                  s.work_cylinder > 0.5f ? std::optional(double(s.work_change_j)) : std::nullopt};
+}
+
 void RunTables::edge(const EncoderEdge &truth, double crank_deg, const EcuSaid &ecu, bool cycle_ended) {
     const sd_signals_t &s = ecu.signals();
     if (ecu.firings() != firings_) {
@@ -64,13 +73,14 @@ void RunTables::edge(const EncoderEdge &truth, double crank_deg, const EcuSaid &
         residuals_.said(crank_deg, cylinder, verdict, double(s.misfire_residual_radps2));
     }
     firings_ = ecu.firings();
+    if (std::exchange(works_, ecu.works()) != ecu.works()) note_work(crank_deg, ecu);
     tooth(truth, ecu);
     if (cycle_ended) firmware_[ended_cycle(engine_, crank_deg)] = {s, ecu.health(SD_OWNER_CYLINDER), ecu.health(SD_OWNER_AFR)};
 }
 
 std::string RunTables::cycles_csv() const {
     std::string text = "cycle,cylinder,torque_true_nm,torque_nm,sd_nm,imep_true_bar,misfire_true,misfire_index,misfire_verdict,"
-                       "misfire_acceleration,misfire_residual,rough,rpm,health,burned_true,burned,burned_sd,trim,t_s\n";
+                       "misfire_acceleration,misfire_residual,rough,rpm,health,burned_true,burned,burned_sd,trim,t_s,work_j,work_sd_j,work_change_j\n";
     const auto number = [&text](double value, int decimals) { append_fixed(text, value, decimals); };
     for (const CycleTruth &truth : truths_) {
         const auto &order = engine_.firing_order;
@@ -112,6 +122,14 @@ std::string RunTables::cycles_csv() const {
         if (heard) number(double(said->second.signals.balance_trim[truth.cylinder - 1]), 5);
         text += ',';
         number(truth.tdc_time_s, 6);
+        const auto work = works_said_.find({truth.cycle, lane});
+        const bool worked = work != works_said_.end();
+        text += ',';
+        if (worked) number(work->second.cycle_j, 3);
+        text += ',';
+        if (worked) number(work->second.sd_j, 3);
+        text += ',';
+        if (worked && work->second.change_j) number(*work->second.change_j, 3);
         text += '\n';
     }
     return text;

@@ -3,7 +3,9 @@
 #pragma once
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/engine_file.hpp"
@@ -39,6 +41,11 @@ class RunTables {
 
   private:
     void tooth(const EncoderEdge &truth, const EcuSaid &ecu);
+    void note_work(double crank_deg, const EcuSaid &ecu);
+    struct Work {
+        double cycle_j, sd_j;
+        std::optional<double> change_j;
+    };
     struct FirmwareCycle {
         sd_signals_t signals;
         std::uint8_t health, afr_health;
@@ -48,6 +55,8 @@ class RunTables {
     MisfireScore verdicts_;
     MisfireScore accelerations_, residuals_; ///< Of document 000\'s observer, kept by firing as verdicts are.
     std::size_t firings_ = 0; ///< Of which the verdict is taken.
+    std::size_t works_ = 0;   ///< Of which the work is.
+    std::map<std::pair<std::int64_t, std::size_t>, Work> works_said_; ///< By cycle of the plant and index into firing_order.
     std::string teeth_ =
         "t_s,angle_deg,rpm_true,rpm,torque_true_nm,torque_nm,class,tooth,tooth_true,health,torque_health,waveform_nm,firing_health\n";
     std::vector<CycleTruth> truths_;

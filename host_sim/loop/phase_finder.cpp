@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "loop/cycle_work.hpp"
+#include "loop/phase_finder.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,8 +7,6 @@
 namespace sixdeg {
 namespace {
 
-constexpr double kWindowDeg = 60; // In which the teeth's own errors average out, and a firing has done its work.
-constexpr std::size_t kLeastTeeth = 3;
 // Behind a firing TDC the crank is fastest some 90 deg later; at it, it is slowest.
 constexpr double kTopDeg = 30, kFromDeg = 60, kToDeg = 120;
 constexpr long kRevolutionsMax = 400;
@@ -21,35 +19,6 @@ double squared_speed(const sd_signals_t &signals) { return std::pow(double(signa
 bool is_tooth(const sd_signals_t &signals) { return int(signals.crank_edge_class) == SD_EDGE_TOOTH && signals.crank_speed_rpm > 0; }
 
 } // namespace
-
-void CycleWork::tooth(const ToothRow &row) {
-    if (int(row.signals.crank_edge_class) == SD_EDGE_UNSYNCED) {
-        std::fill(passes_.begin(), passes_.end(), std::pair<Pass, Pass>{});
-        gains_.clear(), last_tooth_ = -1;
-        return;
-    }
-    if (!is_tooth(row.signals)) return;
-    const int tooth = int(row.signals.crank_tooth);
-    if (tooth >= positions_) return;
-    revolution_ += tooth <= last_tooth_;
-    last_tooth_ = tooth;
-    auto &[newest, before] = passes_[std::size_t(tooth)];
-    const Pass now{revolution_, squared_speed(row.signals)};
-    const long at = revolution_ * positions_ + tooth;
-    if (before.revolution >= 0 && before.revolution == revolution_ - 2)
-        gains_.emplace_back(at, inertia_kgm2_ / 2 * (now.squared - before.squared));
-    before = newest, newest = now;
-    const auto in_window = [&](const std::pair<long, double> &gain) { return double(at - gain.first) * 360 / positions_ < kWindowDeg; };
-    gains_.erase(gains_.begin(), std::find_if(gains_.begin(), gains_.end(), in_window));
-}
-
-std::optional<std::pair<double, double>> CycleWork::last() const {
-    if (gains_.size() < kLeastTeeth || !(inertia_kgm2_ > 0)) return std::nullopt;
-    double sum = 0, squares = 0;
-    for (const auto &[at, gain] : gains_) sum += gain, squares += gain * gain;
-    const double count = double(gains_.size()), mean = sum / count;
-    return std::pair{mean, std::sqrt(std::max(0.0, squares - count * mean * mean) / (count - 1) / count)};
-}
 
 void PhaseFinder::tooth(std::size_t, const ToothRow &row) {
     if (ended_) return;

@@ -7,7 +7,7 @@ import tomllib
 # What no driver has, with what stands in the place of a proof.
 OTHERS = [
     (
-        "learning of tooth pattern, twist and zeros; single firings (sd_pattern.c, sd_twist.c, sd_firings.c)",
+        "learning of tooth pattern, twist and zeros; single firings; work of a cycle (sd_pattern.c, sd_twist.c, sd_firings.c, sd_work.c)",
         "no driver yet",
         "innovations and states are clamped or rejected: test_pattern, test_twist; sanitized in each",
     ),
@@ -71,7 +71,10 @@ WHAT = {
     "f32_balance": "fuel balance and its watch",
     "f32_driveline": "guard filter, document 003's observers, damping",
     "f32_airpath": "air path's diagnosis",
-    "f32_kalman": "filters on tooth times, motion, road; 4 cylinders, 8 with two modes, 12 harmonics (400 s of a busy machine were not enough)",
+    "f32_kalman": (
+        "filters on tooth times, motion, road; 4 cylinders, 8 with two modes, 12 harmonics (400 s of a busy machine were not"
+        " enough)"
+    ),
     "crank_inverse": "the contract of sd_inverse_of, which the decoder's driver uses in place of its body",
     "chain_q31": "sensor inverted, observer of cylinders, chain: step, set, reading; cycles of 24, 132, 240 positions",
     "broken": "the negative control: four faults of the kinds that matter",

@@ -7,7 +7,7 @@ import tomllib
 # What no driver has, with what stands in the place of a proof.
 OTHERS = [
     (
-        "learning of tooth pattern, twist and zeros; single firings; work of a cycle (sd_pattern.c, sd_twist.c, sd_firings.c, sd_work.c)",
+        "learning of tooth pattern, twist and zeros; single firings (sd_pattern.c, sd_twist.c, sd_firings.c)",
         "no driver yet",
         "innovations and states are clamped or rejected: test_pattern, test_twist; sanitized in each",
     ),
@@ -59,6 +59,7 @@ WHAT = {
     ),
     "crank_init": "decoder's init, any configuration at all: what it leaves is in those ranges",
     "airpath_q31": "air path's diagnosis: tables looked at, step, hold, wait; any state, tables in range, any measurements",
+    "work_q31": "work of a cycle: teeth, windows, reading by integers; any state, windows and teeth",
     "bases": "verbs of sd_bases.h for all arguments; two by the contracts that every_number tries",
     "saturate": "the contract of sd_sat_q31, which the last two use in place of its body",
     "f32_fourier": "torque observer; every twelfth number of positions",

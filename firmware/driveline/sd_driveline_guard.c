@@ -57,19 +57,22 @@ static float road_nm(const sd_driveline_tables_t *t, float wheel_radps) {
  * errs by less than a tooth's jitter does. */
 static void propagate(sd_driveline_guard_t *self, const sd_driveline_tables_t *t, float ratio, float h) {
     float *x = self->x;
-    const float half = 0.5f * h, torque = self->torque_nm + x[SD_DRIVELINE_BIAS], road = road_nm(t, x[SD_DRIVELINE_WHEEL]);
+    const float torque = self->torque_nm + x[SD_DRIVELINE_BIAS], road = road_nm(t, x[SD_DRIVELINE_WHEEL]);
     const law_t law = law_of(t, self->by_angle);
     const float speed = x[SD_DRIVELINE_SPEED], wheel = x[SD_DRIVELINE_WHEEL], twist = x[SD_DRIVELINE_TWIST];
+    /* read before anything is written, so that each is read once */
+    const float half = 0.5f * h, damping = t->damping_nms, viscous = t->viscous_nms, pitch = t->pitch_rad;
+    const float half_engine = half * t->per_inertia, half_vehicle = half * t->per_vehicle;
     const float winding = ratio * speed - wheel;
-    const float shaft = law.stiffness_nmprad * twist + law.constant_nm + t->damping_nms * winding;
-    const float half_speed = speed + half * t->per_inertia * (torque - t->viscous_nms * speed - ratio * shaft);
-    const float half_wheel = wheel + half * t->per_vehicle * (shaft - road);
+    const float shaft = law.stiffness_nmprad * twist + law.constant_nm + damping * winding;
+    const float half_speed = speed + half_engine * (torque - viscous * speed - ratio * shaft);
+    const float half_wheel = wheel + half_vehicle * (shaft - road);
     const float half_winding = ratio * half_speed - half_wheel;
-    const float half_shaft = law.stiffness_nmprad * (twist + half * winding) + law.constant_nm + t->damping_nms * half_winding;
-    x[SD_DRIVELINE_PHASE] += h * half_speed - t->pitch_rad;
-    x[SD_DRIVELINE_SPEED] = speed + h * t->per_inertia * (torque - t->viscous_nms * half_speed - ratio * half_shaft);
+    const float half_shaft = law.stiffness_nmprad * (twist + half * winding) + law.constant_nm + damping * half_winding;
+    x[SD_DRIVELINE_PHASE] += h * half_speed - pitch;
+    x[SD_DRIVELINE_SPEED] = speed + 2.0f * half_engine * (torque - viscous * half_speed - ratio * half_shaft);
     x[SD_DRIVELINE_TWIST] = twist + h * half_winding;
-    x[SD_DRIVELINE_WHEEL] = wheel + h * t->per_vehicle * (half_shaft - road);
+    x[SD_DRIVELINE_WHEEL] = wheel + 2.0f * half_vehicle * (half_shaft - road);
     x[SD_DRIVELINE_WHEEL_PHASE] += h * half_wheel;
 }
 
@@ -84,6 +87,7 @@ static void blend(const sd_driveline_gain_t *octaves, float h_over_shortest, sd_
 }
 
 static void correct(sd_driveline_guard_t *self, const sd_driveline_gain_t *gain, float late) {
+    _Pragma("GCC unroll 6")
     for (uint32_t i = 0; i < (uint32_t)SD_DRIVELINE_STATES; ++i) { self->x[i] += gain->of[i] * late; }
 }
 
@@ -134,9 +138,11 @@ static void judge(sd_driveline_guard_t *self, const sd_driveline_tables_t *t, co
     out->status.rejected = self->rejected;
 }
 
-/* Where the shaft stands, and what is said of it. */
-static void say(sd_driveline_guard_t *self, const sd_driveline_tables_t *t, float ratio, float step, float late, sd_driveline_out_t *out) {
-    const float twist = self->x[SD_DRIVELINE_TWIST], winding = ratio * self->x[SD_DRIVELINE_SPEED] - self->x[SD_DRIVELINE_WHEEL];
+/* Where the shaft stands, and what is said of it. The filter's crank is lead_rad ahead of the real one, and so is its end of the shaft. */
+static void say(sd_driveline_guard_t *self, const sd_driveline_tables_t *t, float ratio, float step, float lead, float late,
+                sd_driveline_out_t *out) {
+    const float twist = self->x[SD_DRIVELINE_TWIST] - ratio * lead;
+    const float winding = ratio * self->x[SD_DRIVELINE_SPEED] - self->x[SD_DRIVELINE_WHEEL];
     const uint8_t by_angle = location_of(twist, t->kink_rad);
     const law_t law = law_of(t, by_angle);
     const float spring = law.stiffness_nmprad * twist + law.constant_nm;
@@ -185,20 +191,22 @@ void sd_driveline_guard_step(sd_driveline_guard_t *self, const sd_driveline_tabl
     } else {
         const float h = (tooth->advance == 1u) ? step : step / (float)tooth->advance;
         for (uint32_t k = 0; k < tooth->advance; ++k) { propagate(self, t, gear->ratio, h); }
-        late = tooth->place_rad - self->x[SD_DRIVELINE_PHASE];
+        late = tooth->place_rad + tooth->lead_rad - self->x[SD_DRIVELINE_PHASE];
         const bool near = __builtin_fabsf(late) <= t->reject_rad;
         taken = near && (tooth->health == (uint8_t)SD_VALID);
         if (taken) {
             correct_by_tooth(self, t, gear, step, late);
             self->mean_late_rad += (late - self->mean_late_rad) * (1.0f / MEAN_TEETH);
         }
-        if ((self->settled_s >= GRACE * t->settle_s) && (__builtin_fabsf(self->mean_late_rad) > t->doubt_rad)) {
-            self->settled_s = self->mean_late_rad = 0.0f; /* it is not where it believes to be */
+        if (self->settled_s < GRACE * t->settle_s) {
+            self->settled_s += step;
+        } else if (__builtin_fabsf(self->mean_late_rad) > t->doubt_rad) {
+            self->mean_late_rad = 0.0f; /* it is not where it believes to be */
+            self->settled_s = step;
         }
         self->strikes = (uint8_t)(near ? 0u : self->strikes + 1u);
-        if (self->settled_s < GRACE * t->settle_s) { self->settled_s += step; }
     }
-    say(self, t, gear->ratio, step, late, out);
+    say(self, t, gear->ratio, step, tooth->lead_rad, late, out);
     judge(self, t, tooth, taken, out);
     if (self->strikes >= STRIKES_MOST) { self->gear = 0; }
 }

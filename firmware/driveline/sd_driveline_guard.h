@@ -35,6 +35,9 @@ typedef struct sd_driveline_tooth {
     /// Of the engine at the crank, mean over the interval, friction taken off; not finite or beyond 20000: the last good one holds.
     float    torque_nm;
     float    place_rad;    ///< How far behind its nominal place the tooth stands on the wheel; 0 where the pattern is not known.
+    /// How far a crank of constant inertia is ahead of the real one at this tooth, rad. It counts for the tooth's place as place_rad does;
+    /// what is said of torsion and location is that of the real crank. 0 where the inertia does not vary.
+    float    lead_rad;
 } sd_driveline_tooth_t;
 
 /// What is said at a tooth.

@@ -74,11 +74,17 @@ static void step_torque(sd_ecu_t *self, const sd_calibration_t *page, const sd_t
     sd_course_add(&self->course, tooth, good);
 }
 
+/* The gear that is in with the clutch closed, as far as anybody says so. */
+static uint8_t gear_of(const sd_inputs_t *inputs) {
+    const bool shifting = sd_inputs_value(inputs, SD_INPUT_DRIVELINE_SHIFT) > 0.5f;
+    return shifting ? (uint8_t)0u : (uint8_t)sd_inputs_value(inputs, SD_INPUT_DRIVELINE_GEAR);
+}
+
 /* firings: NULL where no filter runs, and document 000's observer judges alone. */
 static void judge_firing(sd_ecu_t *self, const sd_calibration_t *page, uint32_t firing, bool phase_known, const sd_firings_out_t *firings) {
     sd_stage_misfire_in_t in = { .firing = firing,
                                  .phase_known = phase_known,
-                                 .geared = self->driveline_word != (uint8_t)SD_DRIVELINE_UNKNOWN,
+                                 .geared = gear_of(&self->inputs) != 0u,
                                  .shifting = sd_inputs_value(&self->inputs, SD_INPUT_DRIVELINE_SHIFT) > 0.5f,
                                  .level_known = sd_inputs_fresh(&self->inputs, SD_INPUT_FUEL_LEVEL),
                                  .fuel_level_percent = sd_inputs_value(&self->inputs, SD_INPUT_FUEL_LEVEL) };
@@ -97,12 +103,6 @@ static void judge_firing(sd_ecu_t *self, const sd_calibration_t *page, uint32_t 
     sd_status_t status = self->misfire.status;
     sd_inputs_judge(&self->inputs, SD_OWNER_MISFIRE, &status);
     sd_publish_judge(&self->say, SD_OWNER_MISFIRE, &status);
-}
-
-/* The gear that is in with the clutch closed, as far as anybody says so. */
-static uint8_t gear_of(const sd_inputs_t *inputs) {
-    const bool shifting = sd_inputs_value(inputs, SD_INPUT_DRIVELINE_SHIFT) > 0.5f;
-    return shifting ? (uint8_t)0u : (uint8_t)sd_inputs_value(inputs, SD_INPUT_DRIVELINE_GEAR);
 }
 
 static void step_driveline(sd_ecu_t *self, const sd_page_driveline_t *driveline, const sd_tooth_t *tooth, const sd_firings_out_t *firings) {

@@ -47,6 +47,14 @@ void sd_stage_driveline_restart(sd_stage_driveline_t *self, uint16_t why) {
 
 /* ---- on the tooth -------------------------------------------------------------------------------------------------- */
 
+#define MEAN_TEETH 64.0f /* about a revolution */
+
+/* The torque that a shaft which begins to be watched is believed to hold: no tooth's, which a firing may lift by hundreds of N m. */
+static float mean_torque(sd_stage_driveline_t *self, float torque_nm) {
+    self->mean_nm += (torque_nm - self->mean_nm) * (1.0f / MEAN_TEETH);
+    return self->mean_nm;
+}
+
 /* A period of the firings is 2 positions / cylinders long; where the filter begins anew, so does the period. */
 static void follow_winding(sd_stage_driveline_t *self, const sd_page_driveline_t *driveline, const sd_tooth_t *tooth, float step_s,
                            float last_radps) {
@@ -78,14 +86,17 @@ void sd_stage_driveline_tooth(sd_stage_driveline_t *self, const sd_page_drivelin
     const sd_driveline_tables_t *tables = &driveline->tables;
     const float step_s = (float)tooth->period_ticks * tables->tick_s;
     const bool known = in->torque.health != (uint8_t)SD_INVALID;
+    /* over the interval; the viscous part of friction is the filter's */
+    const float torque_nm = known ? 0.5f * (in->engine_nm + self->before_nm) - driveline->drag_nm : self->guard.torque_nm;
+    const float mean_nm = mean_torque(self, torque_nm);
     const sd_driveline_tooth_t seen = {
         .period_ticks = tooth->period_ticks,
         .advance = tooth->advance,
         .health = tooth->health,
         .gear = in->gear,
-        /* over the interval; the viscous part of friction is the filter's */
-        .torque_nm = known ? 0.5f * (in->engine_nm + self->before_nm) - driveline->drag_nm : self->guard.torque_nm,
-        .place_rad = driveline->place_rad[tooth->position] + in->late_rad,
+        .torque_nm = (self->guard.gear == in->gear) ? torque_nm : mean_nm,
+        .place_rad = in->late_rad,
+        .lead_rad = driveline->place_rad[tooth->position],
     };
     self->before_nm = in->engine_nm;
     self->tick = tooth->tick;

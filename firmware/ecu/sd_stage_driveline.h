@@ -42,6 +42,7 @@ typedef struct sd_stage_driveline {
     sd_driveline_out_t        out;        ///< Of the last tooth.
     sd_driveline_hybrid_out_t reference;  ///< Of the last task.
     float    before_nm;    ///< Torque of all cylinders at the last tooth.
+    float    mean_nm;      ///< Of the engine, over some 64 teeth.
     float    torque_nms;   ///< Torque told since the last task, times time,
     float    task_s;       ///< and that time.
     uint32_t tick;         ///< Of the last placed tooth.

@@ -44,7 +44,7 @@ typedef struct sd_stage_misfire_in {
     float   energy_j;           ///< Kinetic energy of the crank.
     float   speed_radps;
     bool    phase_known;
-    bool    geared;             ///< The driveline's observer knows that a gear is in and the clutch closed.
+    bool    geared;             ///< It is known that a gear is in and the clutch closed.
     bool    shifting;           ///< The controller says that a gear is being shifted.
     bool    level_known;
     float   fuel_level_percent; ///< Where known.

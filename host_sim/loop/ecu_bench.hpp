@@ -35,6 +35,7 @@ class EcuBench : public EcuFeed {
     const sd_signals_t &signals() const { return said_.signals(); }
     std::uint8_t health(sd_owner_t owner) const { return said_.health(owner); }
     const sd_crank_t &crank() const { return ecu_.crank; }
+    const sd_ecu_t &ecu() const { return ecu_; }
     /// Tooth pattern as learned so far, and learning that goes on from one kept. False: it is of another wheel.
     const sd_pattern_t &pattern() const { return ecu_.firings.pattern; }
     sd_pattern_sums_t learned() const {

@@ -26,9 +26,9 @@ class Driveline(Folder):
         self.assertEqual(found["rows"], 6001)
         self.assertGreater(found["changes"], 10)
         self.assertGreater(found["told_percent"], 98)
-        self.assertLess(found["wrong_percent"], 0.7)
-        self.assertLess(found["torsion_rms_rad"], 1.2e-3)
-        self.assertGreater(found["torsion_rms_rad"], 1e-4)
+        self.assertLess(found["wrong_percent"], 0.1)
+        self.assertLess(found["torsion_rms_rad"], 3e-4)
+        self.assertGreater(found["torsion_rms_rad"], 5e-5)
         self.assertGreater(found["reference_wrong_percent"], 10)  # the published bank, on teeth
         self.assertEqual(found["largest_request_nm"], 0)
 
@@ -40,10 +40,10 @@ class Driveline(Folder):
     def test_another_gear_and_an_open_clutch(self):
         more = ("--set", "run.duration_s=12", "--set", "vehicle.clutch_open_s=[4, 6]", "--set", "vehicle.shift=[{at_s = 9, gear = 3}]")
         found = self.run_it(DRIVE, *more)["driveline"]
-        self.assertLess(found["told_percent"], 80)  # 2.8 s, and 0.5 s to settle after each
-        self.assertGreater(found["told_percent"], 60)
-        self.assertLess(found["wrong_percent"], 12)  # docs/driveline.md says what is missed here
-        self.assertGreater(found["wrong_percent"], 5)
+        self.assertLess(found["told_percent"], 60)  # 2.8 s, and a second to settle after each and at the start
+        self.assertGreater(found["told_percent"], 45)
+        self.assertLess(found["wrong_percent"], 1)
+        self.assertLess(found["torsion_rms_rad"], 5e-3)
 
     def test_misfires_while_the_car_shuffles(self):
         summary = self.run_it(SHUFFLE)
@@ -51,6 +51,13 @@ class Driveline(Folder):
         self.assertGreater(misfire["detected"]["of"], 20)
         self.assertEqual(misfire["detected"]["hits"], misfire["detected"]["of"])
         self.assertEqual(misfire["false_alarms"]["hits"], 0)
+
+    def test_a_gear_that_is_told_is_no_shift(self):
+        rough = ("--set", "load.road_rms_nm=60", "--set", "cyclic.cov_percent=20", "--set", "encoder.jitter_deg=0.01")
+        told = self.run_it(SHUFFLE, *rough)["misfire"]["not_judged"]
+        silent = self.run_it(SHUFFLE, *rough, "--set", "vehicle.tell_gear=false")["misfire"]["not_judged"]
+        self.assertLess(told, 0.25 * silent)
+        self.assertGreater(silent, 300)
 
     def test_a_car_needs_a_driveline(self):
         done = subprocess.run([os.environ["SIXDEG"], "run", str(DATA / "scenarios" / "tip_in.toml"), "--set", "vehicle.gear=1"],

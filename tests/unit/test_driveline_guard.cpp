@@ -124,6 +124,29 @@ TEST(Guard, ToothPattern) {
     EXPECT_LT(known.twist_rms_rad, unknown.twist_rms_rad);
 }
 
+// A crank whose inertia varies turns so that one of constant inertia is ahead of it by a sine. Its shaft turns with the crank.
+TEST(Guard, VaryingInertiaMovesNoTorsion) {
+    constexpr double kLead = 4e-3, kSpeed = 200, kTicks = 1e6;
+    Running plain, varying;
+    const auto tooth_at = [](int k, double lead_of) {
+        const auto time = [&](int n) { return (n * kPi / 30 + lead_of * std::sin(n * kPi / 15)) / kSpeed; };
+        sd_driveline_tooth_t tooth = steady_tooth();
+        tooth.period_ticks = std::uint32_t(std::llround(kTicks * time(k)) - std::llround(kTicks * time(k - 1)));
+        tooth.lead_rad = float(lead_of * std::sin(k * kPi / 15));
+        return tooth;
+    };
+    double largest = 0;
+    for (int k = 1; k <= 6000; ++k) {
+        const sd_driveline_tooth_t tooth = tooth_at(k, kLead);
+        varying.step(tooth);
+        plain.step(tooth_at(k, 0));
+        const double apart = double(varying.out.twist_rad) + 0.125 * double(tooth.lead_rad) - double(plain.out.twist_rad);
+        if (k > 5000) largest = std::max(largest, std::abs(apart));
+    }
+    EXPECT_LT(largest, 0.02 * 0.125 * kLead); // what is left is of the whole ticks of the teeth
+    EXPECT_EQ(varying.out.status.health, SD_VALID);
+}
+
 TEST(Guard, Manoeuvres) {
     for (const Manoeuvre &m : manoeuvres()) {
         const DriveFigures f = run_manoeuvre(m, usual_drive());

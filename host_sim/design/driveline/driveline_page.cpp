@@ -16,12 +16,13 @@ namespace {
 
 constexpr double kTaskS = 0.01;
 constexpr double kMovingRadps = 0.1; // from firing to firing
+constexpr double kSettleS = 1;       // the first torque is a mean that may be 3 N m off, and so is the torsion that goes with it
 
-/// What the ecu's own torque is worth: late by a firing, a few N m off for a while, and what it leaves of the firings' ripple in the teeth.
+/// What the ecu's own torque is worth: late by a firing and a few N m off, so that what it lacks may be another within tenths of a second.
 GuardBelief ecu_belief() {
     GuardBelief b;
-    b.torque_noise_nm = 0.3;
-    b.bias_walk_nm = 10;
+    b.torque_noise_nm = 0.1;
+    b.bias_walk_nm = 100;
     b.doubt_rad = 6e-3;
     return b;
 }
@@ -75,6 +76,7 @@ sd_page_driveline_t driveline_page(const EngineFile &engine, const DrivelineFile
     page.wheel = SD_WHEEL_FRONT_LEFT;
     page.firing_positions = std::uint16_t(std::max(1, 2 * engine.wheel.positions / engine.cylinders()));
     page.tables.moving_radps = float(kMovingRadps);
+    page.tables.settle_s = float(kSettleS);
     fill_places(engine, page);
     return page;
 }

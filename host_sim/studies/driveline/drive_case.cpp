@@ -7,7 +7,6 @@ namespace sixdeg {
 namespace {
 
 constexpr double kTickHz = 30e6;
-constexpr double kMatchS = 0.1;
 constexpr std::uint32_t kDriver = 1, kJitter = 2, kPattern = 3, kWheelJitter = 4; // random streams
 
 /// Torque at the crank over time: holds and ramps, drawn as the drive goes on, so that the speed stays where it should.
@@ -43,20 +42,6 @@ ToothedWheel crank_wheel(const DriveCase &c) {
 
 ToothedWheel road_wheel(const DriveCase &c) { return {c.belief.wheel_positions, 0, c.wheel_jitter_deg * kRadPerDeg, {}}; }
 
-void fill_delays(std::vector<double> delays, DriveFigures &figures) {
-    if (delays.empty()) return;
-    double sum = 0, squares = 0;
-    for (double &d : delays) {
-        sum += d;
-        squares += d * d;
-        d = std::abs(d);
-    }
-    std::sort(delays.begin(), delays.end());
-    figures.delay_mean_s = sum / double(delays.size());
-    figures.delay_rms_s = std::sqrt(squares / double(delays.size()));
-    figures.delay_p95_s = delays[std::size_t(0.95 * double(delays.size() - 1))];
-}
-
 } // namespace
 
 DriveCase usual_drive() {
@@ -86,13 +71,8 @@ void DriveRig::step(const DriverInput &input, double until_s) {
     const double h = to.time_s - from.time_s;
     torque_sum_ += input.torque_nm * h;
     torque_s_ += h;
-    const bool counts = to.time_s > count_from_s_, told = out_.status.health != SD_INVALID;
-    if (counts && told && car_.changes().size() > changes) real_.push_back(car_.changes().back());
-    if (counts) {
-        all_s_ += h;
-        (told ? counted_s_ : invalid_s_) += h;
-        if (told && estimate_ != car_.location()) wrong_s_ += h;
-    }
+    if (car_.changes().size() > changes) score_.changed(car_.changes().back());
+    score_.pass(to.time_s, h, car_.location());
     edges_.clear();
     wheel_edges_.clear();
     crank_teeth_.pass({from.time_s, from.angle_rad, from.speed_radps}, {to.time_s, to.angle_rad, to.speed_radps}, edges_);
@@ -118,46 +98,12 @@ void DriveRig::tooth(const ToothEdge &edge, const DriverInput &input) {
     if (drive_.pattern_known && drive_.pattern_deg > 0) tooth.place_rad = float(wheel_.pattern_rad[std::size_t(edge.position)]);
     torque_sum_ = torque_s_ = 0;
     sd_driveline_guard_step(&filter_, &tables_, &tooth, &out_);
-    const Location before = estimate_;
-    estimate_ = out_.location;
-    if (edge.time_s < count_from_s_ || out_.status.health == SD_INVALID) return;
-    if (estimate_ != before) found_.push_back({edge.time_s, before, estimate_});
-    const double weight = double(ticks) / kTickHz;
-    const double twist = out_.twist_rad - car_.state().twist_rad, shaft = out_.shaft_nm - car_.ratio() * car_.shaft_nm();
-    twist_squares_ += twist * twist * weight;
-    shaft_squares_ += shaft * shaft * weight;
-    bias_sum_ += out_.bias_nm * weight;
-    teeth_s_ += weight;
+    score_.said(edge.time_s, double(ticks) / kTickHz, out_, double(out_.twist_rad) - car_.state().twist_rad,
+                double(out_.shaft_nm) - car_.ratio() * car_.shaft_nm());
 }
 
-// Both what was there and what was found are in order of time.
 DriveFigures DriveRig::figures() const {
-    DriveFigures figures;
-    std::vector<double> delays;
-    std::vector<bool> used(found_.size(), false);
-    std::size_t first = 0;
-    for (const LocationChange &change : real_) {
-        figures.transitions++;
-        while (first < found_.size() && found_[first].time_s < change.time_s - kMatchS) first++;
-        std::size_t best = found_.size();
-        const auto distance = [&](std::size_t i) { return std::abs(found_[i].time_s - change.time_s); };
-        for (std::size_t i = first; i < found_.size() && found_[i].time_s < change.time_s + kMatchS; ++i) {
-            if (!used[i] && found_[i].to == change.to && (best == found_.size() || distance(i) < distance(best))) best = i;
-        }
-        if (best == found_.size()) {
-            figures.missed++;
-            continue;
-        }
-        used[best] = true;
-        delays.push_back(found_[best].time_s - change.time_s);
-    }
-    for (const bool each : used) figures.extra += !each;
-    fill_delays(std::move(delays), figures);
-    figures.wrong_percent = 100 * wrong_s_ / counted_s_;
-    figures.told_percent = 100 * (1 - invalid_s_ / all_s_);
-    figures.twist_rms_rad = std::sqrt(twist_squares_ / teeth_s_);
-    figures.shaft_rms_nm = std::sqrt(shaft_squares_ / teeth_s_);
-    figures.bias_mean_nm = bias_sum_ / teeth_s_;
+    DriveFigures figures = score_.figures();
     figures.rejected = filter_.rejected;
     return figures;
 }

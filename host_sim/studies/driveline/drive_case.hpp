@@ -7,6 +7,7 @@
 #include "design/driveline/guard_design.hpp"
 #include "plant/vehicle/vehicle_model.hpp"
 #include "plant/vehicle/vehicle_teeth.hpp"
+#include "studies/driveline/drive_score.hpp"
 
 namespace sixdeg {
 
@@ -28,17 +29,6 @@ struct DriveCase {
 
 /// A car of document 003's size in second gear: canonical driveline, rolling resistance and drag.
 DriveCase usual_drive();
-
-struct DriveFigures {
-    /// True ones while the estimate was told; not found within 100 ms; found where there was none.
-    int transitions = 0, missed = 0, extra = 0;
-    double delay_mean_s = 0, delay_rms_s = 0, delay_p95_s = 0; ///< p95: of its magnitude.
-    double wrong_percent = 0;                   ///< Of the time that counts: settled, and in a gear.
-    double twist_rms_rad = 0, shaft_rms_nm = 0; ///< The second at the crank.
-    double bias_mean_nm = 0;
-    double told_percent = 100; ///< Of the time in which the estimate was not invalid.
-    int rejected = 0;
-};
 
 /// What the driver does.
 struct DriverInput {
@@ -62,7 +52,7 @@ class DriveRig {
     DriveFigures figures() const;
     /// A fault: the filter believes in another torsion from now on.
     void put_twist(double twist_rad) { filter_.x[SD_DRIVELINE_TWIST] = float(twist_rad); }
-    void count_from(double from_s) { count_from_s_ = from_s; }
+    void count_from(double from_s) { score_.count_from(from_s); }
 
   private:
     void tooth(const ToothEdge &edge, const DriverInput &input);
@@ -76,11 +66,8 @@ class DriveRig {
     sd_driveline_guard_t filter_;
     sd_driveline_out_t out_{};
     std::vector<ToothEdge> edges_, wheel_edges_;
-    std::vector<LocationChange> real_, found_; ///< While the estimate was told.
-    Location estimate_ = 0;
-    double count_from_s_ = 5;
+    DriveScore score_;
     double last_edge_s_ = 0, torque_sum_ = 0, torque_s_ = 0;
-    double twist_squares_ = 0, shaft_squares_ = 0, bias_sum_ = 0, teeth_s_ = 0, counted_s_ = 0, wrong_s_ = 0, all_s_ = 0, invalid_s_ = 0;
 };
 
 /// A drive in one gear between 1300 and 2900 rpm: tip-ins and tip-outs of random size every 0.6 to 3 s.

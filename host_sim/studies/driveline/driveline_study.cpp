@@ -7,6 +7,7 @@
 #include "common/files.hpp"
 #include "plant/engine/units.hpp"
 #include "studies/driveline/damping_case.hpp"
+#include "studies/driveline/engine_tables.hpp"
 #include "studies/driveline/figure_six.hpp"
 #include "studies/driveline/manoeuvres.hpp"
 
@@ -117,20 +118,6 @@ void teeth(const Options &) {
 
 // ---- the guard filter ----------------------------------------------------------------------------------------------------
 
-void header(const char *title) {
-    fmt::print("\n{:<46}{:>8}{:>8}{:>7}{:>8}{:>8}{:>8}{:>9}{:>10}{:>8}{:>8}{:>8}\n", title, "changes", "missed", "extra", "mean", "rms",
-               "p95", "wrong %",
-               "torsion", "shaft", "bias", "told %");
-}
-
-void print(const std::string &name, const DriveFigures &f) {
-    fmt::print("{:<46}{:>8}{:>8}{:>7}{:>8.2f}{:>8.2f}{:>8.2f}{:>9.3f}{:>10.1e}{:>8.3f}{:>8.2f}{:>8.1f}\n", name, f.transitions, f.missed,
-               f.extra,
-               1e3 * f.delay_mean_s, 1e3 * f.delay_rms_s, 1e3 * f.delay_p95_s, f.wrong_percent, f.twist_rms_rad, f.shaft_rms_nm,
-                   f.bias_mean_nm,
-               f.told_percent);
-}
-
 struct Row {
     std::string name;
     std::function<void(DriveCase &)> change;
@@ -163,14 +150,14 @@ void drive(const Options &options) {
                                   {"tooth pattern 0.1 deg, not learned", [](DriveCase &c) { c.pattern_deg = 0.1; }},
                                   {"tooth pattern 0.1 deg, learned", [](DriveCase &c) { c.pattern_deg = 0.1, c.pattern_known = true; }}};
     const auto table = [&](const char *title, const std::vector<Row> &rows, const std::function<void(DriveCase &)> &all) {
-        header(title);
+        print_drive_header(title);
         for (const Row &row : rows) {
             DriveCase c = usual_drive();
             c.duration_s = options.seconds;
             c.seed = options.seed;
             all(c);
             row.change(c);
-            print(row.name, run_drive(c));
+            print_drive(row.name, run_drive(c));
         }
     };
     fmt::print("\n{:.0f} s of driving; delays in ms, torsion in rad rms, torque of the shaft and bias at the crank in N m\n",
@@ -186,12 +173,31 @@ void drive(const Options &options) {
     });
 }
 
+/// What is missing laid to the road in place of the engine.
+void slope(const Options &options) {
+    print_drive_header("the road's torque walks, the engine's is believed");
+    const Row rows[] = {{"nominal", [](DriveCase &) {}},
+                        {"torque told 3 N m too high", [](DriveCase &c) { c.torque_error_nm = 3; }},
+                        {"a slope of 50 N m that nobody knows of", [](DriveCase &c) { c.slope_nm = 50; }}};
+    for (const double walk : {1.0, 5.0}) {
+        for (const Row &row : rows) {
+            DriveCase c = usual_drive();
+            c.duration_s = options.seconds;
+            c.seed = options.seed;
+            c.belief.bias_walk_nm = 0.01;
+            c.belief.road_walk_radps = walk;
+            row.change(c);
+            print_drive(fmt::format("{:g} rad/s a second: {}", walk, row.name), run_drive(c));
+        }
+    }
+}
+
 void print_manoeuvres(const Options &options) {
-    header("manoeuvres, guard in angle");
+    print_drive_header("manoeuvres, guard in angle");
     for (const Manoeuvre &m : manoeuvres()) {
         DriveCase c = usual_drive();
         c.seed = options.seed;
-        print(m.name, run_manoeuvre(m, c));
+        print_drive(m.name, run_manoeuvre(m, c));
     }
 }
 
@@ -217,12 +223,16 @@ void damping(const Options &) {
     }
 }
 
+void own_torque(const Options &options) { print_own_torque(options.seconds, options.seed); }
+void misfire(const Options &options) { print_shuffle_misfires(options.seconds, options.seed); }
+
 struct Part {
     const char *name;
     void (*print)(const Options &);
 };
-constexpr Part kParts[] = {{"figure-6", figure_6}, {"ambiguity", ambiguity}, {"teeth", teeth}, {"drive", drive},
-                           {"manoeuvres", print_manoeuvres}, {"damping", damping}};
+constexpr Part kParts[] = {{"figure-6", figure_6}, {"ambiguity", ambiguity}, {"teeth", teeth}, {"drive", drive}, {"slope", slope},
+                           {"manoeuvres", print_manoeuvres}, {"damping", damping},
+                           {"own-torque", own_torque}, {"misfire", misfire}};
 
 } // namespace
 

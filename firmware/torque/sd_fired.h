@@ -93,10 +93,10 @@ void sd_fired_resume(sd_fired_t *self, const sd_kalman_tables_t *tables, const s
 /// Whether *sums may be of such a wheel.
 bool sd_fired_sums_ok(const sd_fired_sums_t *sums, const sd_kalman_tables_t *tables);
 
-/// A trusted tooth while fuel burns, after the settled filter has taken it. cycle_rad has room for a
-/// cycle, and belongs to this block for the cycle that it sees and the next. fuel_mg: commanded, below 0 where it is not known. corrected: the
-/// filter has the teeth corrected by a learned pattern; what it reads without is too far off to tell of hidden directions. burdened: the tooth
-/// has other work than its own.
+/// A trusted tooth while fuel burns, after the settled filter has taken it. cycle_rad has room for a cycle, and belongs to this block
+/// for the cycle that it sees and the next. fuel_mg: commanded, below 0 where it is not known. corrected: the filter has the teeth
+/// corrected by a learned pattern; what it reads without is too far off to tell of hidden directions. burdened: the tooth has other
+/// work than its own.
 /// Returns true when the pattern changed.
 bool sd_fired_step(sd_fired_t *self, const sd_kalman_tables_t *tables, sd_fired_sums_t *sums, float *cycle_rad, const sd_kalman_t *kalman,
                    const sd_kalman_tooth_t *tooth, float fuel_mg, bool corrected, bool burdened);

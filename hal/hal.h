@@ -20,7 +20,7 @@ extern "C" {
 typedef enum sd_event_kind {
     SD_EVENT_CRANK_EDGE = 1,  ///< In. tick: capture time of an edge of the crank wheel.
     SD_EVENT_CAM_EDGE   = 2,  ///< In. tick: capture time of the cam edge.
-    SD_EVENT_TIME       = 3,  ///< In, every 10 ms. tick: now. Answered by SD_EVENT_DONE.
+    SD_EVENT_TIME       = 3,  ///< In, every 10 ms. tick: now; flags: SD_TIME_PUT_OFF or 0. Answered by SD_EVENT_DONE.
     SD_EVENT_SAMPLE     = 4,  ///< In. A sensor was read at tick. channel: sd_input_t; value: IEEE 754 bits.
     SD_EVENT_WHEEL_EDGE = 5,  ///< In. tick: capture time of an edge of another toothed wheel; channel: sd_wheel_t. Taken where the
                               ///< page has a driveline with such teeth; otherwise it is neither counted as unknown nor answered.
@@ -29,10 +29,14 @@ typedef enum sd_event_kind {
                               ///< Out, its answer. value: what holds now; flags: command | sd_parameter_result_t << 8.
     SD_EVENT_LATE       = 10, ///< In. From here on the port lets the ecu leave out work, since teeth come faster than they are handled.
                               ///< value: how much, sd_shed_t; flags: teeth that came too early so far, wraps.
+    SD_EVENT_TASK       = 11, ///< In. What the last SD_EVENT_TIME put off is done (sd_ecu_task_run, else it is done here) and is said now.
+                              ///< value: further clock events that came due before it was done; above 0 it was late.
     SD_EVENT_SIGNAL     = 16, ///< Out. channel: sd_signal_t; value: IEEE 754 bits; flags: health | why << 8 (16 bits).
     SD_EVENT_DONE       = 17, ///< Out. tick: of the SD_EVENT_TIME up to which all is handled and said; value: signals
                               ///< the port had no room for; flags: events ignored since the start.
 } sd_event_kind_t;
+
+#define SD_TIME_PUT_OFF 1u ///< The long part of the 10 ms task, and what follows it, wait for SD_EVENT_TASK.
 
 /// Toothed wheels beside crank and cam. A bus has room for 14.
 typedef enum sd_wheel {

@@ -9,6 +9,10 @@ enum { SETTLE = 8, SETTLE_SLOW = 200 }; /* cycles */
 
 #define START_LAMBDA 0.5f
 #define REJECT_SD    8.0f
+#define REST_LEAST   (1.0f / 6.0f) /* of the drift, at rest */
+#define REST_KEEP    0.9f          /* a cycle */
+#define TRIM_MOVES   0.004f        /* of fuel, in a cycle */
+#define POINT_MOVES  0.005f        /* of speed and intake pressure, in a cycle */
 
 static bool is_chain(const sd_afr_t *self) { return self->config.method != SD_AFR_JOINT; }
 static bool is_fixed(const sd_afr_t *self) { return self->config.fixed_point != 0u; }
@@ -73,12 +77,29 @@ sd_result_t sd_afr_init(sd_afr_t *self, const sd_afr_config_t *config, const sd_
         if (is_chain(self)) { (void)sd_afr_chain_init_f32(&self->chain, &chain); } else { (void)sd_afr_joint_init(&self->joint, &joint); }
     }
     self->mean_lambda = START_LAMBDA;
+    self->restless = 1.0f;
     return SD_OK;
+}
+
+float sd_afr_drift(const sd_afr_t *self) {
+    return (self->slow != 0u) ? self->config.drift_slow : self->restless * self->config.drift;
+}
+
+static bool is_near(float now, float before) { return sd_within(now, before * (1.0f - POINT_MOVES), before * (1.0f + POINT_MOVES)); }
+
+/* Whether anything is known to move: the operating point, or a cylinder by itself, which is a jump. */
+static void settle(sd_afr_t *self, const sd_afr_conditions_t *at) {
+    const sd_afr_conditions_t *before = &self->point.at;
+    const bool jumped = self->joint.jumps != self->jumps, still = is_near(at->speed_radps, before->speed_radps) && is_near(at->intake_bar, before->intake_bar);
+    self->jumps = self->joint.jumps;
+    if (jumped || !still || (self->cycles < SETTLE)) { self->restless = 1.0f; return; }
+    self->restless *= REST_KEEP;
+    if (self->restless < REST_LEAST) { self->restless = REST_LEAST; }
 }
 
 static void set_joint(sd_afr_t *self, const sd_afr_grid_t *grid, float speed, float step_s) {
     const float lambda = (self->mean_lambda > 0.05f) ? self->mean_lambda : 0.05f;
-    const float drift = (self->slow != 0u) ? self->config.drift_slow : self->config.drift;
+    const float drift = sd_afr_drift(self);
     const float tau1_s = grid->tau1_s * (1.0f + self->known.lag), tau2_s = grid->tau2_s * (1.0f + self->known.lag);
     self->doubt = sd_afr_delay_doubt(&self->known, speed, tau1_s, tau2_s);
     self->joint.config.tau1_s = tau1_s;
@@ -111,6 +132,7 @@ void sd_afr_cycle(sd_afr_t *self, const sd_afr_conditions_t *at) {
         self->mean_lambda = mean_lambda(self);
         if (self->cycles < UINT32_MAX) { self->cycles++; }
     }
+    if (!is_chain(self)) { settle(self, at); }
     self->speed_radps = at->speed_radps;
     if (is_fixed(self)) {
         (void)sd_afr_point_begin_q31(&self->point_q31, at, sd_scaled_of(self->mean_lambda));
@@ -198,6 +220,7 @@ void sd_afr_step(sd_afr_t *self, const sd_afr_tables_t *tables, uint32_t cycle_p
 
 void sd_afr_trimmed(sd_afr_t *self, uint32_t cylinder, float fuel_factor) {
     const float change = (fuel_factor - 1.0f) * sd_afr_lambda(self, cylinder);
+    if (!sd_within(fuel_factor, 1.0f - TRIM_MOVES, 1.0f + TRIM_MOVES)) { self->restless = 1.0f; }
     if (!is_chain(self)) {
         sd_afr_joint_move(&self->joint, cylinder, change);
     } else if (is_fixed(self)) {

@@ -68,6 +68,8 @@ typedef struct sd_afr {
     float    mean_lambda;                 ///< Of all cylinders, last cycle.
     float    speed_radps;                 ///< Of the coming point.
     uint32_t cycles;                      ///< Since a start.
+    float    restless;                    ///< Share of the configured drift that counts now, [1/6, 1].
+    uint16_t jumps;                       ///< Of the joint filter, at the last cycle.
     uint8_t  slow;                        ///< Slow mode: settles in tens of seconds; the chain has none and stays degraded.
     uint8_t  placed;                      ///< A point has been set.
 } sd_afr_t;
@@ -90,6 +92,10 @@ void sd_afr_restart(sd_afr_t *self);
 void sd_afr_step(sd_afr_t *self, const sd_afr_tables_t *tables, uint32_t cycle_position, float lambda, float exhaust_bar);
 /// A cylinder's fuel was changed by this factor, and its gas is about to arrive.
 void sd_afr_trimmed(sd_afr_t *self, uint32_t cylinder, float fuel_factor);
+/// What the joint filter takes a cylinder to move by in the coming cycle, of the mean lambda: the configured drift, which sinks to a
+/// sixth while nothing is known to move. It is back with a jump, with a trim that moves by more than 0.4 %, with speed or intake pressure that moves by more
+/// than 0.5 %, and at a start.
+float sd_afr_drift(const sd_afr_t *self);
 /// Of a cylinder by firing order; 0 while there is no estimate.
 float sd_afr_lambda(const sd_afr_t *self, uint32_t cylinder);
 /// All of them in one pass.

@@ -22,6 +22,8 @@ enum { CYCLES_MIN = 20,  /* in a fit */
 #define SQUARE_HIGH    4.0f
 #define LATE_SD_S      0.01f          /* before anything was learned */
 #define LAG_SD         0.2f
+#define OFF_PACE       0.25f          /* of the mean of what the fit leaves of each cycle */
+#define MOVED          (16.0f * OFF_PACE / (2.0f - OFF_PACE)) /* the square of that mean over its usual one: four deviations */
 #define AGEING         1.1f           /* of a variance, with each fit */
 #define LATE_MAX_S     0.05f
 #define LAG_MAX        0.5f
@@ -89,6 +91,7 @@ void sd_afr_delay_step(sd_afr_delay_t *self, const sd_afr_inflow_t *in, uint32_t
 static void forget(sd_afr_delay_t *self) {
     self->seen_square = self->told_square = self->cross[0] = self->cross[1] = 0.0f;
     self->usual_seen[0] = self->usual_seen[1] = self->usual_told[0] = self->usual_told[1] = 0.0f;
+    self->off[0] = self->off[1] = 0.0f;
     self->cycles = 0;
 }
 
@@ -96,6 +99,21 @@ void sd_afr_delay_restart(sd_afr_delay_t *self) {
     forget(self);
     self->skip = SKIP_MIN;
     self->probed = 0;
+}
+
+static float square_of(const float *x) { return x[0] * x[0] + x[1] * x[1]; }
+
+/* Cycles that neither the fit nor any answer to the trims explains: an injector has moved, so the constant is another one. */
+static bool moved_by_itself(sd_afr_delay_t *self) {
+    if (self->cycles < CYCLES_MIN) { return false; }
+    const float y[2] = { self->seen[0] - self->usual_seen[0], self->seen[1] - self->usual_seen[1] };
+    const float p[2] = { self->told[0] - self->usual_told[0], self->told[1] - self->usual_told[1] };
+    const float inverse = (self->told_square > 0.0f) ? 1.0f / self->told_square : 0.0f;
+    const float re = self->cross[0] * inverse, im = self->cross[1] * inverse;
+    const float off[2] = { y[0] - re * p[0] + im * p[1], y[1] - re * p[1] - im * p[0] };
+    const float left = self->seen_square - square_of(self->cross) * inverse, usual = ((left > 0.0f) ? left : 0.0f) / (float)self->cycles;
+    for (uint32_t k = 0; k < 2u; ++k) { self->off[k] += OFF_PACE * (off[k] - self->off[k]); }
+    return square_of(self->off) > MOVED * usual + SQUARE_HIGH * square_of(p);
 }
 
 /* Least squares with a constant, cycle by cycle; what is older than CYCLES_MAX fades. */
@@ -202,6 +220,9 @@ bool sd_afr_delay_cycle(sd_afr_delay_t *self, const sd_afr_trims_t *cycle) {
         self->skip = self->settles;
     } else if (self->skip > 0u) {
         self->skip--;
+    } else if (whole && moved_by_itself(self)) {
+        forget(self);
+        self->skip = self->settles;
     } else if (whole) {
         gather(self);
         learned = learn(self, cycle->speed_radps);

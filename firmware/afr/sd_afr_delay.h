@@ -13,7 +13,8 @@
 /// same, but a usual sensor passes six times less of it.
 ///
 /// Passive: the trims are those of the balance. They oppose the deviations, so a step of an injector makes |R| small and
-/// leaves its angle; hence only the delay is learned from them. Active: a probe, a trim of its own on the first cylinder in
+/// leaves its angle; hence only the delay is learned from them. An injector that moves while the trims rest moves the constant: cycles
+/// that neither the fit nor an answer to the trims explains begin it anew. Active: a probe, a trim of its own on the first cylinder in
 /// firing order, less its mean, that changes sign every few cycles and is taken back. Cycles after a step of the trims do not
 /// count, since the mean has not settled.
 ///
@@ -63,6 +64,7 @@ typedef struct sd_afr_delay {
     uint16_t settles, skip;                      ///< Cycles that do not count after a step, and how many are left of them.
     float    usual_seen[2], usual_told[2];       ///< Means.
     float    seen_square, told_square, cross[2]; ///< Sums of |Y|^2, |P|^2, Y P*, less their means.
+    float    off[2];                             ///< Mean of what the fit leaves of the last few cycles.
     uint16_t cycles;                             ///< In them.
     uint16_t probed;                             ///< Cycles of the probe so far, 0: none.
     uint8_t  set;

@@ -146,7 +146,7 @@ static void watch(sd_afr_joint_t *self, float error, float inverse) {
     let_go(self, self->jump_var);
     self->mean_innovation = 0.0f;
     self->hold = JUMP_HOLD;
-    if (self->jumps < UINT16_MAX) { self->jumps++; }
+    self->jumps++;
 }
 
 /* P -= K h' P with h the last state and K = P h inverse: a row of the cylinders, for four of them at a time. */

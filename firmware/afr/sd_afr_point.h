@@ -28,8 +28,9 @@ extern "C" {
 /// Where the exhaust is in one node of the grid.
 typedef struct sd_afr_node {
     uint16_t share[SD_AFR_OPEN]; ///< Of the charge, times 65536, from open_position after firing TDC on.
-    float    rate_hz, z0_kg;     ///< As in sd_exhaust_point_t.
-    float    transport_kg;       ///< Gas between turbine and sensor.
+    float    rate_hz2;           ///< The square of rate_hz in sd_exhaust_point_t: like the two below it is straight in temperature,
+    float    per_z0;             ///< 1/z0_kg there, 1/kg,        so that a point between two nodes of lambda is the exact one.
+    float    per_transport;      ///< 1/(gas between turbine and sensor), 1/kg; 0: no such gas.
     float    kelvin;             ///< Of the gas in the manifold, mean over a cycle.
 } sd_afr_node_t;
 

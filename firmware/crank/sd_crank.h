@@ -44,7 +44,8 @@ extern "C" {
 typedef struct sd_crank_config {
     uint8_t  positions;                     ///< Tooth positions a revolution, missing ones included, 12 to 120.
     uint8_t  missing_count;                 ///< 1 to SD_CRANK_MISSING_MAX.
-    uint8_t  missing[SD_CRANK_MISSING_MAX]; ///< Missing positions, ascending, runs of 1 to 3, last = positions - 1.
+    uint8_t  missing[SD_CRANK_MISSING_MAX]; ///< Missing positions, ascending, runs of 1 to 3, last = positions - 1. Runs have at
+                                            ///< least four teeth between them, or two as wide as each other have one.
     uint32_t stall_ticks;   ///< An interval longer than this is a stall, 256 to 2^24 capture ticks. Teeth further apart than
                             ///< 2^23 ticks are not followed.
     uint8_t  has_cam;       ///< 1: cam edges give the phase; 0: the phase stays unknown.
@@ -149,7 +150,7 @@ typedef struct sd_crank {
     sd_crank_sight_t sight[SD_CRANK_SIGHTS];
     uint8_t  witness_next;
     uint8_t  mark_count, mark_first[SD_CRANK_MARKS_MAX], mark_run[SD_CRANK_MARKS_MAX]; ///< First missing position, run.
-    uint8_t  mark_teeth[SD_CRANK_MARKS_MAX]; ///< Teeth from each mark to the next.
+    uint8_t  mark_teeth[SD_CRANK_MARKS_MAX]; ///< Teeth from each mark to the next; to the second of a pair that follows.
     uint8_t  teeth;           ///< Teeth of the wheel.
     uint8_t  slot;            ///< Of the last placed edge (searching: of the newest interval) in `memory`.
     uint8_t  level_slot, level_left; ///< The next old interval, and how many are left.
@@ -169,6 +170,8 @@ typedef struct sd_crank {
     uint8_t  mark_clean;      ///< The pending mark was passed with both teeth beside it and nothing between.
     uint8_t  unsure;          ///< The angle may have slipped; until the next vote no tooth is valid.
     uint8_t  doubtful;        ///< The last placed edge was coasted to or far off.
+    uint8_t  search_marks;    ///< Marks that the search counts a revolution, two with one tooth between as one; in bit 4 + m: such a
+                              ///< pair follows mark m.
     uint8_t  phase_votes;     ///< Cam edges that agreed with the present revolution, saturating.
 } sd_crank_t;
 

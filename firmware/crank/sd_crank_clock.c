@@ -21,7 +21,7 @@ static sd_forecast_t recall(const sd_crank_clocks_t *clocks, const sd_crank_way_
     int32_t step = time;
     if (way->spacings != ONE) {
         step = (int32_t)sd_by_ratio(way->recalled_last, clocks->ratio);
-        if (way->last != ONE) { step = (int32_t)(((uint32_t)step / ((uint32_t)way->last >> 4)) << 8); }
+        if (way->last > ONE) { step = (int32_t)(((uint32_t)step / ((uint32_t)way->last >> 4)) << 8); }
     }
     return (sd_forecast_t){ time, clamp_in(step, PERIOD_MIN, PERIOD_MAX) };
 }
@@ -74,26 +74,26 @@ SD_INLINE int32_t likely_error(int32_t mean) { return 4 * mean + ONE / 20; }
 static int32_t likely_far(int32_t mean, int32_t spacings) { return (likely_error(mean) * (spacings >> 6)) >> 6; }
 
 SD_INLINE int32_t error_after(int32_t mean, int32_t error) {
-    mean += (error - mean) >> 4;
-    return (mean < ONE / 2) ? mean : ONE / 2;
+    const int32_t next = (15 * mean + error) >> 4; /* never below 0 */
+    return (next < ONE / 2) ? next : ONE / 2;
 }
 
 SD_INLINE int32_t part_of(int32_t late, sd_share_t share) {
-    return late * share.whole + (int32_t)(((int64_t)late * share.rest) >> 32);
+    return plus32(late * share.whole, (int32_t)(((int64_t)late * share.rest) >> 32));
 }
 /* Where the share is small, rounding down would tell. */
 SD_INLINE int32_t small_part_of(int32_t late, sd_share_t share) {
-    return late * share.whole + (int32_t)(((int64_t)late * share.rest + 0x80000000LL) >> 32);
+    return plus32(late * share.whole, (int32_t)(((int64_t)late * share.rest + 0x80000000LL) >> 32));
 }
 
 /* late_each and bend: how late for each spacing, and how late for each spacing and spacing. */
 SD_INLINE void fit(sd_crank_clock_t *clock, const sd_crank_clock_t *before, const sd_gains_t *gain, sd_forecast_t ahead, sd_surprise_t s,
                    int32_t late_each, int32_t bend) {
-    const int32_t period = clamp_in(ahead.period + part_of(late_each, gain->period), PERIOD_MIN, PERIOD_MAX);
+    const int32_t period = clamp_in(plus32(ahead.period, part_of(late_each, gain->period)), PERIOD_MIN, PERIOD_MAX);
     const int32_t most = period >> 3;
-    clock->time = before->time + (uint32_t)(ahead.time + part_of(s.late, gain->time));
+    clock->time = before->time + (uint32_t)ahead.time + (uint32_t)part_of(s.late, gain->time);
     clock->period = period;
-    clock->change = clamp_in(before->change + small_part_of(bend, gain->change), -most, most);
+    clock->change = clamp_in(plus32(before->change, small_part_of(bend, gain->change)), -most, most);
     clock->error = error_after(before->error, s.error);
 }
 
@@ -132,12 +132,12 @@ SD_INLINE void fit_memory(sd_crank_t *self, sd_forecast_t ahead, sd_surprise_t s
     int32_t error = error_after(before->error, s.error);
     const int32_t off = (each != ONE) ? scale12(s.late_q12, each) : s.late_q12;
     to->ratio = (uint32_t)clamp_in((int32_t)from->ratio + (int32_t)(((int64_t)from->ratio * off) >> 14), RATIO_MIN, RATIO_MAX);
-    clock->time = before->time + (uint32_t)(ahead.time + part_of(s.late, MEMORY_GAINS.time));
-    clock->period = clamp_in(ahead.period + more, PERIOD_MIN, PERIOD_MAX);
+    clock->time = before->time + (uint32_t)ahead.time + (uint32_t)part_of(s.late, MEMORY_GAINS.time);
+    clock->period = clamp_in(plus32(ahead.period, more), PERIOD_MIN, PERIOD_MAX);
     clock->change = (each != ONE) ? scale12(grown, each) : grown;
     if (clean) {
         uint32_t *known = &self->memory[self->slot];
-        *known = (uint32_t)((int32_t)*known + ((ahead.time + s.late - (int32_t)*known) >> 2));
+        *known += (uint32_t)(minus32(plus32(ahead.time, s.late), (int32_t)*known) >> 2);
         const bool quick_was_right = to->clock[QUICK].error < error + ONE / 20;
         if (quick_was_right && (s.error > quick_error + ONE / 20)) { error = clamp_in(error + ((s.error - error) >> 1), 0, ONE / 2); }
     }

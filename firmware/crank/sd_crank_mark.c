@@ -5,6 +5,7 @@ enum {
     SLIP_MAX = 3,     /* teeth the vote at a mark can put right */
     STRAINED = (16 * ONE) / 100, /* clocks this far off, on average, may have slipped */
 };
+#define BEFORE     ((SLIP_MAX + 2) * ONE)
 #define VOTERS_MIN 5u /* edges that make a vote */
 #define ASTRAY_MAX 1u /* edges astray that a vote may count as faults */
 #define STRAY      ((35u * ONE) / 100u) /* an edge further from a tooth stands astray */
@@ -23,27 +24,28 @@ SD_INLINE bool on_tooth(int32_t from_tooth, uint32_t within) {
 SD_INLINE bool near(int32_t x) { return (uint32_t)x + STRAY <= 2u * STRAY; }
 
 /* How far an edge lies beyond the tooth before the mark; whether it is near enough to vote. */
-SD_INLINE bool votes(const sd_crank_t *self, uint32_t i, int32_t width, int32_t *here) {
+SD_INLINE bool votes(const sd_crank_t *self, uint32_t i, int32_t width, int32_t before, int32_t *here) {
     *here = (int32_t)((uint32_t)self->witness[i] - (uint32_t)self->mark_travel);
-    return (uint32_t)*here + (uint32_t)((SLIP_MAX + 2) * ONE) <= (uint32_t)(width + (SLIP_MAX + 2 + VOTE_AFTER + 1) * ONE);
+    return (uint32_t)*here + (uint32_t)before <= (uint32_t)(width + before + (VOTE_AFTER + 1) * ONE);
 }
 
-static sd_vote_t count(const sd_crank_t *self, int32_t width) {
+/* `before`: how far before the mark an edge counts, 1/4096 spacing. */
+static sd_vote_t count(const sd_crank_t *self, int32_t width, int32_t before) {
     sd_vote_t vote = { 0u, 0u, 0u, false, false };
     for (uint32_t i = 0; i < SD_CRANK_WITNESSES; ++i) {
         int32_t here;
-        if (!votes(self, i, width, &here)) { continue; }
+        if (!votes(self, i, width, before, &here)) { continue; }
         vote.edges++;
         if (here < ONE / 2) {
             if (!on_tooth(here, STRAY)) { vote.astray++; }
         } else if (here >= width - ONE / 2) {
-            if (!on_tooth(here - width, STRAY)) { vote.astray++; }
+            if (!on_tooth(minus32(here, width), STRAY)) { vote.astray++; }
         } else {
             vote.astray++;
             vote.inside++;
         }
         if (near(here)) { vote.left = true; }
-        if (near(here - width)) { vote.right = true; }
+        if (near(minus32(here, width))) { vote.right = true; }
     }
     return vote;
 }
@@ -53,13 +55,13 @@ static sd_vote_t count(const sd_crank_t *self, int32_t width) {
 
 /* The slips with which this edge is astray. With a slip of s the mark begins s teeth later. */
 static uint32_t astray_with(int32_t here, int32_t width, uint32_t within) {
-    const int32_t least = clamp_in((here + ONE / 2) >> 12, -SLIP_MAX, SLIP_MAX + 1);              /* before the mark from this slip on */
-    const int32_t most = clamp_in((here - width + ONE / 2) >> 12, -SLIP_MAX - 1, SLIP_MAX);       /* after it up to this slip */
+    const int32_t least = clamp_in(plus32(here, ONE / 2) >> 12, -SLIP_MAX, SLIP_MAX + 1);            /* before the mark from this slip on */
+    const int32_t most = clamp_in(plus32(minus32(here, width), ONE / 2) >> 12, -SLIP_MAX - 1, SLIP_MAX);       /* after it up to this slip */
     const uint32_t before = ALL_SLIPS & (ALL_SLIPS << (4 * (least + SLIP_MAX))); /* by 28 at most */
     const uint32_t after = (ALL_SLIPS >> (4 * (SLIP_MAX - most))) & ~before;
     uint32_t off = ALL_SLIPS & ~(before | after);
     if (!on_tooth(here, within)) { off |= before; }
-    if (!on_tooth(here - width, within)) { off |= after; }
+    if (!on_tooth(minus32(here, width), within)) { off |= after; }
     return off;
 }
 
@@ -70,7 +72,7 @@ static int32_t find_slip(const sd_crank_t *self, const sd_vote_t *vote, int32_t 
     uint32_t sums = 0, edges = 0;
     for (uint32_t i = 0; (i < SD_CRANK_WITNESSES) && (edges < 15u); ++i) { /* what four bits hold */
         int32_t here;
-        if (!votes(self, i, width, &here)) { continue; }
+        if (!votes(self, i, width, BEFORE, &here)) { continue; }
         sums += astray_with(here, width, within);
         edges++;
     }
@@ -111,15 +113,22 @@ void sd_mark_passed(sd_crank_t *self, uint32_t tick, const sd_crank_way_t *way, 
     const sd_inverse_t inverse = sd_inverse_of(ahead.period);
     self->mark_late = sd_in_spacings(&inverse, sd_clock_late(&clocks->clock[judge], tick, ahead.time));
     self->mark_clean = clean ? 1u : 0u;
+    if (!sd_wheel_begins_pair(self, mark)) { return; }
+    /* The second of the pair votes for both. */
+    self->pending_mark = SD_CRANK_MARKS_MAX;
+    if (clean && ((self->unsure | self->provisional) == 0u)) { sd_wheel_learn(self, mark, self->mark_late); }
 }
 
 void sd_mark_vote(sd_crank_t *self) {
     const uint32_t mark = self->pending_mark;
-    const sd_vote_t vote = count(self, self->mark_spacings[mark]);
+    /* Before the second of a pair there is one tooth, and then the first, which may be no whole number of spacings wide. A slip there
+     * is not put right; marks missed end sync. */
+    const bool pair = sd_wheel_has_pairs(self) && sd_wheel_ends_pair(self, mark);
+    const sd_vote_t vote = count(self, self->mark_spacings[mark], pair ? ONE / 2 : BEFORE);
     const bool strained = self->strain > STRAINED;
     const bool loose = strained && (self->provisional == 0u);
     const uint32_t within = loose ? STRAY : (uint32_t)clamp_in(tight_gate(leading(self)->error), 0, (int32_t)STRAY);
-    const int32_t slip = find_slip(self, &vote, self->mark_spacings[mark], within);
+    const int32_t slip = pair ? 0 : find_slip(self, &vote, self->mark_spacings[mark], within);
     self->pending_mark = SD_CRANK_MARKS_MAX;
     if (slip != 0) {
         /* Clocks that were never far off cannot have slipped: then it takes two marks to convince us. */
@@ -129,6 +138,7 @@ void sd_mark_vote(sd_crank_t *self) {
     } else if ((vote.inside > 0u) || (vote.astray > ASTRAY_MAX) || (vote.edges < VOTERS_MIN)) {
         self->counts.marks_missed++;
         self->missed = (uint8_t)(self->missed + 1u + self->unsure + 2u * self->provisional);
+        if (pair) { self->unsure = 1; }
     } else if ((self->provisional == 0u) || (vote.left && vote.right)) {
         if (self->mark_clean != 0u) { sd_wheel_learn(self, mark, self->mark_late); }
         angle_confirmed(self);

@@ -11,7 +11,7 @@ enum {
 /* `period` now over the remembered `recalled`, Q16. */
 static uint32_t ratio_of(uint32_t recalled, int32_t period) {
     const sd_inverse_t inverse = sd_inverse_of(clamp32(recalled, PERIOD_MIN, PERIOD_MAX));
-    return (uint32_t)clamp_in(sd_in_spacings(&inverse, period) << 4, RATIO_MIN, RATIO_MAX);
+    return (uint32_t)clamp_in(sd_in_spacings(&inverse, period) * 16, RATIO_MIN, RATIO_MAX);
 }
 
 /* From the last intervals alone: the quick clock leads. */
@@ -34,7 +34,7 @@ void sd_clocks_start(sd_crank_t *self, uint32_t tick, int32_t period, int32_t ch
 static void level(sd_crank_t *self, uint32_t count) {
     for (; (count > 0u) && (self->level_left > 0u); --count) {
         self->memory[self->level_slot] = (uint32_t)(((uint64_t)self->memory[self->level_slot] * (uint32_t)self->level) >> 20);
-        self->level -= self->level_step;
+        self->level = (int32_t)((uint32_t)self->level - (uint32_t)self->level_step);
         self->level_slot = (uint8_t)next_slot(self, self->level_slot);
         self->level_left--;
     }
@@ -42,7 +42,7 @@ static void level(sd_crank_t *self, uint32_t count) {
 
 static void begin_level(sd_crank_t *self) {
     const sd_inverse_t inverse = sd_inverse_of(clamp32(self->grown_before, PERIOD_MIN, PERIOD_MAX));
-    self->level = sd_in_spacings(&inverse, clamp32(self->grown_now, 0, PERIOD_MAX)) << 8; /* change over the revolution, Q20 */
+    self->level = sd_in_spacings(&inverse, clamp32(self->grown_now, 0, PERIOD_MAX)) * 256; /* change over the revolution, Q20 */
     self->level_step = (self->level - (ONE << 8)) / self->teeth;
     self->level_left = self->teeth;
     self->level_slot = (uint8_t)next_slot(self, self->slot);
@@ -62,8 +62,8 @@ static void means_ahead(const sd_crank_t *self, int32_t *two, int32_t *eight) {
     uint32_t mark, clear = teeth_to_mark(self, &mark), slot = self->slot, sum = 0, first_two = 0;
     for (uint32_t taken = 1; taken <= LEVEL_FIRST; ++taken) {
         slot = next_slot(self, slot);
-        if (clear == 0u) { /* the interval across the mark */
-            clear = self->mark_teeth[mark] - 1u;
+        while (clear == 0u) { /* the interval across the mark, or two of them */
+            clear = sd_wheel_teeth_after(self, mark) - 1u;
             mark = (mark + 1u < self->mark_count) ? mark + 1u : 0u;
             slot = next_slot(self, slot);
         }

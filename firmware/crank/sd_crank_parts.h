@@ -48,8 +48,13 @@ typedef struct sd_inverse {
     int32_t  period;
 } sd_inverse_t;
 
-/* period: PERIOD_MIN / 2 to PERIOD_MAX. */
-SD_INLINE sd_inverse_t sd_inverse_of(int32_t period) {
+/* a + b, and a - b, that wrap where they do not fit; the bounds that follow make of it what they may. */
+SD_INLINE int32_t plus32(int32_t a, int32_t b) { return (int32_t)((uint32_t)a + (uint32_t)b); }
+SD_INLINE int32_t minus32(int32_t a, int32_t b) { return (int32_t)((uint32_t)a - (uint32_t)b); }
+
+/* Of a period within PERIOD_MIN / 2 to PERIOD_MAX, which is what a forecast may grow beyond. */
+SD_INLINE sd_inverse_t sd_inverse_of(int32_t foretold) {
+    const int32_t period = clamp_in(foretold, PERIOD_MIN / 2, PERIOD_MAX);
     const uint32_t up = (uint32_t)__builtin_clz((uint32_t)period);
     const uint32_t shift = up - 3u;
     return (sd_inverse_t){ 0x80000000u / (((uint32_t)period << up) >> 16), shift, 0x7FFFFFFF >> shift, period };
@@ -108,6 +113,22 @@ void sd_wheel_reset_widths(sd_crank_t *self);
 void sd_wheel_set_width(sd_crank_t *self, uint32_t mark, int32_t spacings);
 void sd_wheel_learn(sd_crank_t *self, uint32_t mark, int32_t late);
 void sd_wheel_measure(sd_crank_t *self, uint32_t mark, uint32_t slot, bool quiet);
+
+/* Pairs of marks with one tooth between them: whether there are any, and whether one follows `mark`. */
+static inline bool sd_wheel_has_pairs(const sd_crank_t *self) { return self->search_marks > 15u; }
+static inline bool sd_wheel_pair_follows(const sd_crank_t *self, uint32_t mark) { return ((self->search_marks >> (4u + mark)) & 1u) != 0u; }
+/* Teeth from `mark` to the next, of a pair to the first. */
+static inline uint32_t sd_wheel_teeth_after(const sd_crank_t *self, uint32_t mark) {
+    return self->mark_teeth[mark] - (sd_wheel_pair_follows(self, mark) ? 1u : 0u);
+}
+/* Whether one tooth alone lies between `mark` and the next. */
+static inline bool sd_wheel_begins_pair(const sd_crank_t *self, uint32_t mark) { return self->mark_teeth[mark] == 1u; }
+static inline uint32_t sd_wheel_mark_before(const sd_crank_t *self, uint32_t mark) {
+    return (mark > 0u) ? mark - 1u : self->mark_count - 1u;
+}
+static inline bool sd_wheel_ends_pair(const sd_crank_t *self, uint32_t mark) {
+    return sd_wheel_begins_pair(self, sd_wheel_mark_before(self, mark));
+}
 
 /* ---- sd_crank_mark.c: whether the mark is where it should be ---- */
 

@@ -19,6 +19,7 @@ enum {
 
 typedef struct sd_gap {
     bool     seen, noisy;
+    bool     pair;        /* two, with one tooth between them */
     uint32_t width, side; /* Q8 */
     uint32_t tolerance;   /* widths within this factor are alike, Q8 */
 } sd_gap_t;
@@ -66,19 +67,41 @@ static uint32_t over(uint32_t sum, uint32_t period) { return (sum << 4) / ((peri
 /* A single fault among even edges does not make them noisy. */
 static bool noisy(const sd_crank_t *self, uint32_t period) { return over(self->hum, period) >= (uint32_t)NOISY; }
 
+/* What the search counts as marks: two with one tooth between them are one. */
+static uint32_t marks(const sd_crank_t *self) { return self->search_marks & 15u; }
+
 static bool stands_out(uint32_t gap, uint32_t beside) { return 10u * gap >= 13u * beside; }
+
+#define COARSE 24u /* teeth up to which speed may change by half across three of them */
+
+/* A gap no longer than the interval two before it may be the rest of one that a spurious edge split. The two parts then make one. On a
+ * coarse wheel a crank that speeds up does the like, but there they make nearly two. */
+static bool looks_split(const sd_crank_t *self) {
+    const uint32_t *q = self->raw_period;
+    return (5u * q[1] < 6u * q[3]) && ((self->teeth > COARSE) || (5u * (q[1] + q[2]) < 8u * q[3]));
+}
+
+/* Two gaps alike with one tooth between, and usual intervals on either side. */
+static bool pair_before_last(const sd_crank_t *self) {
+    const uint32_t *q = self->raw_period;
+    const uint32_t most = (q[1] > q[2]) ? q[1] : q[2], least = (q[1] > q[2]) ? q[2] : q[1];
+    return (q[3] > 0u) && stands_out(least, q[0]) && stands_out(least, q[3]) && (10u * most <= 17u * least);
+}
 
 static sd_gap_t gap_before_last(const sd_crank_t *self) {
     const uint32_t *q = self->raw_period;
-    sd_gap_t gap = { false, false, 0, 0, 0 };
-    if ((q[2] == 0u) || !stands_out(q[1], q[0]) || !stands_out(q[1], q[2]) || (5u * q[1] < 6u * q[3])) { return gap; }
-    const uint32_t down = (q[1] >= (1u << 22)) ? 3u : 0u; /* so that the products fit */
-    const uint32_t both = (q[0] >> down) + (q[2] >> down);
-    gap.width = ((q[1] >> down) * 2u * Q8) / (both + 1u);
-    gap.side = ((q[1] >> down) * Q8) / ((q[2] >> down) + 1u);
-    const uint32_t noise = over(self->noise, (q[0] + q[2]) / 2u);
+    sd_gap_t gap = { false, false, false, 0, 0, 0 };
+    gap.pair = sd_wheel_has_pairs(self) && pair_before_last(self);
+    const uint32_t before = gap.pair ? q[3] : q[2], wide = gap.pair ? (q[1] + q[2]) / 2u : q[1];
+    if (sd_wheel_has_pairs(self) && !gap.pair && (10u * q[0] >= 14u * q[2]) && (q[1] < 2u * q[0])) { return gap; } /* the first of a pair */
+    if (!gap.pair && ((q[2] == 0u) || !stands_out(q[1], q[0]) || !stands_out(q[1], q[2]) || looks_split(self))) { return gap; }
+    const uint32_t down = (wide >= (1u << 22)) ? 3u : 0u; /* so that the products fit */
+    const uint32_t both = (q[0] >> down) + (before >> down);
+    gap.width = ((wide >> down) * 2u * Q8) / (both + 1u);
+    gap.side = ((wide >> down) * Q8) / ((before >> down) + 1u);
+    const uint32_t noise = over(self->noise, (q[0] + before) / 2u);
     gap.tolerance = (12 * Q8) / 10 + noise / 4u; /* 1.2 + 4 times the noise */
-    gap.noisy = noisy(self, (q[0] + q[2]) / 2u);
+    gap.noisy = noisy(self, (q[0] + before) / 2u);
     gap.seen = (gap.width >= (uint32_t)GAP_LEAST) && (gap.width <= (uint32_t)GAP_MOST);
     return gap;
 }
@@ -87,13 +110,19 @@ static bool within(uint32_t a, uint32_t b, uint32_t factor_q8) { return (a * Q8 
 
 /* ---- gaps followed --------------------------------------------------------------------------------------------- */
 
-static uint32_t mark_after(const sd_crank_t *self, uint32_t mark) { return (mark + 1u < self->mark_count) ? mark + 1u : 0u; }
+static uint32_t next_mark(const sd_crank_t *self, uint32_t mark) { return (mark + 1u < self->mark_count) ? mark + 1u : 0u; }
+/* The next mark that is followed: of a pair the second. */
+static uint32_t mark_after(const sd_crank_t *self, uint32_t mark) {
+    const uint32_t next = next_mark(self, mark);
+    return sd_wheel_pair_follows(self, mark) ? next_mark(self, next) : next;
+}
 
 static bool expects(const sd_crank_t *self, const sd_crank_sight_t *s, const sd_gap_t *gap) {
     const uint32_t teeth = self->mark_teeth[s->mark] + 1u; /* the gap ended an edge ago */
     const uint32_t slack = gap->noisy ? 0u : SLACK;
     if ((s->raw != teeth) && ((s->mended + slack < teeth) || (s->mended > teeth + slack))) { return false; }
-    const bool same = self->mark_run[s->mark] == self->mark_run[mark_after(self, s->mark)];
+    if (gap->pair != sd_wheel_pair_follows(self, s->mark)) { return false; }
+    const bool same = self->mark_run[s->mark] == self->mark_run[next_mark(self, s->mark)]; /* the two of a pair are alike */
     return within(s->width, gap->width, same ? gap->tolerance : 2u * Q8);
 }
 
@@ -149,19 +178,22 @@ static void gap_seen(sd_crank_t *self, const sd_gap_t *gap) {
         }
     }
     if (!expected && (missing > 0u) && (self->sight[0].hits > 0u)) { self->fault_age = 0; }
-    for (uint32_t mark = 0; mark < self->mark_count; ++mark) { follow(self, mark, gap); }
+    for (uint32_t mark = 0; mark < self->mark_count; ++mark) {
+        if (sd_wheel_has_pairs(self) && (sd_wheel_begins_pair(self, mark) || (sd_wheel_ends_pair(self, mark) != gap->pair))) { continue; }
+        follow(self, mark, gap);
+    }
 }
 
 /* Where a wheel's marks lie nearly evenly, each can be followed as the next one with a count that is mended by a tooth. The sight
  * whose counts were right for a whole revolution is the wheel then, and one whose counts never were is not. */
-static bool is_whole(const sd_crank_t *self, const sd_crank_sight_t *s) { return s->clean >= self->mark_count; }
+static bool is_whole(const sd_crank_t *self, const sd_crank_sight_t *s) { return s->clean >= marks(self); }
 static bool counts_less(const sd_crank_t *self, const sd_crank_sight_t *s, const sd_crank_sight_t *than) {
-    return (self->mark_count > 1u) && (s->clean == 0u) && is_whole(self, than);
+    return (marks(self) > 1u) && (s->clean == 0u) && is_whole(self, than);
 }
 
 /* Another gap that may as well be the mark. */
 static bool has_rival(const sd_crank_t *self, const sd_crank_sight_t *own, uint32_t hits, bool is_noisy) {
-    const bool settled = hits >= (uint32_t)self->mark_count + SETTLED;
+    const bool settled = hits >= marks(self) + SETTLED;
     for (uint32_t i = 0; i < SD_CRANK_SIGHTS; ++i) {
         const sd_crank_sight_t *s = &self->sight[i];
         if ((s == own) || (s->hits == 0u) || (s->strange > own->strange) || ((s->raw == 1u) && (s->hits == 1u))) { continue; }
@@ -195,7 +227,7 @@ static void describe(const sd_crank_t *self, const sd_found_t *found, sd_tooth_t
 
 static void sync(sd_crank_t *self, uint32_t tick, const sd_found_t *found) {
     const uint32_t *q = self->raw_period, mark = found->mark, beyond = found->beyond;
-    const bool whole = (found->clean >= self->mark_count) && (self->unlearned == 0u);
+    const bool whole = (found->clean >= marks(self)) && (self->unlearned == 0u);
     sd_track_begin(self, tick, sd_wheel_first_after(self, mark) + beyond);
     if (whole) {
         const bool quiet = !noisy(self, q[2]);
@@ -220,7 +252,7 @@ static bool find_early(const sd_crank_t *self, sd_found_t *found) {
     if (!stands_out(q[0], q[1])) { return false; }
     for (uint32_t i = 0; i < SD_CRANK_SIGHTS; ++i) {
         const sd_crank_sight_t *s = &self->sight[i];
-        if ((s->hits < self->mark_count) || (s->clean + 1u < self->mark_count)) { continue; }
+        if ((s->hits < marks(self)) || (s->clean + 1u < marks(self))) { continue; }
         if ((s->raw != self->mark_teeth[s->mark]) || (self->fault_age < s->raw)) { continue; }
         const uint32_t down = (q[0] >= (1u << 22)) ? 3u : 0u;
         const uint32_t side = ((q[0] >> down) * Q8) / ((q[1] >> down) + 1u);
@@ -245,7 +277,7 @@ static bool find_mark(sd_crank_t *self, sd_found_t *found) {
     for (uint32_t i = 0; i < SD_CRANK_SIGHTS; ++i) {
         sd_crank_sight_t *s = &self->sight[i];
         if ((s->raw != 1u) || (s->hits < 2u)) { continue; }
-        if ((s->hits > self->mark_count) && !has_rival(self, s, s->hits, gap.noisy)) {
+        if ((s->hits > marks(self)) && !has_rival(self, s, s->hits, gap.noisy)) {
             *found = (sd_found_t){ s->mark, 1u, s->clean, s->width };
             return true;
         }
@@ -257,7 +289,7 @@ static bool find_mark(sd_crank_t *self, sd_found_t *found) {
 bool sd_search_edge(sd_crank_t *self, uint32_t tick, uint32_t period, sd_tooth_t *tooth) {
     for (uint32_t i = 3; i > 0u; --i) { self->raw_period[i] = self->raw_period[i - 1u]; }
     self->raw_period[0] = period;
-    sd_found_t found;
+    sd_found_t found = { 0u, 0u, 0u, 0u };
     if (!find_mark(self, &found)) { return false; }
     sync(self, tick, &found);
     describe(self, &found, tooth);

@@ -39,16 +39,16 @@ void sd_track_begin(sd_crank_t *self, uint32_t tick, uint32_t position) {
 
 /* The first tooth after a mark comes as its width says, give or take twice the scatter seen so far, but less than a
  * missing tooth would make. The memory needs no such excuse: it knows the time, not the width. */
-static void excuse(const sd_crank_t *self, sd_place_t *place) {
-    const int32_t most = clamp_in(2 * self->mark_scatter[place->mark], 0, (2 * ONE) / 3);
+static void excuse(const sd_crank_t *self, uint32_t mark, sd_place_t *place) {
+    const int32_t most = clamp_in(2 * self->mark_scatter[mark], 0, (2 * ONE) / 3);
     const int32_t part = scale12(place->period, most);
     if (abs32(place->late) <= part) {
         const sd_inverse_t inverse = sd_inverse_of(place->period);
-        place->excused = sd_in_spacings(&inverse, place->late);
+        place->excused = clamp_in(sd_in_spacings(&inverse, place->late), -ONE, ONE);
         place->late = 0;
     } else {
         place->excused = (place->late < 0) ? -most : most;
-        place->late -= (place->late < 0) ? -part : part;
+        place->late = minus32(place->late, (place->late < 0) ? -part : part);
     }
 }
 
@@ -99,9 +99,9 @@ static void nearest_place(const sd_crank_t *self, int32_t elapsed, sd_place_t *b
         const sd_forecast_t ahead = sd_clock_forecast(clocks, clocks->leader, &next.way);
         next.coasted = step;
         next.period = ahead.period;
-        next.late = elapsed - ahead.time;
+        next.late = minus32(elapsed, ahead.time);
         next.excused = 0;
-        if ((mark < SD_CRANK_MARKS_MAX) && (clocks->leader != MEMORY)) { excuse(self, &next); }
+        if ((mark < SD_CRANK_MARKS_MAX) && (clocks->leader != MEMORY)) { excuse(self, mark, &next); }
         if (abs32(next.late) > abs32(best->late)) { best->found = true; return; }
         *best = next;
     }
@@ -112,7 +112,7 @@ static inline bool next_place(const sd_crank_t *self, int32_t elapsed, sd_place_
     if (sd_wheel_mark_after(self, self->position) < SD_CRANK_MARKS_MAX) { return false; }
     const uint32_t slot = next_slot(self, self->slot), recalled = self->memory[slot];
     const int32_t next = sd_clock_next(&self->clocks[self->now], recalled);
-    const int32_t late = elapsed - next;
+    const int32_t late = minus32(elapsed, next);
     if ((late >= next / 4) || (late <= -next / 4)) { return false; }
     place->way = (sd_crank_way_t){ ONE, ONE, recalled, recalled };
     place->slot = slot;
@@ -149,7 +149,7 @@ static void move_clocks(sd_crank_t *self, uint32_t tick, bool clean, const sd_in
 /* An early spurious edge may have taken the place of the tooth that comes now, fits better there, and better there than
  * at `place`, the next. */
 static bool take_over(sd_crank_t *self, uint32_t tick, const sd_place_t *place, int32_t place_late) {
-    if (self->placed_way.spacings == 0) { return false; }
+    if (self->placed_way.spacings < ONE) { return false; }
     sd_crank_clocks_t *before = &self->clocks[self->now ^ 1u];
     const sd_forecast_t ahead = sd_clock_forecast(before, before->leader, &self->placed_way);
     const sd_inverse_t inverse = sd_inverse_of(ahead.period);
@@ -269,7 +269,7 @@ bool sd_track_edge(sd_crank_t *self, uint32_t tick, uint32_t raw_period, sd_toot
     }
     if (!place.found) { return false; }
     remember(self, (int32_t)((uint32_t)self->travel + (uint32_t)place.way.spacings + (uint32_t)late));
-    if ((place.advance > 0u) && (abs32(late) <= loose_gate(self, &place))) {
+    if ((place.way.spacings >= ONE) && (abs32(late) <= loose_gate(self, &place))) {
         const bool clean = (place.coasted == 0u) && (raw_period == tick - self->last_tick);
         place_edge(self, tick, &place, late, clean, &inverse, tooth);
     } else {

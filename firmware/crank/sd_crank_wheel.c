@@ -61,8 +61,9 @@ void sd_wheel_learn(sd_crank_t *self, uint32_t mark, int32_t late) {
 }
 
 /* What a spacing would take where the mark is, from the intervals two and three away, because those beside a mark may be
- * odd, with their bend taken out: mean(2) + 1.2 (mean(2) - mean(3)). Under jitter all three on either side, as they are. */
-static int32_t spacing_at(const sd_crank_t *self, uint32_t slot, bool quiet) {
+ * odd, with their bend taken out: mean(2) + 1.2 (mean(2) - mean(3)). Under jitter all three on either side, as they are. Beside one
+ * of a pair of marks lies the other, so two on either side, as they are. */
+static int32_t spacing_at(const sd_crank_t *self, uint32_t mark, uint32_t slot, bool quiet) {
     uint32_t after = slot, before = slot, pair[3]; /* an eighth of each interval, so that sums fit */
     _Pragma("GCC unroll 3")
     for (uint32_t i = 0; i < 3u; ++i) {
@@ -70,19 +71,32 @@ static int32_t spacing_at(const sd_crank_t *self, uint32_t slot, bool quiet) {
         before = (before > 0u) ? before - 1u : self->teeth - 1u;
         pair[i] = (self->memory[after] >> 3) + (self->memory[before] >> 3);
     }
+    if (sd_wheel_has_pairs(self) && (sd_wheel_begins_pair(self, mark) || sd_wheel_ends_pair(self, mark))) {
+        return clamp32(2 * ((int64_t)pair[1] + pair[2]), PERIOD_MIN, PERIOD_MAX);
+    }
     const int64_t even = quiet ? ((int64_t)pair[1] * 2253 - (int64_t)pair[2] * 1229) >> 8 /* 2.2 and 1.2 of 1024, times 4 */
                                : ((int64_t)pair[0] + pair[1] + pair[2]) * 1365 >> 10;
     return clamp32(even, PERIOD_MIN, PERIOD_MAX);
 }
 
+/* The two of a pair are as wide as each other, and both are known better by the mean. */
+static void share_width(sd_crank_t *self, uint32_t first, uint32_t second) {
+    const int32_t mean = (self->mark_spacings[first] + self->mark_spacings[second]) / 2;
+    sd_wheel_set_width(self, first, mean);
+    sd_wheel_set_width(self, second, mean);
+}
+
 /* Every mark's width from a whole revolution in the memory; `slot` is that of the first tooth after `mark`. */
 void sd_wheel_measure(sd_crank_t *self, uint32_t mark, uint32_t slot, bool quiet) {
     for (uint32_t i = 0; i < self->mark_count; ++i) {
-        const sd_inverse_t inverse = sd_inverse_of(spacing_at(self, slot, quiet));
+        const sd_inverse_t inverse = sd_inverse_of(spacing_at(self, mark, slot, quiet));
         sd_wheel_set_width(self, mark, sd_in_spacings(&inverse, clamp32(self->memory[slot], 0, TIME_MAX)));
-        slot += self->mark_teeth[mark];
+        slot += sd_wheel_teeth_after(self, mark);
         slot -= (slot >= self->teeth) ? self->teeth : 0u;
         mark = (mark + 1u < self->mark_count) ? mark + 1u : 0u;
+    }
+    for (uint32_t m = 0; sd_wheel_has_pairs(self) && (m < self->mark_count); ++m) {
+        if (sd_wheel_ends_pair(self, m)) { share_width(self, sd_wheel_mark_before(self, m), m); }
     }
 }
 
@@ -102,13 +116,22 @@ static bool collect_marks(sd_crank_t *self) {
     return true;
 }
 
-/* The vote needs teeth of its own on both sides of every mark. */
+/* The vote needs teeth of its own on both sides of every mark; two marks with one tooth between them vote as one. */
 static bool marks_stand_apart(sd_crank_t *self) {
     for (uint32_t m = 0; m < self->mark_count; ++m) {
-        const uint32_t next = self->mark_first[(m + 1u) % self->mark_count];
-        const uint32_t teeth = (next + self->config.positions - sd_wheel_first_after(self, m)) % self->config.positions;
-        if (teeth < 4u) { return false; }
+        const uint32_t next = (m + 1u) % self->mark_count;
+        const uint32_t teeth =
+            (self->mark_first[next] + self->config.positions - sd_wheel_first_after(self, m)) % self->config.positions;
+        if ((teeth < 4u) && ((teeth != 1u) || (self->mark_run[m] != self->mark_run[next]))) { return false; }
         self->mark_teeth[m] = (uint8_t)teeth;
+    }
+    self->search_marks = self->mark_count;
+    for (uint32_t m = 0; m < self->mark_count; ++m) {
+        const uint32_t before = sd_wheel_mark_before(self, m);
+        if (!sd_wheel_begins_pair(self, m)) { continue; }
+        if (sd_wheel_begins_pair(self, before)) { return false; }
+        self->mark_teeth[before]++;
+        self->search_marks = (uint8_t)(self->search_marks - 1u + (0x10u << before));
     }
     return true;
 }

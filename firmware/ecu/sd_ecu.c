@@ -237,18 +237,18 @@ static void driveline_task(sd_ecu_t *self, const sd_calibration_t *page, const s
     sd_publish_row(&self->say, port, tick, SD_RATE_DRIVELINE);
 }
 
-static void airpath_task(sd_ecu_t *self, const sd_calibration_t *page, const sd_port_t *port, uint32_t tick) {
-    if (page->airpath.present == 0u) { return; }
-    const sd_stage_airpath_crank_t crank = { .speed_rpm = self->say.signals.crank_speed_rpm,
-                                             .health = sd_publish_judged(&self->say, SD_OWNER_CRANK).health,
-                                             .cylinders = page->cylinders };
-    sd_stage_airpath_out_t out;
-    sd_stage_airpath_step(&self->airpath, page, &self->inputs, &crank, tick, &out);
-    sd_say_airpath(&self->say, &out);
-    sd_publish_row(&self->say, port, tick, SD_RATE_AIRPATH);
+void sd_ecu_task_begin(sd_ecu_t *self, const sd_calibration_t *page, uint32_t tick) {
+    self->task_tick = tick;
+    self->airpath_crank = sd_say_crank_now(&self->say, page->cylinders);
 }
 
-void sd_ecu_task(sd_ecu_t *self, const sd_calibration_t *page, const sd_port_t *port, uint32_t tick) {
-    airpath_task(self, page, port, tick);
-    driveline_task(self, page, port, tick);
+/* Of the inputs only samples and the clock change anything, and these wait for it. */
+void sd_ecu_task_work(sd_ecu_t *self, const sd_calibration_t *page) {
+    if (page->airpath.present == 0u) { return; }
+    sd_stage_airpath_step(&self->airpath, page, &self->inputs, &self->airpath_crank, self->task_tick, &self->airpath_out);
+}
+
+void sd_ecu_task_say(sd_ecu_t *self, const sd_calibration_t *page, const sd_port_t *port, uint16_t why) {
+    if (page->airpath.present != 0u) { sd_say_airpath(&self->say, port, self->task_tick, &self->airpath_out, why); }
+    driveline_task(self, page, port, self->task_tick);
 }

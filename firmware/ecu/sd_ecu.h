@@ -64,10 +64,14 @@ typedef struct sd_ecu {
     sd_stage_trims_t   trims;
     sd_stage_driveline_t driveline; ///< Rests where the page has none.
     sd_stage_airpath_t airpath;
+    sd_stage_airpath_crank_t airpath_crank; ///< What the crank said at the last time event.
+    sd_stage_airpath_out_t   airpath_out;   ///< Of the last task.
     sd_work_t          work;
     sd_publish_t       say;
     float    last_speed_radps, last_fuel_mg; ///< Of the last cycle, to see whether the engine is steady.
     uint32_t unknown_events; ///< Ignored, wraps.
+    uint32_t task_tick;      ///< Of the last time event.
+    volatile uint8_t task;   ///< 0; 1: the long part of the 10 ms task is due; 2: it is done, and not said yet.
     uint8_t  ready;          ///< 1: initialised.
     uint8_t  shed;           ///< sd_shed_t: what the port lets it leave out.
     uint8_t  edge_seen;      ///< 1: a crank edge came since the last time event.
@@ -85,6 +89,10 @@ sd_result_t sd_ecu_resume(sd_ecu_t *self, const sd_calibration_t *page, const sd
 
 /// Handles all events waiting at the port; returns how many.
 uint32_t sd_ecu_run(sd_ecu_t *self, const sd_calibration_t *page, const sd_port_t *port);
+
+/// The long part of the 10 ms task, where the port has put it off (SD_TIME_PUT_OFF); nothing where it has not. To be called at a lower
+/// priority than sd_ecu_run, which may interrupt it with edges and SD_EVENT_LATE, but until SD_EVENT_TASK with nothing else.
+void sd_ecu_task_run(sd_ecu_t *self, const sd_calibration_t *page);
 
 #ifdef __cplusplus
 }

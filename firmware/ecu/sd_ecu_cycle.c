@@ -79,7 +79,7 @@ static void read_mixture(sd_ecu_t *self, const sd_calibration_t *page) {
                                      .exhaust_k = sd_inputs_value_or_0(inputs, SD_INPUT_EXHAUST_TEMPERATURE),
                                      .vanes = sd_inputs_value_or_0(inputs, SD_INPUT_EXHAUST_VANES),
                                      .turbine_rpm = sd_inputs_value_or_0(inputs, SD_INPUT_EXHAUST_TURBINE_SPEED) };
-    sd_stage_mixture_read(&self->mixture, &self->working, &at, out);
+    sd_stage_mixture_read(&self->mixture, &at, out);
     judge_pressure(self, &out->status);
     if (!self->work.cycle.phase_known) { sd_status_worst_of(&out->status, SD_INVALID, SD_WHY_NO_PHASE); }
     if ((out->status.why & (uint32_t)SD_WHY_UNCALIBRATED) == 0u) { sd_inputs_judge(&self->inputs, SD_OWNER_AFR, &out->status); }

@@ -12,15 +12,22 @@ extern "C" {
 #endif
 
 /* What an ecu makes of events. An edge is said, speed in rad/s returned; a placed tooth with that speed; an edge that is none; the
- * angle is lost; work is left out from here on, or no longer; 10 ms have gone by; a sample was taken; an edge of a wheel's teeth. */
+ * angle is lost; work is left out from here on, or no longer; a sample was taken; an edge of a wheel's teeth. */
 float sd_ecu_say_edge(sd_ecu_t *self, const sd_calibration_t *page, const sd_tooth_t *tooth);
 void sd_ecu_tooth(sd_ecu_t *self, const sd_calibration_t *page, const sd_port_t *port, const sd_tooth_t *tooth, float speed_radps);
 void sd_ecu_spurious(sd_ecu_t *self, const sd_calibration_t *page);
 void sd_ecu_lose_angle(sd_ecu_t *self, uint16_t why);
 void sd_ecu_shed(sd_ecu_t *self, uint8_t level);
-void sd_ecu_task(sd_ecu_t *self, const sd_calibration_t *page, const sd_port_t *port, uint32_t tick);
 void sd_ecu_sample(sd_ecu_t *self, sd_input_t input, float value);
 void sd_ecu_wheel(sd_ecu_t *self, const sd_calibration_t *page, uint16_t wheel, uint32_t tick);
+/* The 10 ms task in three parts. What the crank says now is noted; the long part, which edges may interrupt, so that it touches nothing
+ * that they do; what came of it is said, with a why beside what it is worth anyway (0: none). */
+void sd_ecu_task_begin(sd_ecu_t *self, const sd_calibration_t *page, uint32_t tick);
+void sd_ecu_task_work(sd_ecu_t *self, const sd_calibration_t *page);
+void sd_ecu_task_say(sd_ecu_t *self, const sd_calibration_t *page, const sd_port_t *port, uint16_t why);
+
+/* sd_ecu_t.task: nothing is put off; the long part is due; it is done, and not said yet. */
+enum { SD_TASK_NONE, SD_TASK_DUE, SD_TASK_DONE };
 
 /* sd_ecu_cycle.c: pieces of work, in their order. */
 typedef enum sd_piece {

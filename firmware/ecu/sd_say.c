@@ -134,18 +134,3 @@ void sd_say_driveline(sd_publish_t *say, const sd_stage_driveline_t *driveline) 
     s->driveline_reference_torsion_rad = reference->x[0];
     for (uint32_t j = 0; j < (uint32_t)SD_DRIVELINE_LOCATIONS; ++j) { s->driveline_reference_residual_rpm[j] = reference->residual_rpm[j]; }
 }
-
-void sd_say_airpath(sd_publish_t *say, const sd_stage_airpath_out_t *out) {
-    const sd_airpath_out_t *bank = &out->bank;
-    sd_signals_t *s = &say->signals;
-    for (uint32_t i = 0; i < (uint32_t)SD_AIRPATH_RESIDUALS; ++i) {
-        s->airpath_residual_kpa[i] = bank->residual_kpa[i];
-        s->airpath_offset[i] = bank->offset_faults[i];
-    }
-    for (uint32_t i = 0; i < sizeof s->airpath_decision / sizeof s->airpath_decision[0]; ++i) { s->airpath_decision[i] = bank->decision.decision[i]; }
-    s->airpath_fault = (float)bank->fault;
-    s->airpath_since_s = bank->since_s;
-    s->airpath_phase = (float)bank->phase;
-    s->airpath_tracking = (float)out->tracking;
-    sd_publish_judge(say, SD_OWNER_AIRPATH, &bank->status);
-}

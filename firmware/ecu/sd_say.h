@@ -5,7 +5,7 @@
 #include "sd_firings.h"
 #include "sd_say_edge.h"
 #include "sd_stage_driveline.h"
-#include "sd_stage_airpath.h"
+#include "sd_say_airpath.h"
 #include "sd_stage_misfire.h"
 #include "sd_stage_mixture.h"
 #include "sd_stage_torque.h"
@@ -25,7 +25,6 @@ void sd_say_misfires(sd_publish_t *say, const sd_calibration_t *page, const sd_m
 void sd_say_mixture(sd_publish_t *say, const sd_calibration_t *page, const sd_mixture_out_t *out, const sd_stage_mixture_t *mixture);
 void sd_say_driveline(sd_publish_t *say, const sd_stage_driveline_t *driveline);
 void sd_say_trims(sd_publish_t *say, const sd_calibration_t *page, const sd_stage_trims_t *trims);
-void sd_say_airpath(sd_publish_t *say, const sd_stage_airpath_out_t *out);
 
 #ifdef __cplusplus
 }

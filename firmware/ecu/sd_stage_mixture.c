@@ -180,15 +180,15 @@ bool sd_stage_mixture_learn(sd_stage_mixture_t *self, const sd_parameters_t *p, 
 }
 
 /* Share of a change that the estimate takes up in a cycle: from its variance before and after, and its drift. */
-static float follows(sd_stage_mixture_t *self, const sd_parameters_t *p, float sd) {
+static float follows(sd_stage_mixture_t *self, float sd) {
     if (!is_told(self)) { return CHAIN_FOLLOWS; }
-    const float drift = (self->afr.slow != 0u) ? p->afr_drift_slow : p->afr_drift;
+    const float drift = sd_afr_drift(&self->afr);
     const float before = self->last_variance + drift * drift;
     self->last_variance = sd * sd;
     return sd_clamp(1.0f - sd * sd / before, FOLLOW_LEAST, 1.0f);
 }
 
-void sd_stage_mixture_read(sd_stage_mixture_t *self, const sd_parameters_t *p, const sd_afr_conditions_t *at, sd_mixture_out_t *out) {
+void sd_stage_mixture_read(sd_stage_mixture_t *self, const sd_afr_conditions_t *at, sd_mixture_out_t *out) {
     memset(out, 0, sizeof *out);
     if (!ready(self)) {
         out->status = (sd_status_t){ .health = SD_INVALID, .why = SD_WHY_UNCALIBRATED };
@@ -204,7 +204,7 @@ void sd_stage_mixture_read(sd_stage_mixture_t *self, const sd_parameters_t *p, c
     memcpy(out->burned, estimate.lambda, sizeof out->burned);
     memcpy(out->deviations.value, estimate.deviation, sizeof out->deviations.value);
     memcpy(out->deviations.sd, estimate.sd, sizeof out->deviations.sd);
-    out->deviations.follow = follows(self, p, out->deviations.sd[0]);
+    out->deviations.follow = follows(self, out->deviations.sd[0]);
     out->deviations.told = is_told(self) ? 1u : 0u;
     out->deviations.health = out->status.health;
 }

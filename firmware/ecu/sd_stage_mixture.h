@@ -69,7 +69,7 @@ bool sd_stage_mixture_tooth(sd_stage_mixture_t *self, const sd_calibration_t *pa
 /// off, so that the trims' loop is another one now.
 bool sd_stage_mixture_learn(sd_stage_mixture_t *self, const sd_parameters_t *p, const sd_mixture_cycle_t *cycle);
 /// Next piece: notes the operating point of the coming cycle and says what the filter found.
-void sd_stage_mixture_read(sd_stage_mixture_t *self, const sd_parameters_t *p, const sd_afr_conditions_t *at, sd_mixture_out_t *out);
+void sd_stage_mixture_read(sd_stage_mixture_t *self, const sd_afr_conditions_t *at, sd_mixture_out_t *out);
 /// Last pieces: the operating point's tables. True while more is left.
 bool sd_stage_mixture_work(sd_stage_mixture_t *self, const sd_calibration_t *page);
 /// The probe's trim of each cylinder, by firing order; size: of the whole probe. 0 while none runs.

@@ -6,6 +6,7 @@
 
 #include "sd_ecu_parts.h"
 #include "sd_fixed_parts.h"
+#include "sd_say_airpath.h"
 #include "sd_say_edge.h"
 
 static sd_result_t init_torque(sd_ecu_t *self, const sd_calibration_t *page) {
@@ -23,11 +24,12 @@ sd_result_t sd_ecu_init(sd_ecu_t *self, const sd_calibration_t *page) {
     const sd_crank_config_t crank = sd_calibration_crank(page, &self->working);
     const bool ok = (sd_crank_init(&self->crank, &crank) == SD_OK) && (init_torque(self, page) == SD_OK) &&
                     (sd_fixed_misfire_init(&self->misfire, page, &self->working) == SD_OK) &&
-                    (sd_fixed_mixture_init(&self->mixture, page, &self->working) == SD_OK);
+                    (sd_fixed_mixture_init(&self->mixture, page, &self->working) == SD_OK) &&
+                    (sd_stage_airpath_init_q31(&self->airpath, page, &self->working) == SD_OK);
     if (!ok) { return SD_ERR_CONFIG; }
     const sd_status_t not_built = { .health = SD_INVALID, .why = SD_WHY_NOT_BUILT };
     sd_publish_judge(&self->say, SD_OWNER_FIRING, &not_built);
-    sd_publish_judge(&self->say, SD_OWNER_AIRPATH, &not_built);
+    if (page->airpath.present != page->airpath_q31.present) { sd_publish_judge(&self->say, SD_OWNER_AIRPATH, &not_built); }
     sd_publish_judge(&self->say, SD_OWNER_MISFIRE, &self->misfire.status);
     self->ready = 1;
     return SD_OK;
@@ -143,6 +145,7 @@ sd_result_t sd_ecu_apply(sd_ecu_t *self, const sd_calibration_t *page, uint32_t 
     case SD_OWNER_AFR:     return sd_fixed_mixture_init(&self->mixture, page, &self->working);
     case SD_OWNER_MISFIRE: return sd_fixed_misfire_init(&self->misfire, page, &self->working);
     case SD_OWNER_BALANCE: return SD_OK;
+    case SD_OWNER_AIRPATH: return sd_stage_airpath_configure_q31(&self->airpath, page, &self->working);
     default:               return SD_ERR_CONFIG;
     }
 }
@@ -152,10 +155,16 @@ void sd_ecu_wheel(sd_ecu_t *self, const sd_calibration_t *page, uint16_t wheel, 
     (void)self, (void)page, (void)wheel, (void)tick;
 }
 
-/* The air path's diagnosis is in single precision, and not in this ecu (docs/airpath.md). */
-void sd_ecu_task(sd_ecu_t *self, const sd_calibration_t *page, const sd_port_t *port, uint32_t tick) {
-    (void)self;
-    (void)page;
-    (void)port;
-    (void)tick;
+void sd_ecu_task_begin(sd_ecu_t *self, const sd_calibration_t *page, uint32_t tick) {
+    self->task_tick = tick;
+    self->airpath_crank = sd_say_crank_now(&self->say, page->cylinders);
+}
+
+void sd_ecu_task_work(sd_ecu_t *self, const sd_calibration_t *page) {
+    if (page->airpath_q31.present == 0u) { return; }
+    sd_stage_airpath_step_q31(&self->airpath, page, &self->inputs, &self->airpath_crank, self->task_tick, &self->airpath_out);
+}
+
+void sd_ecu_task_say(sd_ecu_t *self, const sd_calibration_t *page, const sd_port_t *port, uint16_t why) {
+    if (page->airpath_q31.present != 0u) { sd_say_airpath(&self->say, port, self->task_tick, &self->airpath_out, why); }
 }

@@ -5,7 +5,8 @@
 ///   crank edge -> decoder -> course of the cycle -> torque (Fourier), misfires (document 000), mixture (document 004's chain)
 ///                 and one piece of the work that the end of a cycle left: cylinders, mixture, trims, the cycle's signals, the
 ///                 operating point
-///   cam edge, time, sample, gap, parameter: as in sd_ecu.h
+///   time event -> every 10 ms: which inputs are fresh, air path (document 001)
+///   cam edge, sample, gap, parameter: as in sd_ecu.h
 ///
 /// Numbers on the tooth are q31. What a float of the page, of a parameter or of an event means, and what is said as one, is
 /// converted by integers (sd_scaled.h); so is what is done once a cycle. The filters on tooth times and all that stands on them
@@ -23,6 +24,7 @@
 #include "sd_fixed_trims.h"
 #include "sd_inputs.h"
 #include "sd_publish.h"
+#include "sd_stage_airpath.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -52,10 +54,15 @@ typedef struct sd_ecu {
     sd_fixed_misfire_t misfire;
     sd_fixed_mixture_t mixture;
     sd_fixed_trims_t   trims;
+    sd_stage_airpath_q31_t airpath;
+    sd_stage_airpath_crank_t airpath_crank; ///< Of the last task,
+    sd_stage_airpath_out_t airpath_out;     ///< and what came of it.
     sd_work_t          work;
     sd_publish_t       say;
     float    last_speed_radps, last_fuel_mg; ///< Of the last cycle, to see whether the engine is steady.
     uint32_t unknown_events; ///< Ignored, wraps.
+    uint32_t task_tick;      ///< Of the last time event.
+    volatile uint8_t task;   ///< 0; 1: the long part of the 10 ms task is due; 2: it is done, and not said yet.
     uint8_t  ready;          ///< 1: initialised.
     uint8_t  shed;           ///< sd_shed_t: what the port lets it leave out.
     uint8_t  edge_seen;      ///< 1: a crank edge came since the last time event.
@@ -67,6 +74,8 @@ typedef struct sd_ecu {
 sd_result_t sd_ecu_init(sd_ecu_t *self, const sd_calibration_t *page);
 /// As in sd_ecu.h.
 uint32_t sd_ecu_run(sd_ecu_t *self, const sd_calibration_t *page, const sd_port_t *port);
+/// As in sd_ecu.h.
+void sd_ecu_task_run(sd_ecu_t *self, const sd_calibration_t *page);
 
 #ifdef __cplusplus
 }

@@ -5,7 +5,7 @@
 
 void sd_fixed_trims_restart(sd_fixed_trims_t *self) { memset(self, 0, sizeof *self); }
 
-static sd_q31_t limited(sd_q31_t x, sd_q31_t limit) { return (x > limit) ? limit : (x < -limit) ? -limit : x; }
+static sd_q31_t limited(sd_q31_t x, sd_q31_t limit) { return (x > limit) ? limit : (x < sd_neg_q31(limit)) ? sd_neg_q31(limit) : x; }
 
 static bool usable(const sd_parameters_t *p, uint32_t cylinders, const sd_afr_estimate_t *estimate, uint8_t health) {
     bool ok = health == (uint8_t)SD_VALID;

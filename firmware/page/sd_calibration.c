@@ -78,11 +78,13 @@ static bool wheel_ok(const sd_calibration_t *page) {
     return bases && ((w->positions == 0u) || ((w->positions == page->positions) && (w->cylinders == page->cylinders)));
 }
 
-#ifdef SD_ECU_FIXED
-static bool airpath_ok(const sd_calibration_t *page) { return page->airpath.present <= 1u; } /* it is not in that ecu */
-#else
-static bool airpath_ok(const sd_calibration_t *page) { return sd_airpath_tables_ok(&page->airpath); }
+static bool airpath_ok(const sd_calibration_t *page) {
+#ifndef SD_ECU_FIXED /* which does not read these */
+    if (!sd_airpath_tables_ok_f32(&page->airpath)) { return false; }
 #endif
+    return (page->airpath.present >= page->airpath_q31.present) && (page->airpath.present <= 1u) &&
+           sd_airpath_tables_ok_q31(&page->airpath_q31);
+}
 
 bool sd_calibration_in_range(const sd_calibration_t *page) {
     const float *parameter = (const float *)&page->parameters;

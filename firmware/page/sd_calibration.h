@@ -55,7 +55,8 @@ typedef struct sd_calibration {
     sd_fourier_tables_t fourier;    ///< Of the torque observer; the AFR blocks take its sines too.
     sd_cylinder_map_t cylinder_map; ///< Of the gains in `parameters`.
     sd_afr_grid_t     afr;          ///< present 0: the engine file names no exhaust.
-    sd_airpath_tables_t airpath;    ///< present 0: the engine file names no air path with a design.
+    sd_airpath_tables_f32_t airpath;     ///< present 0: the engine file names no air path with a design.
+    sd_airpath_tables_q31_t airpath_q31; ///< The same in fixed point; present 0: there is none, or its numbers do not fit.
     sd_wheel_tables_t wheel;      ///< Document 000's observers; positions 0: the engine file tells no heat release.
     sd_kalman_tables_t kalman;      ///< Of the parameters firing.*; positions 0: none. Its pool ends the page, the driveline behind it.
 } sd_calibration_t;

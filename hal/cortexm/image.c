@@ -47,8 +47,8 @@ static uint32_t send(void *context, const sd_event_t *events, uint32_t count) {
 /* ---- the interrupts ------------------------------------------------------------------------------------------------- */
 
 static sd_event_t captured; /* by the capture timer, by the converter, or by the clock: what made the interrupt due */
-static volatile uint32_t handled, nested;
-static volatile uint8_t working;
+static volatile uint32_t handled, nested, interrupted, task_ticks;
+static volatile uint8_t working, tasking;
 static uint8_t waiting;
 
 static void on_edge(const sd_event_t *edge) {
@@ -68,7 +68,7 @@ void board_on_capture(void) {
 
 void board_on_sample(void) { on_other(&captured); }
 
-/* The 10 ms task: on a board it reads the slow sensors first. */
+/* Every 10 ms; on a board it reads the slow sensors first. */
 void board_on_clock(void) {
     if (bench_count() != 0u) { bench_task(on_other); } else { on_other(&captured); }
 }
@@ -83,23 +83,53 @@ static uint32_t receive(void *context, sd_event_t *events, uint32_t room) {
 
 static const sd_port_t ports = { 0, receive, send };
 
+static uint32_t ticks_since(uint32_t before) { return (before - board_ticks()) & 0x00FFFFFFu; } /* the core's timer counts down */
+
+/* The host's clock event has one frame, whatever of its task is put off. */
+static bool opens_frame(void) { return (bench_count() != 0u) || (frame.in.kind != (uint16_t)SD_EVENT_TASK); }
+static bool closes_frame(void) { return (bench_count() != 0u) || (frame.in.kind != (uint16_t)SD_EVENT_TIME); }
+
+static void open_frame(void) {
+    if (said_bytes + SAID_ROOM > SAID_BYTES) { hand_over(); }
+    frame_events = (sd_event_t *)(void *)&said[said_bytes + sizeof frame];
+    frame.count = frame.ticks = 0;
+}
+
+static void close_frame(void) {
+    if (!opens_frame()) { frame.in = captured, frame.ticks += task_ticks; }
+    put(&frame, sizeof frame);
+    said_bytes += frame.count * (uint32_t)sizeof(sd_event_t);
+    frame.count = 0;
+    handled++;
+}
+
 void board_on_work(void) {
     working = 1;
-    frame.count = 0;
     while (sd_cortexm_next(&port, &frame.in)) {
-        if (said_bytes + SAID_ROOM > SAID_BYTES) { hand_over(); }
-        frame_events = (sd_event_t *)(void *)&said[said_bytes + sizeof frame];
+        if (opens_frame()) { open_frame(); }
         waiting = 1;
         const uint32_t before = board_ticks();
         (void)sd_ecu_run(&ecu, page, &ports);
-        frame.ticks = (before - board_ticks()) & 0x00FFFFFFu; /* the core's timer counts down */
-        put(&frame, sizeof frame);
-        said_bytes += frame.count * (uint32_t)sizeof(sd_event_t);
-        frame.count = 0;
-        handled++;
-        if (frame.in.kind == (uint16_t)SD_EVENT_CRANK_EDGE) { bench_handled(frame.in.tick); }
+        frame.ticks += ticks_since(before);
+        if (closes_frame()) { close_frame(); }
+        if (frame.in.kind == (uint16_t)SD_EVENT_CRANK_EDGE) {
+            interrupted += tasking;
+            bench_handled(frame.in.tick);
+        }
     }
     working = 0;
+    if (sd_cortexm_task_due(&port) && (tasking == 0u)) { board_pend(BOARD_IRQ_TASK); }
+}
+
+/* The last priority: teeth interrupt it. */
+void board_on_task(void) {
+    tasking = 1;
+    const uint32_t before = board_ticks();
+    sd_ecu_task_run(&ecu, page);
+    task_ticks = ticks_since(before);
+    sd_cortexm_task_done(&port);
+    tasking = 0;
+    board_pend(BOARD_IRQ_WORK);
 }
 
 /* ---- the program ---------------------------------------------------------------------------------------------------- */
@@ -129,7 +159,8 @@ static void serve(void) {
 static void say_end(void) {
     const sd_link_frame_t last = { .count = SD_LINK_LAST };
     const sd_link_end_t end = { .stack_bytes = board_stack_used(), .overruns = port.overruns, .lost_edges = port.lost_edges,
-                                .lost_others = port.lost_others, .longest = bench_longest(), .nested = nested };
+                                .lost_others = port.lost_others, .longest = bench_longest(), .nested = nested,
+                                .interrupted = interrupted, .tasks_late = port.tasks_late };
     put(&last, sizeof last);
     put(&end, sizeof end);
     hand_over();
@@ -146,6 +177,7 @@ static sd_link_state_t start(void) {
     board_enable(BOARD_IRQ_WORK, 1);
     board_enable(BOARD_IRQ_CLOCK, 2);
     board_enable(BOARD_IRQ_SAMPLE, 2);
+    board_enable(BOARD_IRQ_TASK, 3);
     return SD_LINK_READY;
 }
 

@@ -29,6 +29,7 @@ enum {
     BOARD_IRQ_CLOCK   = 9,  ///< Timer 1: every 10 ms.
     BOARD_IRQ_SAMPLE  = 29, ///< An analogue reading is ready: wideband lambda sensor, pressure.
     BOARD_IRQ_WORK    = 30, ///< Asked for by software: what edges, samples and the clock leave to do.
+    BOARD_IRQ_TASK    = 31, ///< Asked for by software: the long part of the 10 ms task.
 };
 
 /// Handlers that an image may define; the board's own end the program.
@@ -36,6 +37,7 @@ void board_on_capture(void);
 void board_on_clock(void);
 void board_on_sample(void);
 void board_on_work(void);
+void board_on_task(void);
 
 /// Lets an interrupt through. priority: 0 (first) to 7.
 void board_enable(uint32_t irq, uint32_t priority);

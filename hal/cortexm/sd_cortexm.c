@@ -29,12 +29,17 @@ void sd_cortexm_edge(sd_cortexm_t *self, sd_event_kind_t kind, uint32_t tick) {
 }
 
 void sd_cortexm_post(sd_cortexm_t *self, const sd_event_t *event) {
+    if ((event->kind == (uint16_t)SD_EVENT_TIME) && (self->task != 0u)) { self->tasks_late++; }
     if (self->others_written - self->others_read >= SD_CORTEXM_OTHERS) {
         self->lost_others++;
         return;
     }
     self->others[self->others_written % SD_CORTEXM_OTHERS] = *event;
     self->others_written++;
+}
+
+void sd_cortexm_task_done(sd_cortexm_t *self) {
+    if (self->task == 1u) { self->task = 2u; }
 }
 
 /* ---- read by the work ------------------------------------------------------------------------------------------------ */
@@ -85,12 +90,28 @@ static bool next_edge(sd_cortexm_t *self, sd_event_t *event) {
     return true;
 }
 
+/* While the task is under way nothing but edges. */
+static bool next_task(sd_cortexm_t *self, sd_event_t *event) {
+    if (self->task == 1u) { return false; }
+    const uint32_t late = self->tasks_late;
+    *event = (sd_event_t){ .tick = self->task_tick, .kind = SD_EVENT_TASK, .value = late - self->tasks_late_said };
+    self->tasks_late_said = late;
+    self->task = 0;
+    return true;
+}
+
 bool sd_cortexm_next(sd_cortexm_t *self, sd_event_t *event) {
     self->crank_done += self->handling;
     self->handling = 0;
     if (next_edge(self, event)) { return true; }
+    if (self->task != 0u) { return next_task(self, event); }
     if (self->others_read == self->others_written) { return false; }
     *event = self->others[self->others_read % SD_CORTEXM_OTHERS];
     self->others_read++;
+    if (event->kind == (uint16_t)SD_EVENT_TIME) {
+        event->flags = SD_TIME_PUT_OFF;
+        self->task_tick = event->tick;
+        self->task = 1;
+    }
     return true;
 }

@@ -4,10 +4,16 @@
 ///
 ///   capture interrupt  (first priority)   sd_cortexm_edge    takes the time of an edge, some 30 instructions, and asks for work
 ///   work interrupt     (second)           sd_cortexm_next    hands the events to sd_ecu_run, one by one
-///   clock and samples  (last)             sd_cortexm_post    reads sensors; the 10 ms task
+///   clock and samples  (third)            sd_cortexm_post    reads sensors
+///   10 ms task         (last)             sd_cortexm_task_done  after sd_ecu_task_run, the task's long part
 ///
 /// Edges have a queue of their own with one writer, everything else another one, whose writers have one priority; so neither needs a
 /// lock. Edges go first.
+///
+/// The 10 ms task: a clock event is handed out with SD_TIME_PUT_OFF, whereupon the ecu leaves the task's long part to the last priority.
+/// Teeth interrupt that. Until it is done only edges are handed out, and no sample or parameter, so that nothing changes what the task
+/// reads; then follows SD_EVENT_TASK, by which the ecu says what came of it. A clock event that comes before is late: it waits, is counted
+/// in `tasks_late`, and SD_EVENT_TASK says so.
 ///
 /// Overrun: an edge is captured while the one before it has not been handled. The queue keeps it, so no edge is lost, but the ecu is
 /// behind. The port then says SD_EVENT_LATE with one level more, and the ecu leaves out work (sd_shed_t in sd_shed.h) and says so in the
@@ -41,6 +47,10 @@ typedef struct sd_cortexm {
     volatile uint32_t overruns;     ///< Edges captured while the one before was not handled, wraps.
     volatile uint32_t lost_edges;   ///< Edges for which the queue had no room, wraps.
     volatile uint32_t lost_others;  ///< Samples and clock events likewise, wraps.
+    volatile uint32_t tasks_late;   ///< Clock events that came before the task of the last one was done, wraps.
+    uint32_t tasks_late_said;       ///< Of `tasks_late`, by the last SD_EVENT_TASK.
+    uint32_t task_tick;             ///< Of the clock event that the task belongs to.
+    volatile uint8_t  task;         ///< 0: none; 1: its long part is under way; 2: that is done.
     volatile uint8_t  losing;       ///< 1: edges have been lost since the last one that was queued.
     uint8_t  level;                 ///< sd_shed_t that the ecu was told.
     uint8_t  taken_back;            ///< 1: the last change of level took one back.
@@ -54,8 +64,14 @@ void sd_cortexm_init(sd_cortexm_t *self);
 /// Of the capture interrupt: an edge of crank or cam at `tick`. Never blocks.
 void sd_cortexm_edge(sd_cortexm_t *self, sd_event_kind_t kind, uint32_t tick);
 
-/// Of interrupts of the last priority: a sample or a clock event.
+/// Of interrupts of the third priority: a sample or a clock event.
 void sd_cortexm_post(sd_cortexm_t *self, const sd_event_t *event);
+
+/// Whether sd_ecu_task_run is due. Asked by the work interrupt when nothing waits any more.
+static inline bool sd_cortexm_task_due(const sd_cortexm_t *self) { return self->task == 1u; }
+
+/// Of the last priority: sd_ecu_task_run has returned. Then the work is due again.
+void sd_cortexm_task_done(sd_cortexm_t *self);
 
 /// Of the work interrupt: the next event for the ecu; false when there is none. By the call for the next one the last one has been
 /// handled.

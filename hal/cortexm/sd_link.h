@@ -3,10 +3,10 @@
 ///
 /// All words are 32 bits, little endian. The image begins with sd_link_hello_t. The host then asks: a word says how many events follow,
 /// 1 to SD_LINK_EVENTS. The image answers with one frame for each event that its ecu has handled, in order: sd_link_frame_t and the
-/// events that the ecu said. A word 0 asks for the end: the image answers with a last frame and sd_link_end_t, and leaves.
+/// events that the ecu said; what it says of the 10 ms task stands in the frame of the clock event. A word 0 asks for the end: the image answers with a last frame and sd_link_end_t, and leaves.
 ///
 /// With a bench of events in RAM (sd_board.h) the image asks for nothing: it lets them happen at their own times, by interrupts of the
-/// board's timers, sends frames all the while, and the end.
+/// board's timers, sends frames all the while, those of SD_EVENT_TASK too, and the end.
 #ifndef SD_LINK_H
 #define SD_LINK_H
 #include "hal.h"
@@ -45,6 +45,8 @@ typedef struct sd_link_end {
     uint32_t lost_others; ///< Samples and clock events likewise.
     uint32_t longest;     ///< With a bench: longest time from a crank edge until it had been handled, in ticks of 40 ns.
     uint32_t nested;      ///< Edges captured while the ecu was at work.
+    uint32_t interrupted; ///< Crank edges handled during the long part of the 10 ms task.
+    uint32_t tasks_late;  ///< Clock events that came before the task of the last one was done.
 } sd_link_end_t;
 
 #ifdef __cplusplus

@@ -23,6 +23,7 @@ HANDLER(board_on_capture);
 HANDLER(board_on_clock);
 HANDLER(board_on_sample);
 HANDLER(board_on_work);
+HANDLER(board_on_task);
 
 __attribute__((section(".vectors"), used)) static const void *const vectors[16u + IRQS] = {
     stack_top, (const void *)reset, (const void *)fault, (const void *)fault, (const void *)fault, (const void *)fault, (const void *)fault,
@@ -30,6 +31,7 @@ __attribute__((section(".vectors"), used)) static const void *const vectors[16u 
     [16 + BOARD_IRQ_CLOCK] = (const void *)board_on_clock,
     [16 + BOARD_IRQ_SAMPLE] = (const void *)board_on_sample,
     [16 + BOARD_IRQ_WORK] = (const void *)board_on_work,
+    [16 + BOARD_IRQ_TASK] = (const void *)board_on_task,
 };
 
 __attribute__((noreturn)) void reset(void) {

@@ -305,6 +305,7 @@ const sd_signal_info_t sd_parameter_infos[SD_PARAMETER_COUNT] = {
     { "airpath.late", "s", 0.01f, 0.5f, 0.03f, SD_RATE_EDGE, SD_OWNER_AIRPATH, 0 },
     { "airpath.stuck", "s", 0.01f, 10.0f, 0.1f, SD_RATE_EDGE, SD_OWNER_AIRPATH, 0 },
     { "airpath.tracking", "", 0.001f, 1.0f, 0.05f, SD_RATE_EDGE, SD_OWNER_AIRPATH, 0 },
+    { "airpath.arithmetic", "", 0.0f, 1.0f, 0.0f, SD_RATE_EDGE, SD_OWNER_AIRPATH, 0 },
     { "driveline.damping", "", 0.0f, 1.0f, 0.0f, SD_RATE_EDGE, SD_OWNER_DRIVELINE, 0 },
     { "driveline.damping_gain", "Nm s/rad", 0.0f, 10000.0f, 20.0f, SD_RATE_EDGE, SD_OWNER_DRIVELINE, 0 },
     { "driveline.damping_limit", "Nm", 0.0f, 2000.0f, 25.0f, SD_RATE_EDGE, SD_OWNER_DRIVELINE, 0 },

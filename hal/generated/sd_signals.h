@@ -11,7 +11,7 @@ extern "C" {
 #endif
 
 /// Changes whenever the table does; calibration pages and logs carry it.
-#define SD_SIGNALS_SIGNATURE 0x768dd4dau
+#define SD_SIGNALS_SIGNATURE 0xff83c37au
 
 /// Channel of an SD_EVENT_SAMPLE.
 typedef enum sd_input {
@@ -248,13 +248,14 @@ typedef struct sd_parameters {
     float airpath_late_s; ///< Age of a reading from which on decisions rest until the next one comes.
     float airpath_stuck_s; ///< Time for which a pressure or the air flow may read the same to the last bit before its sensor counts as stuck; decisions rest meanwhile.
     float airpath_tracking; ///< Distance of a position from its command, for half a second on average, that is said as not tracking.
+    float airpath_arithmetic; ///< Of the diagnosis: 0 single precision, 1 fixed point (q31). Another one begins anew.
     float driveline_damping; ///< 1: the damping asks for torque. It needs the engine file's driveline.
     float driveline_damping_gain_nmsprad; ///< Torque at the crank for a rate of torsion.
     float driveline_damping_limit_nm; ///< Largest request either way.
     float driveline_damping_rate_nmps; ///< Fastest change of the request.
     float driveline_damping_drop_nmps; ///< The same on its way to 0, once the estimate is not valid.
 } sd_parameters_t;
-#define SD_PARAMETER_COUNT 78u
+#define SD_PARAMETER_COUNT 79u
 
 /// What is said together, and when.
 typedef enum sd_rate {

@@ -81,8 +81,12 @@ Constraints constraints_of(const ReplayOptions &options, const TextLayout &layou
     if (!options.wheel.empty()) known.wheel = parse_wheel_text(options.wheel, "--wheel");
     if (!options.edge.empty()) known.edge = parse_edge(options.edge, "--edge");
     if (!options.column.empty()) known.column = column_named(options.column, layout, options.file + ": --column");
-    if (!options.cam.empty()) known.cam_column = column_named(options.cam, layout, options.file + ": --cam");
+    if (!options.cam.empty()) set_cam(options.cam, layout, options.file + ": --cam", known);
     if (!options.threshold.empty()) known.threshold = number_option(options.threshold, "--threshold");
+    if (!options.time_unit.empty()) {
+        known.unit_s = number_option(options.time_unit, "--time-unit");
+        if (!(*known.unit_s >= 1e-12 && *known.unit_s <= 1e3)) throw InputError("--time-unit", "", "is outside [1e-12, 1000] s");
+    }
     if (inputs.engine_given && !known.wheel) known.engine_wheel = inputs.engine.wheel;
     if (inputs.engine_given && inputs.engine.has_cam) {
         const double turns = (inputs.engine.cam_edge_deg - inputs.engine.position_0_deg) / 360;
@@ -126,6 +130,7 @@ Inputs read_inputs(const ReplayOptions &options) {
     read_engine_and_tune(options, inputs);
     inputs.found = find_recording(options.file, constraints_of(options, layout, inputs));
     inputs.engine.wheel = inputs.found.guess.wheel;
+    if (const auto &cam = inputs.found.guess.cam; cam && !cam->file.empty()) inputs.files[cam->file] = sha256_of_file(cam->file);
     inputs.sensors = sensor_sources(options, layout, double(inputs.tune.afr_stoichiometric));
     for (const SensorSource &sensor : inputs.sensors)
         if (!sensor.file.empty()) inputs.files[sensor.file] = sha256_of_file(sensor.file);
@@ -254,7 +259,9 @@ void add_replay(Command &app) {
     command.option("--edge", options->edge, "falling or rising; guessed otherwise");
     command.option("--column", options->column, "of the crank signal, number from 0 or name; guessed otherwise");
     command.option("--threshold", options->threshold, "of the crank signal, in its own unit; found otherwise");
-    command.option("--cam", options->cam, "column of the cam signal, number or name; guessed otherwise");
+    command.option("--time-unit", options->time_unit,
+                   "seconds of one unit of the times, such as 1e-6; from the header or guessed otherwise");
+    command.option("--cam", options->cam, "cam signal: a column (number, name or column:N), or FILE or FILE:COLUMN; guessed otherwise");
     command.option("--parity", options->parity, "without a cam: which revolution of the cycle the first one in sync is, first or second")
         .one_of({"first", "second"});
     command.option("--intake", options->intake, "intake pressure in bar: a number, a column (name or column:N), or FILE or FILE:COLUMN");

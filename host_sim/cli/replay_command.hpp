@@ -15,7 +15,7 @@ namespace sixdeg {
 
 struct ReplayOptions {
     std::string file, wheel, edge, engine, tune, number, truth, out, json, cam, intake, fuel, lambda, load, learned, learn;
-    std::string column, threshold, parity;
+    std::string column, threshold, parity, time_unit;
     std::vector<std::string> set;
 };
 
@@ -59,6 +59,13 @@ ParityFound find_parity(const std::string &file, const Guess &guess, const Engin
 
 /// --intake and its like. Throws InputError naming the option.
 std::vector<SensorSource> sensor_sources(const ReplayOptions &options, const TextLayout &layout, double stoichiometric);
+/// FILE or FILE:COLUMN, where such a file exists.
+struct FileSource {
+    std::string file, column; ///< Column as text; empty: not said.
+};
+std::optional<FileSource> file_source(const std::string &text);
+/// --cam: a column of the recording, its number or name, or another file. Throws InputError.
+void set_cam(const std::string &text, const TextLayout &layout, const std::string &from, Constraints &known);
 /// Column that a text names: its number from 0, or its name in the header. Throws InputError naming `from`.
 int column_named(const std::string &text, const TextLayout &layout, const std::string &from);
 

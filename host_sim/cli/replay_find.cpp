@@ -13,6 +13,7 @@ namespace {
 constexpr std::size_t kStretchCells = std::size_t(3) << 20; // 24 MB; whoever records faster waits longer for the first revolution
 constexpr double kFarDeg = 45, kOffDeg = 10; // The decoder takes a cam edge so far from its place; half a usual tooth is nothing.
 constexpr double kMovedDeg = 12;
+constexpr std::size_t kFaultsMost = 5; // One edge in so many: more is no recording of this wheel, or its angle slips.
 
 const char *unit_name(double unit_s) {
     return unit_s == 1 ? "s" : unit_s == 1e-3 ? "ms" : unit_s == 1e-6 ? "us" : unit_s == 1e-9 ? "ns" : "rows";
@@ -21,7 +22,8 @@ const char *unit_name(double unit_s) {
 std::vector<std::string> two_level_columns(const Recording &stretch, const Guess &guess) {
     std::vector<std::string> labels;
     for (int column = 0; column <= stretch.last_column(); ++column) {
-        if (column == guess.column || (guess.cam && column == guess.cam->column) || !stretch.layout.is_signal(std::size_t(column)))
+        if (column == guess.column || (guess.home && column == guess.home->column)) continue;
+        if ((guess.cam && guess.cam->file.empty() && column == guess.cam->column) || !stretch.layout.is_signal(std::size_t(column)))
             continue;
         if (stretch.bad_cells[std::size_t(column)].line == 0 && column_kind(stretch, column) == ColumnKind::level)
             labels.push_back(column_label(stretch, column));
@@ -60,8 +62,18 @@ std::vector<std::string> notes_of(const FoundRecording &found) {
     const Guess &guess = found.guess;
     std::vector<std::string> notes;
     if (!guess.runner_up.empty()) notes.push_back("next best reading: " + guess.runner_up);
-    if (guess.tooth_added) notes.push_back("the added tooth and the one behind it are left out: decoded as " + describe(guess.wheel));
-    if (guess.unit_guessed)
+    if (guess.home)
+        notes.push_back(fmt::format("the one tooth in column {} comes every {} teeth, once {}; the tooth before it is left out: decoded "
+                                    "as {}",
+                                    guess.home->column, guess.wheel.positions * (guess.home->on_cam ? 2 : 1),
+                                    guess.home->on_cam ? "in two revolutions" : "a revolution", describe(guess.wheel)));
+    else if (guess.tooth_added) notes.push_back("the added tooth and the one behind it are left out: decoded as " + describe(guess.wheel));
+    if (guess.unit_given) notes.push_back(fmt::format("time is in units of {:g} s, as --time-unit says", guess.unit_s));
+    else if (found.layout.counts_time)
+        notes.push_back(fmt::format("the times count rows or ticks, and nothing says how long one takes: {} is a guess, and speed with it; "
+                                    "--time-unit gives it",
+                                    unit_name(guess.unit_s)));
+    else if (guess.unit_guessed)
         notes.push_back(
             fmt::format("the header names no unit of time: {} is taken, seconds would be no engine's", unit_name(guess.unit_s)));
     else if (guess.unit_s != 1) notes.push_back(fmt::format("time is in {}, as the header says", unit_name(guess.unit_s)));
@@ -102,8 +114,8 @@ std::vector<std::string> cam_notes(const FoundRecording &found, const EngineFile
     }
     const CamGuess &cam = *found.guess.cam;
     if (cam.teeth > 1)
-        notes.push_back(fmt::format("the cam in column {} has {} edges a cycle; the one that no other is opposite to tells the phase",
-                                    cam.column, cam.teeth));
+        notes.push_back(fmt::format("the cam in column {}{} has {} edges a cycle; the one that no other is opposite to tells the phase",
+                                    cam.column, cam.file.empty() ? "" : " of " + cam.file, cam.teeth));
     if (cam.moved_rev * 360 > kMovedDeg)
         notes.push_back(fmt::format("the cam moves: its edge wanders by {:.0f} deg of crank", cam.moved_rev * 360));
     if (!engine.has_cam) return notes;
@@ -124,7 +136,12 @@ std::vector<std::string> cam_notes(const FoundRecording &found, const EngineFile
 }
 
 std::optional<std::string> why_not_followed(const FoundRecording &found, const ReplayResult &result) {
-    if (result.first_sync_edge && result.synced_s >= 0.5 * result.turned_s) return std::nullopt;
+    const std::size_t faults = result.counts.coasted + result.counts.spurious;
+    if (result.first_sync_edge && result.synced_s >= 0.5 * result.turned_s) {
+        if (faults * kFaultsMost < result.edges) return std::nullopt;
+        return fmt::format("{} faults in {} edges, through which no angle is sure: edges are missing, added or uneven", faults,
+                           result.edges);
+    }
     const double turns = found.guess.wheel.teeth() > 0 ? double(result.edges) / found.guess.wheel.teeth() : 0;
     std::string why;
     if (turns < 5)

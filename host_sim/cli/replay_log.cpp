@@ -28,6 +28,7 @@ void refuse_options_of_recordings(const ReplayOptions &options) {
     refuse(!options.edge.empty(), "--edge");
     refuse(!options.column.empty(), "--column");
     refuse(!options.threshold.empty(), "--threshold");
+    refuse(!options.time_unit.empty(), "--time-unit");
     refuse(!(options.cam + options.parity).empty(), "--cam, --parity");
     refuse(!(options.intake + options.fuel + options.lambda + options.load).empty(), "--intake, --fuel, --lambda, --load");
     refuse(!(options.learned + options.learn).empty(), "--learned, --learn");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// sixdeg replay --intake, --fuel, --lambda, --load: a constant, a column of the recording, or another file.
+// sixdeg replay --intake, --fuel, --lambda, --load, --cam: a constant, a column of the recording, or another file.
 #include <charconv>
 #include <filesystem>
 #include <fmt/format.h>
@@ -43,21 +43,15 @@ std::optional<double> number_in(const std::string &text) {
     return std::nullopt;
 }
 
-/// FILE or FILE:COLUMN; without a column the first that is no time.
-SensorSource from_file(const std::string &text, const Sensor &sensor, double stoichiometric) {
+/// Without a column the first that is no time.
+SensorSource from_file(const FileSource &where, const Sensor &sensor, double stoichiometric) {
     SensorSource source;
     source.input = sensor.input;
-    source.file = text;
-    std::string column;
-    std::error_code ec;
-    if (const auto colon = text.rfind(':'); !std::filesystem::exists(text, ec) && colon != std::string::npos) {
-        source.file = text.substr(0, colon);
-        column = text.substr(colon + 1);
-    }
+    source.file = where.file;
     const RowReader reader{std::filesystem::path(source.file)};
     const TextLayout &layout = reader.layout();
-    if (!column.empty()) source.column = column_named(column, layout, sensor.option);
-    for (std::size_t j = 0; column.empty() && source.column < 0 && j < layout.names.size(); ++j)
+    if (!where.column.empty()) source.column = column_named(where.column, layout, sensor.option);
+    for (std::size_t j = 0; where.column.empty() && source.column < 0 && j < layout.names.size(); ++j)
         if (layout.is_signal(j)) source.column = int(j);
     if (source.column < 0) throw InputError(source.file, sensor.option, "holds no column of readings beside the time");
     source.scale = scale_of(layout.names[std::size_t(source.column)], sensor.input, stoichiometric);
@@ -79,14 +73,30 @@ SensorSource constant(double value, const Sensor &sensor) {
     return source;
 }
 
-bool is_file(const std::string &text) {
-    std::error_code ec;
-    const auto colon = text.rfind(':');
-    return std::filesystem::is_regular_file(text, ec) ||
-           (colon != std::string::npos && std::filesystem::is_regular_file(text.substr(0, colon), ec));
-}
+/// "column:N" says that N is one.
+std::string without_prefix(const std::string &text) { return text.rfind("column:", 0) == 0 ? text.substr(7) : text; }
 
 } // namespace
+
+std::optional<FileSource> file_source(const std::string &text) {
+    std::error_code ec;
+    if (std::filesystem::is_regular_file(text, ec)) return FileSource{text, ""};
+    const auto colon = text.rfind(':');
+    if (colon == std::string::npos || !std::filesystem::is_regular_file(text.substr(0, colon), ec)) return std::nullopt;
+    return FileSource{text.substr(0, colon), text.substr(colon + 1)};
+}
+
+void set_cam(const std::string &text, const TextLayout &layout, const std::string &from, Constraints &known) {
+    const auto other = number_in(text) ? std::nullopt : file_source(text);
+    if (!other) {
+        known.cam_column = column_named(without_prefix(text), layout, from);
+        return;
+    }
+    known.cam_file = other->file;
+    const RowReader reader{std::filesystem::path(other->file)};
+    if (!other->column.empty()) known.cam_column = column_named(other->column, reader.layout(), from);
+    protect_input(other->file);
+}
 
 int column_named(const std::string &text, const TextLayout &layout, const std::string &from) {
     for (std::size_t j = 0; j < layout.names.size(); ++j)
@@ -107,12 +117,12 @@ std::vector<SensorSource> sensor_sources(const ReplayOptions &options, const Tex
         if (text.empty()) continue;
         if (const auto value = number_in(text)) {
             sources.push_back(constant(*value, sensor));
-        } else if (is_file(text)) {
-            sources.push_back(from_file(text, sensor, stoichiometric));
+        } else if (const auto other = file_source(text)) {
+            sources.push_back(from_file(*other, sensor, stoichiometric));
         } else {
             SensorSource source;
             source.input = sensor.input;
-            source.column = column_named(text.rfind("column:", 0) == 0 ? text.substr(7) : text, layout, sensor.option);
+            source.column = column_named(without_prefix(text), layout, sensor.option);
             source.scale = scale_of(layout.names[std::size_t(source.column)], sensor.input, stoichiometric);
             sources.push_back(source);
         }

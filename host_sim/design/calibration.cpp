@@ -8,6 +8,7 @@
 
 #include "design/afr/chain_map.hpp"
 #include "design/airpath/airpath_tables.hpp"
+#include "design/airpath/fixed_tables.hpp"
 #include "design/misfire/wheel_design.hpp"
 #include "design/torque/cylinder_map.hpp"
 #include "design/torque/known_torque.hpp"
@@ -43,7 +44,8 @@ void check_starts(const sd_calibration_t &calibration, const EngineFile &engine,
     const sd_crank_config_t crank_config = sd_calibration_crank(&calibration, &calibration.parameters);
     if (sd_crank_init(&crank, &crank_config) != SD_OK) {
         throw InputError(engine.name, "wheel", fmt::format("the decoder takes runs of 1 to 3 missing teeth, at most {} of them at least 4 teeth "
-                                                           "apart, and a stall time of 256 to 16777216 ticks", SD_CRANK_MARKS_MAX));
+                                                           "apart or two alike with 1 between, "
+                                                           "and a stall time of 256 to 16777216 ticks", SD_CRANK_MARKS_MAX));
     }
     const auto ecu = std::make_unique<sd_ecu_t>();
     if (sd_ecu_init(ecu.get(), &calibration) != SD_OK) {
@@ -112,13 +114,22 @@ void check_chain(const sd_calibration_t &c, const std::string &tune_name) {
 }
 
 /// The air path's diagnosis, where the engine file names a design.
-sd_airpath_tables_t air_path_tables(const EngineFile &engine) {
+sd_airpath_tables_f32_t air_path_tables(const EngineFile &engine) {
     if (!engine.air_path || engine.air_path->design_name.empty()) return {};
     if (engine.air_path->design_text.empty()) throw InputError(engine.name, "airpath.design", "names no file: " + engine.air_path->design_name);
     TomlFile file(engine.air_path->design_name, engine.air_path->design_text);
     const AirPathDesign design = read_air_path_design(file, *engine.air_path, engine.displaced_m3() * engine.cylinders());
     file.finish();
     return design.tables;
+}
+
+/// In both arithmetics; that the numbers fit fixed point is asked for only where it is chosen.
+void add_air_path(const EngineFile &engine, const std::string &tune_name, sd_calibration_t &c) {
+    c.airpath = air_path_tables(engine);
+    const FixedAirPath fixed = fixed_air_path(c.airpath);
+    c.airpath_q31 = fixed.tables;
+    if (!fixed.too_large.empty() && c.parameters.airpath_arithmetic > 0.5f)
+        throw InputError(tune_name, "airpath.arithmetic", "1 does not go with the engine file's air path: " + fixed.too_large);
 }
 
 } // namespace
@@ -178,7 +189,7 @@ sd_calibration_t calibrate(const EngineFile &engine, const sd_parameters_t &tune
     }
     c.fourier = fourier_tables(engine);
     c.parameters = resolve(engine, tune);
-    c.airpath = air_path_tables(engine);
+    add_air_path(engine, tune_name, c);
     c.wheel = wheel_tables(engine, c);
     if (c.wheel.positions == 0 && c.parameters.misfire_method > 0.5f)
         throw InputError(tune_name, "misfire.method", "the observers of document 000 need the engine file's combustion.pulse");

@@ -161,7 +161,8 @@ CrankAlone::CrankAlone(const std::string &name, const EngineFile &engine, double
     if (!fits)
         throw InputError(
             name, describe(engine.wheel),
-            "is the wheel, and the decoder does not take it: marks are 1 to 3 missing teeth, at most 4 of them, at least 4 teeth apart");
+            "is the wheel, and the decoder does not take it: marks are 1 to 3 missing teeth, at most 4 of them, at least 4 teeth "
+            "apart or two alike with 1 between");
 }
 
 void CrankAlone::say(sd_signal_t signal, double value, std::uint32_t tick, std::uint8_t health) {

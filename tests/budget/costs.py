@@ -66,6 +66,7 @@ STATES = {
     "sd_balance": ["sd_balance_t"],
     "sd_driveline_guard": ["sd_driveline_guard_t"],
     "sd_driveline_hybrid": ["sd_driveline_hybrid_t"],
+    "sd_airpath_bank": ["sd_airpath_bank_f32_t", "sd_airpath_bank_q31_t"],
     "sd_ecu": ["sd_ecu_t"],
 }
 
@@ -114,6 +115,8 @@ def of_run(run):
                 "afr_joint_step",
                 "driveline_guard_step",
                 "driveline_hybrid_step",
+                "airpath_step_f32",
+                "airpath_step_q31",
             )
         }
         for (name, event_class), count in sorted(run.counts.items()):

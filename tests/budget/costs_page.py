@@ -50,6 +50,7 @@ BLOCKS = [
     ("AFR: joint filter, fixed gains", "sd_afr_joint_step", None, "fixed_gains", None),
     ("driveline: guard filter", "sd_driveline_guard_step", None, "guard", None),
     ("driveline: document 003", "sd_driveline_hybrid_step", None, "bank", None),
+    ("air path: both observers and the decision, 10 ms", "sd_airpath_step", "typed", "airpath", None),
 ]
 TABLE_2 = [
     ("Block A: observer of cylinders", "2.70", "sd_afr_observer_step", "fourier_law"),
@@ -77,16 +78,20 @@ HEAD = """<!-- SPDX-License-Identifier: MIT -->
 [budget.md](budget.md) says how instructions are counted and which goals the parts of the ecu have. Figures hold for arm-none-eabi-gcc
 12.2.1 20221205 (Debian 12's 15:12.2.rel1-1), -O2; the check looks at the version first.
 
-Instructions are exact. **Cycles are a model** (tests/budget/cycles.py): every executed instruction has the figure of the tables in
-Arm's Cortex-M4 and Cortex-M3 technical reference manuals (DDI 0439 table 3-1 and its floating-point table, DDI 0337 table 3-1): a load
-2 cycles, 1 behind another load, a product 1, `vdiv` and `vsqrt` 14, a floating-point result that the next instruction wants one more.
-Where a table has a range, the quick end of ours takes the least and the slow end the most: a division 2 or 12 cycles, a taken branch 1
-or 3 more. Where one figure stands it is the slow end. Memory answers at once: flash wait states, caches and bus contention are the
-board's, and not in it. Interrupt entry and exit add {interrupt} cycles to a tooth. Nothing here was measured on silicon.
+Instructions are exact. **Cycles are a model** (tests/budget/cycles.py, which names the sources): every executed instruction has the
+figure of Arm's table for the Cortex-M4 (100166, section 3.3.1; floating point as Texas Instruments print it, SWCU192 table 3-27) or
+Cortex-M3 (DDI 0337H, table 3-1): a load 2 cycles, 1 behind another load, one more where the instruction in front computed its address, a
+product 1, a division 12, `vdiv` and `vsqrt` 14, a floating-point result that the next instruction wants one more. Where sources have a
+range there are two ends. A taken branch: 1 more at the quick end and 2 to a wide instruction that is not aligned, as measured on a
+Cortex-M4 (compendium.i-0.nl, "Branch timing"); 3 more, the table's most, at the slow end. A float to or from a core register: 1 or 2. Memory
+answers at once: flash wait states, caches and bus contention are the board's, and not in it. Interrupt entry and exit add {interrupt}
+cycles to a tooth. Nothing here was measured on silicon by us. The quick end is the model's statement, since its branches are measured ones;
+the slow end is a bound.
 
-For the Cortex-M7 Arm publishes no such table, so it has a range: from two instructions in every cycle (half the instructions) to one at
-a time with the M4's latencies and no branch predicted. Its middle is that slow end over {pairing:.2f}, the ratio of the CoreMark
-figures that Arm gives for the two cores (5.01 and 3.42 a MHz).
+For the Cortex-M7 Arm publishes no such table (quinapalus.com, "Cortex-M7 instruction cycle counts", says so and measures some pairs), so
+it has a range: from two instructions in every cycle (half the instructions) to one at a time with the M4's latencies and no branch
+predicted. Its middle is that slow end over {pairing:.2f}, the ratio of the CoreMark figures that Arm gives for the two cores (5.01 and
+3.42 a MHz), and is the model's statement: neither of its ends is a program's.
 """
 
 

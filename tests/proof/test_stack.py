@@ -38,6 +38,9 @@ class Stack(unittest.TestCase):
             bounds, wrong = stack.look(stack.ROOT / "build" / core / "tests/budget/target/budget_ecu")
             self.assertEqual(wrong, [], core)
             self.assertGreater(bounds["sd_ecu_run"][0], 500, "painting finds more than that")
+            bounds, wrong = stack.look(stack.ROOT / "build" / core / "sixdeg_image")
+            self.assertEqual(wrong, [], core)
+            self.assertIn("sd_ecu_task_run", bounds)
 
     def test_every_loop_has_a_bound(self):
         self.assertEqual(stack.loops(), [])

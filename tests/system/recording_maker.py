@@ -7,7 +7,8 @@ import numpy as np
 SINGLE = [(n, m) for n in (12, 18, 20, 24, 30, 32, 36, 40, 48, 60, 72, 90, 100, 120) for m in (1, 2)]
 SINGLE += [(12, 3), (25, 1), (35, 1), (59, 2), (61, 1)]
 # Teeth before each mark; missing teeth of each.
-MULTI = {"36-2-1": ((20, 13), (1, 2)), "36-2-2-2": ((16, 8, 6), (2, 2, 2)), "44-2-2 apart": ((17, 23), (2, 2)),
+MULTI = {"36-2-1": ((20, 13), (1, 2)), "36-2-2-2": ((16, 8, 6), (2, 2, 2)), "36-2-2-2 near": ((16, 1, 13), (2, 2, 2)),
+         "44-2-2 apart": ((17, 23), (2, 2)),
          "44-2-2": ((20, 20), (2, 2)), "60-2-2 apart": ((20, 36), (2, 2)), "60-2-2": ((28, 28), (2, 2))}
 
 
@@ -20,7 +21,7 @@ class Made:
     jitter: float      # standard deviation of an edge, of a tooth spacing
     ripple: float
     revolutions: float
-    form: str          # edges, levels, inverted, voltage, reluctance
+    form: str          # edges, levels, inverted, voltage, reluctance, apart
     text: str = ""
     mean_rpm: float = 0.0
     repeats: bool = False
@@ -42,6 +43,11 @@ def several(key):
 
 def added(positions):
     return f"{positions}+1", sorted([360 * p / positions for p in range(positions)] + [360 * (positions - 0.5) / positions])
+
+
+def even(positions):
+    """One of the two sensors of 24+1; the other is made in the form `apart`."""
+    return f"{positions}+1", [360 * p / positions for p in range(positions)]
 
 
 def times_of(angles_deg, made, phase):
@@ -67,7 +73,8 @@ def make(random, wheel, rpm, jitter, ripple, revolutions, form):
     made.mean_rpm = (noisy[-1] - noisy[0]) / (falling[-1] - falling[0]) / 6
     spacing = pitch_deg / (6 * made.mean_rpm)
     width = 0.4 * np.minimum(np.diff(falling, append=falling[-1] + spacing), spacing)
-    writers = {"edges": edge_list, "levels": level_list, "inverted": level_list, "voltage": voltage, "reluctance": voltage}
+    writers = {"edges": edge_list, "levels": level_list, "inverted": level_list, "voltage": voltage, "reluctance": voltage,
+               "apart": two_sensors}
     made.text = writers[form](random, made, falling, width)
     return made
 
@@ -84,6 +91,22 @@ def level_list(random, made, falling, width):
     for a, b in zip(falling, other):
         rows += [(f"{a:.8f}", low), (f"{b:.8f}", high)]
     return "Time [s],crank\n" + "".join(f"{a},{b}\n" for a, b in rows)
+
+
+def two_sensors(random, made, falling, width):
+    """Levels of an even wheel, and one tooth beside it, once a revolution or once in two, anywhere between two of the others."""
+    every, first, place = len(made.teeth_deg) * random.choice([1, 2]), random.integers(0, len(made.teeth_deg)), random.uniform(0.1, 0.9)
+    events = [(0.0, 0, 1)] if falling[0] > 0 else []
+    for k, (a, b) in enumerate(zip(falling, falling + width)):
+        events += [(a, 0, 0), (b, 0, 1)]
+        if k % every == first and k + 1 < len(falling):
+            at = a + (place + made.jitter * random.normal()) * (falling[k + 1] - a)
+            events += [(at, 1, 1), (at + 0.3 * (falling[k + 1] - a), 1, 0)]
+    level, rows = [1, 0], []
+    for time, column, value in sorted(events):
+        level[column] = value
+        rows.append(f"{time:.8f},{level[0]},{level[1]}")
+    return "Time [s],crank,home\n" + "\n".join(rows) + "\n"
 
 
 def voltage(random, made, falling, width):

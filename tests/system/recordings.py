@@ -29,11 +29,12 @@ def draw(random):
     elif kind < 0.95:
         wheel = maker.several(list(maker.MULTI)[random.integers(len(maker.MULTI))])
     else:
-        wheel = maker.added(24)
+        wheel = maker.added(24) if kind < 0.975 else maker.even(24)
     rpm = float(np.exp(random.uniform(np.log(60), np.log(9000))))
     jitter = float(random.choice([0, 0.01, 0.03, 0.05, 0.1]))
     ripple = float(random.choice([0, 0.1, 0.2, 0.4])) if rpm < 400 else float(random.choice([0, 0.05]))
-    return maker.make(random, wheel, rpm, jitter, ripple, float(random.uniform(4, 25)), str(random.choice(FORMS)))
+    form = str(random.choice(FORMS))
+    return maker.make(random, wheel, rpm, jitter, ripple, float(random.uniform(4, 25)), "apart" if kind >= 0.975 else form)
 
 
 def repeats(made):
@@ -49,14 +50,14 @@ def excuse(made, words):
 
 
 def judge(made, status, summary, words):
-    """read, the reason why it was refused or not followed, bad refusal, wrong; and what was said."""
+    """read, the reason why it was refused or not followed, bad refusal, wrong; what was said; and whether the wheel was named right."""
     if summary is None:
-        return excuse(made, words) or "bad refusal", words
+        return excuse(made, words) or "bad refusal", words, False
     said, speed = summary["guess"]["wheel"], summary["rpm_last"]
     right = said == made.name and (speed is None or abs(speed / made.mean_rpm - 1) < 0.1 + 1.5 * made.ripple)
     if not right:
-        return "wrong", f"{said}, {speed} rpm"
-    return ("read", "") if status == 0 else (excuse(made, words) or "bad refusal", words)
+        return "wrong", f"{said}, {speed} rpm", False
+    return ("read", "", True) if status == 0 else (excuse(made, words) or "bad refusal", words, True)
 
 
 def run(made, folder):
@@ -65,7 +66,7 @@ def run(made, folder):
     out.unlink(missing_ok=True)
     done = subprocess.run([SIXDEG, "replay", str(path), "--json", str(out)], capture_output=True, text=True, timeout=120, check=False)
     if done.returncode not in (0, 2, 3):
-        return "wrong", f"status {done.returncode}: {done.stderr}"
+        return "wrong", f"status {done.returncode}: {done.stderr}", False
     return judge(made, done.returncode, json.loads(out.read_text()) if out.exists() else None, done.stderr.strip())
 
 
@@ -75,10 +76,11 @@ def run_all(count, seed, show=print):
     with tempfile.TemporaryDirectory() as folder:
         for i in range(count):
             made = draw(np.random.default_rng([seed, i]))
-            outcome, words = run(made, pathlib.Path(folder))
+            outcome, words, named = run(made, pathlib.Path(folder))
             all_of_them[outcome] += 1
             if made.name.count("-") == 1 and not repeats(made):
                 one_mark[outcome] += 1
+                one_mark["named"] += named
             if outcome in ("wrong", "bad refusal"):
                 show(f"{i}: {outcome}: {made.name}, {made.form}, {made.rpm:.0f} rpm, jitter {made.jitter}, ripple {made.ripple}, "
                      f"{made.revolutions:.1f} revolutions: {words[:200]}")
@@ -92,9 +94,10 @@ def main():
     options = parser.parse_args()
     everything, one_mark = run_all(options.count, options.seed)
     print(f"{options.count} recordings:", ", ".join(f"{name} {n}" for name, n in sorted(everything.items())))
-    share = 100 * one_mark["read"] / max(1, sum(one_mark.values()))
+    named = one_mark.pop("named", 0)
+    share, named_share = (100 * n / max(1, sum(one_mark.values())) for n in (one_mark["read"], named))
     print("of them wheels of one mark, but those that may be a part of a revolution:",
-          ", ".join(f"{name} {n}" for name, n in sorted(one_mark.items())), f"({share:.1f} % read)")
+          ", ".join(f"{name} {n}" for name, n in sorted(one_mark.items())), f"({share:.1f} % read, {named_share:.1f} % named right)")
     return 1 if everything["wrong"] or everything["bad refusal"] else 0
 
 

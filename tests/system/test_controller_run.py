@@ -70,14 +70,14 @@ class Controller(Folder):
 
     def test_one_whose_controller_is_killed_goes_on(self):
         path, settings = FIGURE16
-        going = subprocess.Popen(self.command((path, settings + ["--set", "run.duration_s=4"]), "qemu:m7"), stdout=subprocess.PIPE,
+        going = subprocess.Popen(self.command((path, settings + ["--set", "run.duration_s=10"]), "qemu:m7"), stdout=subprocess.PIPE,
                                  stderr=subprocess.PIPE, text=True)
         killed = None
         until = time.monotonic() + 60
         while killed is None and time.monotonic() < until and going.poll() is None:
             for child in pathlib.Path(f"/proc/{going.pid}/task/{going.pid}/children").read_text().split():
                 if pathlib.Path(f"/proc/{child}/comm").read_text().startswith("qemu-system"):
-                    time.sleep(0.5)
+                    time.sleep(0.3)
                     os.kill(killed := int(child), signal.SIGKILL)
             time.sleep(0.02)
         out, err = going.communicate(timeout=200)

@@ -50,6 +50,48 @@ def mlg(version, fields, rows, marker_after=None):
     return data
 
 
+def number(value):
+    """As .logicdata has it: how many bytes, and these, lowest first."""
+    size = 0 if value == 0 else next(n for n in (1, 2, 3, 4, 8) if value < 1 << 8 * n)
+    return bytes([size]) + value.to_bytes(size, "little")
+
+
+def numbers(*values):
+    return b"".join(number(v) for v in values)
+
+
+def logicdata(channels, version=0x13, block=0x18):
+    """channels: name and edges as (microsecond, level). After the layout in tools/log/logic.py."""
+    count, end = len(channels), max(e[-1][0] for _, e in channels if e) + 100
+    ids = b"".join(numbers(0x533F, i, 1) for i in range(count))
+    one = b"\x08" + struct.pack("<d", 1.0)
+    data = b"\x7f" + numbers(version, 10) + b"Data save2" + numbers(block, 0x54, 1000000, 0, 10, 100000, 0, 0, count, block, 0, block) + ids
+    data += numbers(0, block, 0x533F, 7, 7, 0x54, 0, block, end // 4, 0, 0, 0, 0, 0, count, 0, 0, 0, 0x533F, 0, 1, 0, block, 0, 0, 0)
+    for i, (name, _) in enumerate(channels):
+        data += numbers(255, i, len(name)) + name.encode() + numbers(0, 0) + one + numbers(0, 0, 1, 0)
+        data += numbers(0x533F, i + 1, 1, 0x8B, 0x45, 0x13) if i + 1 < count else number(0)
+    data += numbers(block, 84, 84, 0, 84, 0, 84, *[0] * 6, block, 0, 0, 10, 0, 84, 10, 100000, 0, 0, 84, 0, 0, 1, 0, 0, 0, 0x533F, 7, 0)
+    data += numbers(block, end, end, end, 0, 84, 0, block, 0, block, 84, 84, 84, 84, 0, block, 1000000, 0, 0, 0, 1, 0, 0, 0, 0x533F, 0, 0)
+    data += numbers(0, 1, 1, 0, 1, 0x13, 84, block, 0, end, 0, 0, count, 1, 0, 1)
+    for i, (_, edges) in enumerate(channels):
+        data += logicdata_channel(i, edges, end, block)
+    return data + numbers(0, 0, 0, 1, 1, 0, count, block) + ids
+
+
+def logicdata_channel(i, edges, end, block):
+    steps = np.diff([0] + [t for t, _ in edges])
+    wide, first, last = bool(len(steps) and steps.max() > 0x7FFF), i == 0, edges[-1] if edges else (0, 0)
+    data = numbers(0x16, *[84, block] * first, i + 1, 0, end, 1, last[0], end - last[0], last[1], 5 if not edges else 3 if wide else 2)
+    data += numbers(*([0, block] + [0] * 11 + ([block] + [0] * 6) * wide + [block] if first else [0] * (15 if wide else 10)))
+    data += numbers(len(edges), 0, len(edges), len(edges) >> 15, len(edges) & 0x7FFF)
+    for step, (_, level) in zip(steps, edges):
+        data += struct.pack("<I" if wide else "<H", int(step) | (0 if level else 0x80000000 if wide else 0x8000))
+    data += b"\0" + numbers(*([block] + [0] * 6 + ([block] + [0] * 6) * (not wide) + [block] if first else [0] * (4 if wide else 9)))
+    if not edges:
+        return data + bytes(5)
+    return data + numbers(1, 0, 1, 0, 1) + struct.pack("<QQqQ", 0, 0, -1, 3 if wide else 2)
+
+
 class Convert(Folder):
     def convert(self, log, *options):
         out = self.folder / "out.csv"
@@ -108,6 +150,50 @@ class Convert(Folder):
         status, words, out = self.convert(log)
         self.assertEqual(status, 0, words)
         self.assertIn("60-2, falling", self.replayed(out).stdout)
+
+    def test_logicdata_as_rusefi_writes_it(self):
+        crank = [(round(1e6 * t), int(v)) for t, v in zip(*levels(wheel_edges()))]
+        slow = [(50000 + 80000 * i, (i + 1) % 2) for i in range(9)]
+        for version, block in ((0x13, 0x18), (10, 0x15)):
+            for channels in ([("Primary", crank), ("Secondary", slow), ("Trg", [])],
+                             [("Sync", []), ("Secondary", slow), ("Primary", crank)],
+                             [("Secondary", slow), ("Primary", crank)]):
+                with self.subTest(version=version, first=channels[0][0]):
+                    log = self.folder / "a.logicdata"
+                    log.write_bytes(logicdata(channels, version, block))
+                    read = {name: list(zip(np.round(1e6 * t).astype(int), v)) for name, _, t, v in convert.read(log, 1e6)}
+                    self.assertEqual(read["Primary"][1:], crank)
+                    self.assertEqual(read["Secondary"], [(0, 0)] + slow)
+                    status, words, out = self.convert(log)
+                    self.assertEqual(status, 0, words)
+                    done = self.replayed(out)
+                    self.assertEqual(done.returncode, 0, done.stderr)
+                    self.assertIn("60-2, falling", done.stdout)
+                    self.assertIn("convert.py", self.replayed(log).stderr)
+        whole, chance = log.read_bytes(), random.Random(2)
+        for i in range(200):
+            data = bytearray(whole[:chance.randrange(1, len(whole))] if i % 2 else whole)
+            for _ in range(chance.randrange(1, 4)):
+                data[chance.randrange(1, min(len(data), 700) + 1) - 1] = chance.randrange(256)
+            log.write_bytes(data)
+            status, words, _ = self.convert(log)
+            self.assertIn(status, (0, 2), words)
+            self.assertEqual(len(words.splitlines()), 1, words)
+
+    def test_vcd(self):
+        log = self.folder / "a.vcd"
+        rows = "".join(f"#{round(1e6 * t)}\n{int(v)}!\n" for t, v in zip(*levels(wheel_edges())))
+        log.write_text(f"$date today $end\n$timescale 1 us $end\n$var wire 1 ! crank $end\n$var wire 8 # bus $end\n$enddefinitions $end\n"
+                       f"$dumpvars\n0!\nb0 #\n$end\n{rows}")
+        status, words, out = self.convert(log)
+        self.assertEqual(status, 0, words)
+        self.assertIn("60-2, falling", self.replayed(out).stdout)
+        self.assertIn("convert.py", self.replayed(log).stderr)
+        for bad in ("$enddefinitions $end\n#1\n", "$timescale 1us $end $var wire 1 ! c $end $enddefinitions $end\n#x 1!\n",
+                    "$timescale 1us $end $var wire 1 ! c $end $enddefinitions $end\n#5 1! #4 0!\n"):
+            log.write_text(bad)
+            status, words, _ = self.convert(log)
+            self.assertEqual((status, len(words.splitlines())), (2, 1), words)
 
     def test_damaged_logs_are_refused_in_one_line(self):
         log = self.folder / "a.mlg"

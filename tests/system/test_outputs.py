@@ -81,6 +81,33 @@ class Inputs(Folder):
         self.assertTrue(all(out == outs[0] for out in outs[:5]))
         self.assertNotEqual(outs[0], outs[5])
 
+    def test_a_cam_comes_from_a_column_or_a_file(self):
+        rows, edges = ["time [s],crank,cam"], []
+        for k in range(40 * 60):
+            if k % 60 < 58:
+                time, cam = 0.01 + k * 60 / 1500 / 60, 100 <= k % 120 < 110
+                rows += [f"{time:.7f},0,{cam:d}", f"{time + 0.0003:.7f},1,{cam:d}"]
+                edges += [f"{time:.7f}"] if k % 120 == 100 else []
+        both, crank, cam, times = (self.folder / name for name in ("both.csv", "crank.csv", "cam.csv", "times.csv"))
+        both.write_text("\n".join(rows) + "\n")
+        crank.write_text("\n".join(row.rsplit(",", 1)[0] for row in rows) + "\n")
+        cam.write_text("\n".join(row.split(",")[0] + "," + row.split(",")[2] for row in rows) + "\n")
+        times.write_text("\n".join(edges) + "\n")
+        outs = []
+        for recording, source in ((both, "cam"), (both, "column:2"), (crank, cam), (crank, f"{cam}:cam"), (crank, times)):
+            out = self.folder / f"cam{len(outs)}"
+            done = sixdeg("replay", recording, "--wheel", "60-2", "--edge", "falling", "--engine", ENGINES / "vw_aba.toml",
+                          "--cam", source, "--out", out)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            outs.append((out / "teeth.csv").read_bytes())
+            summary = json.loads((out / "summary.json").read_text())
+            self.assertEqual(summary["guess"]["cam_teeth"], 1)
+            self.assertLessEqual(summary["decoder"]["cam_edges_rejected"], 2, "those before the angle is known")
+        self.assertTrue(all(out == outs[0] for out in outs))
+        done = sixdeg("replay", crank, "--cam", cam, "--json", cam)
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("cam.csv", done.stderr)
+
     def test_bad_sources_are_named(self):
         wheel = self.folder / "wheel.csv"
         square_wheel(wheel)

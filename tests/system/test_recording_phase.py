@@ -65,6 +65,24 @@ class Phase(Replayed):
         self.assertEqual(self.right_share(teeth), 1)
         return summary, said
 
+    def test_one_tooth_beside_an_even_wheel_is_mark_and_cam(self):
+        recording, rows, pitch = self.folder / "two.csv", ["time [s],crank,home"], 60 / 900 / 24
+        chance = np.random.default_rng(5)
+        for k in range(40 * 24):
+            at = 0.01 + (k + 0.05 * np.clip(chance.normal(), -2, 2)) * pitch
+            rows += [f"{at:.8f},0,0", f"{at + 0.4 * pitch:.8f},1,{k % 48 == 7:d}"]
+        recording.write_text("\n".join(rows) + "\n")
+        summary, teeth, _, said = self.replay(recording, "--engine", self.engine(270), "--wheel", "24+1")
+        self.assertEqual(summary["guess"]["wheel"], "24+1")
+        self.assertEqual((summary["sync_losses"], summary["decoder"]["cam_edges_rejected"]), (0, 2))
+        self.assertLess(summary["first_sync_edge"], 50)
+        self.assertIn("comes every 48 teeth, once in two revolutions", said)
+        # Position 0 is the tooth behind the single one, and the engine file says where in the cycle that is.
+        last = [t for t in teeth[len(teeth) // 2:] if t["angle_deg"]]
+        truth = [(FIRST_DEG + ((float(t["t_s"]) - 0.01) / pitch - 8) * 15) % 720 for t in last]
+        self.assertGreater(len(last), 300)
+        self.assertLess(np.max([abs((float(t["angle_deg"]) - deg + 360) % 720 - 360) for t, deg in zip(last, truth)]), 8)
+
     def test_one_tooth(self):
         summary, _ = self.cam([165], 165, 1)
         self.assertEqual(summary["decoder"]["cam_edges_rejected"], 1, "the one before the angle is known")

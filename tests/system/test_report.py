@@ -88,6 +88,17 @@ class Report(unittest.TestCase):
             self.assertIn(text, page)
         self.assertIn("faults coasted through    1", done.stdout)
 
+    def test_without_an_intake_pressure_there_is_no_torque_but_why(self):
+        for intake, pictures in ((False, 3), (True, 4)):
+            write_folder(self.replay, inputs={"intake": intake})
+            done = self.run_report()
+            self.assertEqual(done.returncode, 0, done.stderr)
+            page = self.read_page()
+            self.assertEqual(page.count("<img "), pictures)
+            self.assertEqual("torque over crank angle\" src" in page, intake)
+            self.assertEqual("which this recording lacks (sixdeg replay --intake)" in page, not intake)
+            self.assertEqual("No intake pressure was recorded" in page, not intake)
+
     def test_same_input_gives_same_bytes(self):
         write_folder(self.replay)
         self.run_report()

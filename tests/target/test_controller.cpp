@@ -120,6 +120,7 @@ struct Shown {
     std::vector<sd_event_t> in;
     std::uint32_t most = 0, last = 0;   ///< Levels that the port asked for.
     std::size_t wrong = 0, crank_shed = 0, shed = 0, edges = 0;
+    std::size_t tasks = 0, late_tasks = 0, task_shed = 0; ///< Tasks done, clock events that came too early, signals that say so.
 };
 
 /// The bench's answers beside those of this host to the same events, the port's own among them.
@@ -130,11 +131,13 @@ Shown shown(const BenchResult &result, const sd_calibration_t &calibration) {
     for (std::size_t i = 0; i < s.in.size(); ++i) {
         s.wrong += !same(expected[i], result.answers[i].said);
         s.edges += s.in[i].kind == SD_EVENT_CRANK_EDGE;
+        if (s.in[i].kind == SD_EVENT_TASK) ++s.tasks, s.late_tasks += s.in[i].value;
         if (s.in[i].kind == SD_EVENT_LATE) s.last = s.in[i].value, s.most = std::max(s.most, s.last);
         for (const sd_event_t &event : expected[i]) {
             if (event.kind != SD_EVENT_SIGNAL || ((event.flags >> 8) & SD_WHY_OVERLOAD) == 0) continue;
             ++s.shed;
             s.crank_shed += sd_signal_infos[event.channel].owner == SD_OWNER_CRANK;
+            s.task_shed += sd_signal_infos[event.channel].owner == SD_OWNER_AIRPATH;
         }
     }
     return s;
@@ -173,6 +176,59 @@ TEST(Controller, OverloadedLeavesOutWorkSaysSoAndTakesItUpAgain) {
     EXPECT_EQ(s.last, 0u) << "at 3000 rpm everything is done again";
     EXPECT_GT(s.shed, 0u) << "what is left out says so";
     EXPECT_EQ(s.crank_shed, 0u) << "the angle is never left out";
+}
+
+namespace {
+
+/// What goes into the ecu of an engine with an air path within two seconds: teeth at 1500 rpm, samples, the clock.
+const std::vector<sd_event_t> &air_path_events(sd_calibration_t &calibration) {
+    static const Scenario scenario =
+        read_scenario(std::filesystem::path(SD_ENGINES) / ".." / "scenarios" / "airpath_section7.toml", {"run.duration_s=2"});
+    static const sd_calibration_t page = [] {
+        TomlFile tune("tune", "");
+        return calibrate(scenario.engine.shared, read_tune(tune), "tune");
+    }();
+    static const std::vector<sd_event_t> events = [] {
+        Heard heard;
+        run_on_bench(scenario, page, nullptr, nullptr, heard.listener());
+        return heard.in;
+    }();
+    calibration = page;
+    return events;
+}
+
+} // namespace
+
+TEST(Controller, TeethInterruptTheTaskOfTenMilliseconds) {
+    sd_calibration_t calibration;
+    const auto &events = air_path_events(calibration);
+    const BenchResult result = run_bench("m7", calibration, events, 5); // 31 million instructions a second
+    ASSERT_TRUE(result.whole);
+    const Shown s = shown(result, calibration);
+    EXPECT_EQ(s.wrong, 0u) << "this host says something else to the same events";
+    EXPECT_EQ(s.edges, teeth(events));
+    EXPECT_GT(s.tasks, 150u);
+    EXPECT_GT(result.end.interrupted, 0u) << "no tooth was handled while the task was under way";
+    EXPECT_EQ(result.end.tasks_late + result.end.lost_edges + result.end.lost_others + result.end.overruns, 0u);
+    EXPECT_EQ(s.late_tasks + s.task_shed, 0u);
+}
+
+TEST(Controller, WhoseTaskOfTenMillisecondsIsLateSaysSo) {
+    sd_calibration_t calibration;
+    const auto &events = air_path_events(calibration);
+    const BenchResult result = run_bench("m7", calibration, events, 9); // 2 million a second: 1,300 a tooth
+    ASSERT_TRUE(result.whole);
+    const Shown s = shown(result, calibration);
+    EXPECT_EQ(s.wrong, 0u) << "this host says something else to the same events";
+    const auto edges = [](const std::vector<sd_event_t> &all) { // of the cam, too
+        const auto cams = std::count_if(all.begin(), all.end(), [](const sd_event_t &e) { return e.kind == SD_EVENT_CAM_EDGE; });
+        return teeth(all) + std::size_t(cams);
+    };
+    EXPECT_EQ(edges(s.in) + result.end.lost_edges, edges(events)) << "each edge is handled or counted";
+    EXPECT_GT(result.end.tasks_late, 0u);
+    EXPECT_EQ(s.late_tasks, result.end.tasks_late);
+    EXPECT_GT(s.task_shed, 0u) << "what comes late says so";
+    EXPECT_GT(s.tasks, 0u);
 }
 
 TEST(Controller, HopelesslyOverloadedLosesTeethAndSaysWhere) {
@@ -258,6 +314,33 @@ TEST(Port, HandsOutEdgesBeforeWhatIsLessUrgentAndKeepsTheirOrder) {
     port.edge();
     EXPECT_EQ(port.handle(), (std::vector<int>{SD_EVENT_CAM_EDGE, SD_EVENT_CRANK_EDGE, SD_EVENT_TIME}));
     EXPECT_EQ(port.self.overruns, 0u);
+}
+
+TEST(Port, HandsOutNothingButEdgesUntilTheTaskIsDoneAndSaysWhetherItWasLate) {
+    Port port;
+    const sd_event_t clock{5, SD_EVENT_TIME, 0, 0, 0}, sample{6, SD_EVENT_SAMPLE, 0, 0, 0}, next{7, SD_EVENT_TIME, 0, 0, 0};
+    sd_event_t event;
+    sd_cortexm_post(&port.self, &clock);
+    ASSERT_TRUE(sd_cortexm_next(&port.self, &event));
+    EXPECT_EQ(event.flags, SD_TIME_PUT_OFF);
+    EXPECT_TRUE(sd_cortexm_task_due(&port.self));
+    sd_cortexm_post(&port.self, &sample), sd_cortexm_post(&port.self, &next);
+    port.edge();
+    EXPECT_EQ(port.handle(), (std::vector<int>{SD_EVENT_CRANK_EDGE}));
+    EXPECT_EQ(port.self.tasks_late, 1u);
+    sd_cortexm_task_done(&port.self);
+    EXPECT_FALSE(sd_cortexm_task_due(&port.self));
+    port.edge();
+    ASSERT_TRUE(sd_cortexm_next(&port.self, &event));
+    EXPECT_EQ(event.kind, SD_EVENT_CRANK_EDGE) << "edges go first";
+    ASSERT_TRUE(sd_cortexm_next(&port.self, &event));
+    EXPECT_EQ(event.kind, SD_EVENT_TASK);
+    EXPECT_EQ(event.tick, clock.tick);
+    EXPECT_EQ(event.value, 1u);
+    EXPECT_EQ(port.handle(), (std::vector<int>{SD_EVENT_SAMPLE, SD_EVENT_TIME}));
+    sd_cortexm_task_done(&port.self);
+    ASSERT_TRUE(sd_cortexm_next(&port.self, &event));
+    EXPECT_EQ(event.value, 0u) << "this one was in time";
 }
 
 TEST(Port, SaysOneLevelMoreAfterAnOverrunAndTakesItBackAfterItsPatience) {

@@ -10,25 +10,21 @@
 #include "studies/airpath/matched_delay.hpp"
 #include "studies/airpath/matched_false.hpp"
 #include "studies/airpath/matched_filter.hpp"
+#include "support/airpath_setup.hpp"
 extern "C" {
 #include "sd_stage_airpath.h"
 }
 
 using namespace sixdeg;
+using sixdeg::test::setup;
+using sixdeg::test::kDesign;
 
 namespace {
 
 constexpr double kUsual = 12, kRare = 18.5;
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-const std::string kAirPath = SD_MODELS "/airpath_matched.toml", kDesign = SD_MODELS "/airpath_matched_design.toml";
-
-const MatchedSetup &setup() {
-    static const MatchedSetup read = read_matched_setup(kAirPath, kDesign);
-    return read;
-}
-
-sd_airpath_in_t middle() {
-    sd_airpath_in_t in{};
+sd_airpath_in_f32_t middle() {
+    sd_airpath_in_f32_t in{};
     in.speed_rpm = 1500, in.air_gps = 113, in.fuel_gps = 7;
     in.charge_k = 310, in.egr_k = 370, in.exhaust_k = 720;
     in.egr_opening = 0.35f, in.vgt_position = 0.44f;
@@ -47,28 +43,28 @@ TEST(AirPathModel, DesignPlantAndFirmwareObeyTheSameEquations) {
     plant.rest(middle_input());
     const double real[] = {1e-3 * plant.intake_pa(), 1e3 * plant.air_kg(), 1e3 * plant.egr_kg(), 1e3 * plant.exhaust_kg()};
     for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(designed[i], real[i], 2e-5 * real[i]) << i;
-    const sd_airpath_tables_t &t = setup().design.tables;
-    sd_airpath_now_t now;
-    sd_airpath_in_t in = middle();
-    sd_airpath_prepare(&t.model, &in, &now);
+    const sd_airpath_tables_f32_t &t = setup().design.tables;
+    sd_airpath_now_f32_t now;
+    sd_airpath_in_f32_t in = middle();
+    sd_airpath_prepare_f32(&t.model, &in, &now);
     for (const double exhaust_kpa : {120.0, 174.5, 260.0}) {
-        sd_airpath_flows_t found;
-        sd_airpath_flow(&t.model, &now, 118.0f, float(exhaust_kpa), &found);
+        sd_airpath_flows_f32_t found;
+        sd_airpath_flow_f32(&t.model, &now, 118.0f, float(exhaust_kpa), &found);
         const MeanValueFlows real_flows = plant.flows(middle_input(), 118e3, 1e3 * exhaust_kpa);
         EXPECT_NEAR(found.egr_gps, 1e3 * real_flows.egr_kgps, 1e-4 * 40);
         EXPECT_NEAR(found.turbine_gps, 1e3 * real_flows.turbine_kgps, 1e-3 * 1e3 * real_flows.turbine_kgps);
     }
-    sd_airpath_flows_t flows;
+    sd_airpath_flows_f32_t flows;
     float rate[4];
     const float x[4] = {float(real[0]), float(real[1]), float(real[2]), float(real[3])};
-    sd_airpath_flow(&t.model, &now, x[0], now.per_exhaust * x[3], &flows);
-    sd_airpath_rate(&t.model, &in, &now, x, &flows, rate);
+    sd_airpath_flow_f32(&t.model, &now, x[0], now.per_exhaust * x[3], &flows);
+    sd_airpath_rate_f32(&in, &now, x, &flows, rate);
     for (int i = 0; i < 4; ++i) EXPECT_NEAR(rate[i], 0, i == 0 ? 0.5 : 0.2) << i;
 }
 
 TEST(Nuio, IsEquationSevenWithNAndLWritten) {
     using Eigen::Matrix;
-    const sd_nuio_table_t &t = setup().design.tables.observer[0];
+    const sd_nuio_table_f32_t &t = setup().design.tables.observer[0];
     Matrix<double, 4, 4> m, a = Matrix<double, 4, 4>::Zero();
     Matrix<double, 4, 2> e, k;
     Matrix<double, 2, 4> c = Matrix<double, 2, 4>::Zero();
@@ -82,54 +78,54 @@ TEST(Nuio, IsEquationSevenWithNAndLWritten) {
     EXPECT_LT((m - Matrix<double, 4, 4>::Identity() - e * c).norm(), 1e-6);
     const Matrix<double, 4, 4> n = m * a - k * c;
     const Matrix<double, 4, 2> l = k * (Matrix<double, 2, 2>::Identity() + c * e) - m * a * e;
-    sd_nuio_t self{{31, 25, 5, 0.4f}};
+    sd_nuio_f32_t self{{31, 25, 5, 0.4f}};
     const Eigen::Vector4d z(31, 25, 5, double(0.4f)), drive(560, 110, 20, -130);
     const float y[2] = {151, 5.1f};
     const Eigen::Vector2d outputs(151, double(5.1f));
-    sd_nuio_estimate_t at;
-    sd_nuio_look(&self, &t, y, &at);
+    sd_nuio_estimate_f32_t at;
+    sd_nuio_look_f32(&self, &t, y, &at);
     const Eigen::Vector4d xhat = z - e * outputs, whole = a * xhat + drive;
     const float at_rate[4] = {float(whole(0)), float(whole(1)), float(whole(2)), float(whole(3))};
-    sd_nuio_step(&self, &t, &at, at_rate, float(share), 0.01f);
+    sd_nuio_step_f32(&self, &t, &at, at_rate, float(share), 0.01f);
     const Eigen::Vector4d expected = z + 0.01 * (n * z + l * outputs + m * drive);
     for (int i = 0; i < 4; ++i) EXPECT_NEAR(self.z[i], expected(i), 2e-4) << i;
 }
 
 TEST(Cusum, NamesTheHypothesisThatComesTrueAndItsTime) {
-    const sd_cusum_tables_t &t = setup().design.tables.cusum;
-    const sd_cusum_thresholds_t h{10, 10};
+    const sd_cusum_tables_f32_t &t = setup().design.tables.cusum;
+    const sd_cusum_thresholds_f32_t h{10, 10};
     for (int l = 0; l < 4; ++l) {
         const int residual = l < 2 ? 1 : 0;
-        sd_cusum_t c;
-        sd_cusum_start(&c);
-        sd_cusum_out_t out{};
+        sd_cusum_f32_t c;
+        sd_cusum_start_f32(&c);
+        sd_cusum_out_f32_t out{};
         float none[2] = {0, 0}, fault[2] = {0, 0};
         fault[residual] = (l % 2 ? -1.0f : 1.0f) * float(setup().design.mean_kpa[std::size_t(residual)]);
-        for (int i = 0; i < 50; ++i) sd_cusum_step(&c, &t, &h, none, &out);
+        for (int i = 0; i < 50; ++i) sd_cusum_step_f32(&c, &t, &h, none, &out);
         EXPECT_EQ(0, out.named);
         int steps = 0;
-        while (out.named == 0 && steps < 500) sd_cusum_step(&c, &t, &h, fault, &out), steps++;
+        while (out.named == 0 && steps < 500) sd_cusum_step_f32(&c, &t, &h, fault, &out), steps++;
         EXPECT_EQ(l + 1, out.named);
         EXPECT_EQ(std::uint32_t(steps), out.since_steps);
         EXPECT_EQ(1 << t.group[l], out.groups);
         EXPECT_NEAR(steps, 10 / double(t.offset[l]), 1.01) << "kappa of (29) for the mean that it expects";
-        for (int i = 0; i < 100000; ++i) sd_cusum_step(&c, &t, &h, fault, &out);
+        for (int i = 0; i < 100000; ++i) sd_cusum_step_f32(&c, &t, &h, fault, &out);
         EXPECT_EQ(l + 1, out.named);
-        for (int i = 0; i < 3 * steps + 5; ++i) sd_cusum_step(&c, &t, &h, none, &out);
+        for (int i = 0; i < 3 * steps + 5; ++i) sd_cusum_step_f32(&c, &t, &h, none, &out);
         EXPECT_EQ(0, out.named) << "a fault that ends is no longer named, however long it was there";
     }
 }
 
 TEST(Cusum, RefusesTablesThatAreNone) {
-    sd_cusum_tables_t t = setup().design.tables.cusum;
-    EXPECT_TRUE(sd_cusum_tables_ok(&t));
+    sd_cusum_tables_f32_t t = setup().design.tables.cusum;
+    EXPECT_TRUE(sd_cusum_tables_ok_f32(&t));
     t.weight[1][1] = kNan;
-    EXPECT_FALSE(sd_cusum_tables_ok(&t));
+    EXPECT_FALSE(sd_cusum_tables_ok_f32(&t));
     t = setup().design.tables.cusum;
     t.hypotheses = 9;
-    EXPECT_FALSE(sd_cusum_tables_ok(&t));
-    const sd_cusum_thresholds_t none{0, 10};
-    EXPECT_FALSE(sd_cusum_thresholds_ok(&none));
+    EXPECT_FALSE(sd_cusum_tables_ok_f32(&t));
+    const sd_cusum_thresholds_f32_t none{0, 10};
+    EXPECT_FALSE(sd_cusum_thresholds_ok_f32(&none));
 }
 
 TEST(AirPathMatched, AResidualIsBlindToItsOwnFault) {
@@ -182,13 +178,13 @@ TEST(AirPathOffsets, AFaultThatWasThereAtTheStartIsLearnedAndSaidToBeSuspect) {
         RandomStream random(1, 10);
         MatchedRun plant(setup(), 18, 18, random);
         plant.set_fault({"", egr, 0, SD_AIRPATH_EGR_FAULT});
-        sd_airpath_bank_t bank;
-        sd_airpath_start(&bank);
-        const sd_airpath_config_t config{200, 400, {18, 18}};
-        sd_airpath_out_t out{};
+        sd_airpath_bank_f32_t bank;
+        sd_airpath_start_f32(&bank);
+        const sd_airpath_config_f32_t config{200, 400, {18, 18}};
+        sd_airpath_out_f32_t out{};
         for (int i = 0; i < 800; ++i) {
             plant.step(draw_noise(random));
-            sd_airpath_step(&bank, &setup().design.tables, &config, &plant.readings(), &out);
+            sd_airpath_step_f32(&bank, &setup().design.tables, &config, &plant.readings(), &out);
         }
         EXPECT_EQ(SD_AIRPATH_DECIDES, out.phase);
         EXPECT_EQ(egr > 0 ? SD_DEGRADED : SD_VALID, out.status.health);
@@ -230,7 +226,7 @@ struct Stage {
     }
     void step() {
         plant.step(draw_noise(random));
-        const sd_airpath_in_t &in = plant.readings();
+        const sd_airpath_in_f32_t &in = plant.readings();
         if (stuck >= 0 && stuck_value == 0) stuck_value = inputs.reading[stuck].value;
         say(SD_INPUT_AIR_FLOW, in.air_gps), say(SD_INPUT_AIR_INTAKE_PRESSURE, in.intake_kpa / 100);
         say(SD_INPUT_EXHAUST_PRESSURE, in.exhaust_kpa / 100), say(SD_INPUT_EXHAUST_TEMPERATURE, in.exhaust_k);
@@ -253,16 +249,16 @@ struct Stage {
 TEST(AirPathStage, DecidesAfterSettlingAndLearningAndNamesAFault) {
     Stage s;
     s.run(100);
-    EXPECT_EQ(SD_INVALID, s.out.bank.status.health);
+    EXPECT_EQ(SD_INVALID, s.out.status.health);
     s.run(600);
-    EXPECT_EQ(SD_AIRPATH_DECIDES, s.out.bank.phase);
-    EXPECT_EQ(SD_VALID, s.out.bank.status.health) << s.out.bank.status.why;
-    EXPECT_EQ(SD_AIRPATH_NO_FAULT, s.out.bank.fault);
+    EXPECT_EQ(SD_AIRPATH_DECIDES, s.out.phase);
+    EXPECT_EQ(SD_VALID, s.out.status.health) << s.out.status.why;
+    EXPECT_EQ(SD_AIRPATH_NO_FAULT, s.out.fault);
     s.plant.set_fault(matched_faults()[1]);
     s.run(20);
-    EXPECT_EQ(SD_AIRPATH_VGT_FAULT, s.out.bank.fault);
-    EXPECT_EQ(SD_VALID, s.out.bank.status.health);
-    EXPECT_NEAR(s.out.bank.since_s, 0.2, 0.03);
+    EXPECT_EQ(SD_AIRPATH_VGT_FAULT, s.out.fault);
+    EXPECT_EQ(SD_VALID, s.out.status.health);
+    EXPECT_NEAR(s.out.since_s, 0.2, 0.03);
 }
 
 TEST(AirPathStage, ASensorThatIsSilentStuckOrOutOfRangeNamesNoFaultAndIsInvalidWithinItsAge) {
@@ -274,21 +270,21 @@ TEST(AirPathStage, ASensorThatIsSilentStuckOrOutOfRangeNamesNoFaultAndIsInvalidW
             if (kind == stuck && (sensor == SD_INPUT_EGR_POSITION || sensor == SD_INPUT_VGT_POSITION)) continue; // a position may rest
             Stage s;
             s.run(700);
-            ASSERT_EQ(SD_VALID, s.out.bank.status.health);
-            const sd_airpath_offsets_t learned = s.stage.bank.offsets;
+            ASSERT_EQ(SD_VALID, s.out.status.health);
+            const sd_airpath_offsets_f32_t learned = s.stage.in.f32.bank.offsets;
             (kind == silent ? s.dead : s.stuck) = sensor;
             s.offset_of_stuck = kind == far_off ? 1e5f : 0;
             const int limit = int(std::ceil(sd_input_infos[sensor].age_s / 0.01f)) + 2;
             for (int i = 0; i < limit + 300; ++i) {
                 s.step();
-                EXPECT_EQ(SD_AIRPATH_NO_FAULT, s.out.bank.fault) << sensor << " " << kind << " " << i;
-                if (i > 5) { EXPECT_NE(SD_VALID, s.out.bank.status.health) << sensor << " " << kind << " " << i; }
-                if (i >= limit) { EXPECT_EQ(SD_INVALID, s.out.bank.status.health); }
+                EXPECT_EQ(SD_AIRPATH_NO_FAULT, s.out.fault) << sensor << " " << kind << " " << i;
+                if (i > 5) { EXPECT_NE(SD_VALID, s.out.status.health) << sensor << " " << kind << " " << i; }
+                if (i >= limit) { EXPECT_EQ(SD_INVALID, s.out.status.health); }
             }
-            EXPECT_EQ(0, std::memcmp(learned.per_flow, s.stage.bank.offsets.per_flow, sizeof learned.per_flow));
+            EXPECT_EQ(0, std::memcmp(learned.per_flow, s.stage.in.f32.bank.offsets.per_flow, sizeof learned.per_flow));
             s.dead = s.stuck = -1;
             s.run(300);
-            EXPECT_EQ(SD_VALID, s.out.bank.status.health) << "it goes on with what it learned";
+            EXPECT_EQ(SD_VALID, s.out.status.health) << "it goes on with what it learned";
         }
     }
 }
@@ -298,17 +294,17 @@ TEST(AirPathStage, AnEngineThatStandsStillIsNotJudged) {
     s.run(700);
     s.turns = false;
     s.step();
-    EXPECT_EQ(SD_INVALID, s.out.bank.status.health);
-    EXPECT_EQ(SD_AIRPATH_WAITS, s.out.bank.phase);
+    EXPECT_EQ(SD_INVALID, s.out.status.health);
+    EXPECT_EQ(SD_AIRPATH_WAITS, s.out.phase);
 }
 
 TEST(AirPathTables, RefusesNumbersOutOfRange) {
-    sd_airpath_tables_t t = setup().design.tables;
-    EXPECT_TRUE(sd_airpath_tables_ok(&t));
+    sd_airpath_tables_f32_t t = setup().design.tables;
+    EXPECT_TRUE(sd_airpath_tables_ok_f32(&t));
     t.observer[1].e[2][1] = kNan;
-    EXPECT_FALSE(sd_airpath_tables_ok(&t));
-    t = sd_airpath_tables_t{};
-    EXPECT_TRUE(sd_airpath_tables_ok(&t)) << "none at all is fine";
+    EXPECT_FALSE(sd_airpath_tables_ok_f32(&t));
+    t = sd_airpath_tables_f32_t{};
+    EXPECT_TRUE(sd_airpath_tables_ok_f32(&t)) << "none at all is fine";
     t.present = 1;
-    EXPECT_FALSE(sd_airpath_tables_ok(&t));
+    EXPECT_FALSE(sd_airpath_tables_ok_f32(&t));
 }

@@ -48,6 +48,17 @@ TEST(CrankInit, RefusesWhatItDocuments) {
     EXPECT_TRUE(refused([](auto &c) { c.missing[0] = 57, c.missing[1] = 58; })) << "the last position is there";
     EXPECT_TRUE(refused([](auto &c) { c.missing_count = 4, c.missing[0] = 56, c.missing[1] = 57, c.missing[2] = 58, c.missing[3] = 59; })) << "run of 4";
     EXPECT_TRUE(refused([](auto &c) { c.missing_count = 3, c.missing[0] = 56, c.missing[1] = 58, c.missing[2] = 59; })) << "marks too near";
+    const auto missing = [](std::vector<uint8_t> positions) {
+        return [positions](auto &c) {
+            c.missing_count = uint8_t(positions.size());
+            std::copy(positions.begin(), positions.end(), c.missing);
+        };
+    };
+    EXPECT_TRUE(refused(missing({54, 55, 58, 59}))) << "two teeth apart";
+    EXPECT_TRUE(refused(missing({53, 54, 58, 59}))) << "three teeth apart";
+    EXPECT_TRUE(refused(missing({52, 53, 55, 56, 58, 59}))) << "three marks with a tooth each between";
+    EXPECT_FALSE(refused(missing({55, 56, 58, 59}))) << "two alike with one tooth between";
+    EXPECT_FALSE(refused(missing({1, 2, 20, 21, 23, 24, 58, 59}))) << "two such pairs, one across position 0";
     EXPECT_TRUE(refused([](auto &c) { c.stall_ticks = 255; }));
     EXPECT_TRUE(refused([](auto &c) { c.stall_ticks = (1u << 24) + 1; }));
     EXPECT_TRUE(refused([](auto &c) { c.cam_position = 120; }));
@@ -93,7 +104,8 @@ INSTANTIATE_TEST_SUITE_P(Shapes, Wheels,
                          ::testing::Values(Shape{60, {58, 59}, 3}, Shape{60, {58, 59}, 1.6}, Shape{60, {58, 59}, 3.3},
                                            Shape{60, {58, 59}, 4.5}, Shape{36, {35}, 2}, Shape{36, {34, 35}, 3},
                                            Shape{24, {23}, 2}, Shape{12, {11}, 2}, Shape{120, {117, 118, 119}, 4},
-                                           Shape{36, {16, 17, 19 + 7, 27, 34, 35}, 3}));
+                                           Shape{36, {16, 17, 19 + 7, 27, 34, 35}, 3}, Shape{36, {16, 17, 19, 20, 34, 35}, 3},
+                                           Shape{36, {16, 17, 19, 20, 34, 35}, 2.2}, Shape{60, {1, 2, 20, 21, 23, 24, 58, 59}, 3}));
 
 TEST(Crank, BatchesAndSingleEdgesGiveTheSame) {
     WheelTrace wheel;

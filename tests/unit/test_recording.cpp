@@ -51,6 +51,9 @@ INSTANTIATE_TEST_SUITE_P(
                       Form{"words_for_levels", "t,x\n0,high\n0.5,low\n0.75,HIGH\n"},
                       Form{"blank_cells_hold", "t,x\n0,1\n0.5,0\n0.75,1\n"},
                       Form{"marker_lines", "t,x\n0,1\nMARK\n0.5,0\n0.75,1\n"},
+                      Form{"carriage_returns_alone", "t,x\r0,1\r0.5,0\r0.75,1\r"},
+                      Form{"letters_for_levels", "t,x\n0,H\n0.5,L\n0.75,h\n"},
+                      Form{"a_sum_below_the_rows", "t,x\n0,1\n0.5,0\n0.75,1\nrows,3,in all\n"},
                       Form{"cut_off", "t,x\n0,1\n0.5,0\n0.75,1\n0.8"},
                       Form{"comments_and_ends", "# scope 3\n0,1,\n\n0.5,0,\n+0.75,+1,\n"}),
     [](const auto &param) { return std::string(param.param.name); });
@@ -76,6 +79,48 @@ TEST(Reader, AddsUpIntervals) {
     const Recording log = parse_recording("r.csv", "ToothTime\n300\n310\n900\n290\n300\n310\n310\n300\n290\n");
     EXPECT_TRUE(log.layout.is_interval);
     EXPECT_EQ(log.time.back(), 3310);
+}
+
+TEST(Reader, TellsIntervalsBesideATooth) {
+    for (const char *header : {"tooth,dt_us\n", "tooth,n\n"}) {
+        std::string text = header;
+        for (int i = 0; i < 48; ++i) text += fmt::format("{},{}\n", i % 24, i % 24 == 23 ? 30 : 10 + i % 2);
+        const Recording log = parse_recording("r.csv", text);
+        EXPECT_TRUE(log.layout.is_interval) << header;
+        EXPECT_EQ(log.time.back(), 46 * 10 + 22 + 60) << header;
+    }
+}
+
+TEST(Reader, TakesADateWithItsTime) {
+    for (const char *text : {"2024-02-29T23:59:59.5Z,1\n2024-03-01T00:00:00.25Z,0\n", "2024/02/29 23:59:59.5,1\n2024/03/01 00:00:00.25,0\n",
+                             "29.02.2024 23:59:59,5;1\n01.03.2024 00:00:00,25;0\n",
+                             "2024-02-29T23:59:59.5+01:00,1\n2024-03-01T00:00:00.25+01:00,0\n"}) {
+        const Recording log = parse_recording("r.csv", text);
+        EXPECT_EQ(log.time, (std::vector<double>{0, 0.75})) << text;
+        EXPECT_EQ(log.origin.value(), 1709251199.5) << text;
+        EXPECT_EQ(log.columns[1], (std::vector<double>{1, 0})) << text;
+    }
+}
+
+TEST(Reader, TakesWideCharactersWithAMarkOrWithout) {
+    for (const bool big : {false, true}) {
+        for (const bool marked : {false, true}) {
+            std::string text;
+            for (const char c : std::string("t,x\n0,1\n0.5,0\n")) text += big ? std::string{'\0', c} : std::string{c, '\0'};
+            const Recording log = parse_recording("r.csv", (marked ? big ? "\xFE\xFF" : "\xFF\xFE" : "") + text);
+            EXPECT_EQ(log.time, (std::vector<double>{0, 0.5}));
+        }
+    }
+}
+
+TEST(Reader, PassesOverWhatALoggerWithoutPowerLeft) {
+    EXPECT_EQ(parse_recording("r.csv", "t,x\n0,1\n0.5,0\n" + std::string(500, '\0')).rows(), 2u);
+}
+
+TEST(Reader, SaysWhereTimesAreCounts) {
+    EXPECT_TRUE(parse_recording("r.csv", "sample,v\n0,1\n1,0\n2,1\n3,1\n").layout.counts_time);
+    EXPECT_TRUE(parse_recording("r.csv", "tick,v\n0,1\n7,0\n20,1\n31,1\n").layout.counts_time);
+    EXPECT_FALSE(parse_recording("r.csv", "time [us],v\n0,1\n1,0\n2,1\n3,1\n").layout.counts_time);
 }
 
 TEST(Reader, CountsFromTheFirstRowWhereTimesAreNegativeOrLarge) {

@@ -185,6 +185,34 @@ TEST(Guess, TakesAnAddedToothForTheMark) {
     EXPECT_EQ(found.time.size(), 23u * 12);
 }
 
+/// An even wheel of so many teeth and one tooth on another sensor, every `every` of them.
+Recording two_sensors(int revolutions, int teeth, int every) {
+    std::string text = "time [s],crank,home\n";
+    for (int i = 0; i < revolutions * teeth; ++i) {
+        const int home = i % every == 3;
+        text += fmt::format("{:.6f},0,0\n{:.6f},1,{}\n", 0.001 * i, 0.001 * i + 0.0005, home);
+    }
+    return parse_recording("r.csv", text);
+}
+
+TEST(Guess, TakesTheOneToothOfAnotherSensorForTheMark) {
+    for (const int turns : {1, 2}) {
+        const Guess found = guess(two_sensors(12, 24, 24 * turns));
+        EXPECT_EQ(wheel_name(found), "24+1");
+        ASSERT_TRUE(found.home);
+        EXPECT_EQ(found.home->on_cam, turns == 2);
+        EXPECT_EQ(found.cam.has_value(), turns == 2);
+        EXPECT_NEAR(found.rpm, 2500, 1);
+        EXPECT_EQ(found.runner_up.empty(), turns == 2) << "a cam would make another speed of it";
+        const std::vector<double> steps = intervals(found.time);
+        EXPECT_NEAR(*std::max_element(steps.begin(), steps.end()), 0.002, 1e-6);
+    }
+    EXPECT_THROW(guess(two_sensors(12, 24, 17)), InputError);
+    Constraints known;
+    known.wheel = parse_wheel_text("12+1", "--wheel");
+    EXPECT_EQ(wheel_name(guess(two_sensors(12, 24, 24), known)), "12+1");
+}
+
 TEST(Guess, TakesTheUnitOfTimeThatGivesAnEnginesSpeed) {
     for (const double unit_s : {1.0, 1e-3, 1e-6}) {
         std::string rows;

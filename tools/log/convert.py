@@ -3,7 +3,8 @@
 """Turns a binary log of another program into a table that `sixdeg replay` reads.
 
 usage: convert.py LOG OUT.csv [--channel NAME]... [--tick-hz HZ] [--list]
-       LOG: MF4 or MDF (by asammdf), MegaLogViewer MLG (.mlg, .mlv), LCM (of lcm-logger, with the plant's events)
+       LOG: MF4 or MDF (by asammdf), MegaLogViewer MLG (.mlg, .mlv), LCM (of lcm-logger, with the plant's events),
+            .logicdata of rusEFI and FOME, VCD
        exit status 2 and one line for a log that cannot be read
 """
 import argparse
@@ -15,6 +16,7 @@ import sys
 import numpy as np
 
 from event_log import CAM_EDGE, CRANK_EDGE, LogError, seconds
+from logic import read_logicdata, read_vcd
 
 # ---- MegaLogViewer, versions 1 and 2: big endian; a head, one description a field, then records ----
 
@@ -143,14 +145,18 @@ def read_mdf(path):
 
 def read(path, tick_hz):
     with path.open("rb") as file:
-        start = file.read(8)
+        start = file.read(4096)
     if start[:3] == b"MDF" or start[:5] == b"UnFin":
         return read_mdf(path)
     if start[:5] == b"MLVLG":
         return read_mlg(path, path.read_bytes())
     if start[:4] == struct.pack(">I", LCM_SYNC):
         return read_lcm(path, path.read_bytes(), tick_hz)
-    raise LogError(f"{path}: is no MF4, MLG or LCM log; texts go to sixdeg replay as they are")
+    if start[:1] == b"\x7f":
+        return read_logicdata(path, path.read_bytes())
+    if start.lstrip()[:1] == b"$" or b"$enddefinitions" in start:
+        return read_vcd(path, path.read_bytes())
+    raise LogError(f"{path}: is no MF4, MLG, LCM, .logicdata or VCD log; texts go to sixdeg replay as they are")
 
 
 def choose(path, channels, names):

@@ -36,6 +36,10 @@ class Replay:
         self.teeth = Teeth(folder)
         self.cycles = Table(folder, "cycles.csv", ("cycle", "cylinder", "torque_nm", "health", "fourier_nm", "fourier_health"))
 
+    def lacks_intake(self):
+        """Whether the replay had no intake pressure, without which a torque has no level. An event log carries its own readings."""
+        return self.summary.get("inputs", {}).get("intake") is False
+
     def title(self):
         """Name of the recording: the file of the replay that is no TOML."""
         names = [os.path.basename(n) for n in self.summary["files"]]

@@ -39,9 +39,18 @@ def replay_section(replay):
     return [table(replay.figures()),
             picture(pictures.speed(replay.teeth), "speed over time", "No speed: the decoder never synced."),
             picture(pictures.mark(replay.teeth), "teeth around a mark", "No mark with decoded teeth on both sides."),
-            picture(pictures.torque(replay.teeth), "torque over crank angle", "No torque over a whole cycle."),
+            _torque(replay),
             *_differences(replay),
             assumed(replay.assumptions())]
+
+
+def _torque(replay):
+    import replay_pictures as pictures
+
+    if replay.lacks_intake():
+        return text("No torque over crank angle: compression makes most of it, and how much follows from the intake pressure, which this "
+                    "recording lacks (sixdeg replay --intake).")
+    return picture(pictures.torque(replay.teeth), "torque over crank angle", "No torque over a whole cycle.")
 
 
 def _differences(replay):
@@ -50,7 +59,7 @@ def _differences(replay):
     png = pictures.contributions(replay)
     parts = [picture(png, "cylinder contributions",
                      "No cylinder contributions: they take two cylinders and a known phase of the cycle.")]
-    if png:
+    if png and replay.lacks_intake():
         parts.append(text("No intake pressure was recorded, and it moves all cylinders alike: only the differences "
                           "between cylinders count. There is no truth to compare with."))
     return parts

@@ -232,9 +232,9 @@ sd_afr_node_t page_node(const ExhaustPoint &point, int open_position, double cha
     for (std::size_t k = 0; k < std::min<std::size_t>(SD_AFR_OPEN, cycle); ++k)
         node.share[k] =
             std::uint16_t(std::lround(65535 * charge_factor * point.share[(std::size_t(open_position) + k) % cycle]));
-    node.rate_hz = float(point.rate_hz);
-    node.z0_kg = float(point.z0_kg);
-    node.transport_kg = float(point.transport_kg);
+    node.rate_hz2 = float(point.rate_hz * point.rate_hz);
+    node.per_z0 = float(1 / point.z0_kg);
+    node.per_transport = point.transport_kg > 0 ? float(1 / point.transport_kg) : 0.0f;
     node.kelvin = float(point.reading.kelvin);
     return node;
 }

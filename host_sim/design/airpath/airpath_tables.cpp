@@ -14,8 +14,8 @@ constexpr double kTurbineFlow = 0.762, kTurbineExponent = 2.89; // Wahlstrom and
 constexpr double kRpmMost = 4000, kRpmPerRadps = 30 / M_PI, kPeriodS = 0.01;
 constexpr Range kNumber{-1e6, 1e6, ""};
 
-sd_airpath_model_t model_of(const AirPathSystem &s, double displaced_m3) {
-    sd_airpath_model_t m{};
+sd_airpath_model_f32_t model_of(const AirPathSystem &s, double displaced_m3) {
+    sd_airpath_model_f32_t m{};
     m.kappa = float(s.heat_ratio);
     // J/(kg K) over m3 is Pa/(kg K), a millionth of it kPa/(g K).
     m.air_kpapgk = float(1e-6 * s.heat_ratio * kAirJpkgk / s.intake_m3);
@@ -47,8 +47,8 @@ void fill(const std::vector<double> &from, float *to) {
     for (const double x : from) *to++ = float(x);
 }
 
-sd_nuio_table_t observer_of(TomlFile &file, const std::string &at) {
-    sd_nuio_table_t o{};
+sd_nuio_table_f32_t observer_of(TomlFile &file, const std::string &at) {
+    sd_nuio_table_f32_t o{};
     fill(matrix(file, at + "m", SD_NUIO_STATES), &o.m[0][0]);
     fill(matrix(file, at + "e", SD_NUIO_OUTPUTS), &o.e[0][0]);
     const auto low = matrix(file, at + "k_low", SD_NUIO_OUTPUTS), high = matrix(file, at + "k_high", SD_NUIO_OUTPUTS);
@@ -63,7 +63,7 @@ sd_nuio_table_t observer_of(TomlFile &file, const std::string &at) {
 } // namespace
 
 void set_covariance(AirPathDesign &design, const double (&s)[2][2]) {
-    sd_cusum_tables_t &c = design.tables.cusum;
+    sd_cusum_tables_f32_t &c = design.tables.cusum;
     c.residuals = SD_AIRPATH_RESIDUALS;
     c.hypotheses = std::uint8_t(4 + 2 * design.others_kpa.size());
     for (int l = 0; l < c.hypotheses; ++l) { // EGR opening and closing, then VGT closing and opening, then the others
@@ -86,7 +86,7 @@ void set_covariance(AirPathDesign &design, const double (&s)[2][2]) {
 
 AirPathDesign read_air_path_design(TomlFile &file, const AirPathSystem &system, double displaced_m3) {
     AirPathDesign d;
-    sd_airpath_tables_t &t = d.tables;
+    sd_airpath_tables_f32_t &t = d.tables;
     t.present = 1;
     t.period_s = float(kPeriodS);
     const auto ends = file.numbers("design.k", {0.01, 1000, "1/s"}, 2);
@@ -116,7 +116,7 @@ AirPathDesign read_air_path_design(TomlFile &file, const AirPathSystem &system, 
     set_covariance(d, {{first[0], first[1]}, {second[0], second[1]}});
     d.source = file.text("decision.source");
     for (const char *table : {"design", "observer[0]", "observer[1]", "decision"}) file.ignore(table); // what only the certificate takes
-    if (!sd_airpath_tables_ok(&t)) file.fail("observer", "holds a number that the firmware does not take");
+    if (!sd_airpath_tables_ok_f32(&t)) file.fail("observer", "holds a number that the firmware does not take");
     return d;
 }
 

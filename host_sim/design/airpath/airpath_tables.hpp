@@ -14,7 +14,7 @@ namespace sixdeg {
 
 /// What a design file holds beside the matrices that go into the tables.
 struct AirPathDesign {
-    sd_airpath_tables_t tables{};
+    sd_airpath_tables_f32_t tables{};
     double sigma_kpa[2] = {1, 2};              ///< Noise of the two pressures that it was made for.
     std::array<double, 2> mean_kpa{}, fault_kpa{}; ///< Of each residual: what the decision expects of a fault, and what one of interest
                                                    ///< leaves.

@@ -157,30 +157,91 @@ std::optional<Candidate> candidate(const CamGuess &edges, const Phase &phase, st
     return found;
 }
 
-} // namespace
+/// A recording that may hold the cam, and its clock beside the crank's: time there * scale + shift.
+struct Source {
+    const Recording &recording;
+    double scale = 1, shift = 0;
+};
 
-std::optional<CamGuess> guess_cam(const Recording &recording, const Guess &crank, const Fit &fit, int turns, std::optional<int> wanted,
-                                   std::optional<double> place_rev) {
-    if (recording.is_edge_times() || fit.consistent < 4 * turns || fit.turns.empty()) return {};
-    const Phase phase(crank, fit, turns);
-    if (place_rev) place_rev = by_teeth(crank.wheel, *place_rev);
-    std::optional<Candidate> best;
-    for (int column = 0; column <= recording.last_column(); ++column) {
-        if (column == crank.column || !recording.layout.is_signal(std::size_t(column)) || recording.bad_cells[std::size_t(column)].line)
-            continue;
-        if (wanted ? column != *wanted : !is_two_level(recording, column)) continue;
+class Search {
+  public:
+    Search(const Guess &crank, const Fit &fit, int turns, std::optional<double> place_rev)
+        : phase_(crank, fit, turns), place_rev_(place_rev ? std::optional(by_teeth(crank.wheel, *place_rev)) : std::nullopt) {}
+
+    /// Both edges of a column; `like` says where they are from.
+    void try_column(const Source &source, int column, CamGuess like) {
+        const Recording &recording = source.recording;
+        like.column = column;
+        like.is_edge_times = column_kind(recording, column) == ColumnKind::edge_times;
+        if (like.is_edge_times) return consider(source, like, recording.time);
         const auto ways = slicings(recording, column);
-        if (ways.empty()) continue;
-        EdgeFinder finder(ways.front());
+        if (ways.empty()) return;
+        like.slicing = ways.front();
+        EdgeFinder finder(like.slicing);
         for (std::size_t i = 0; i < recording.rows(); ++i) finder.row(recording.time[i], recording.columns[std::size_t(column)][i]);
+        finder.finish();
         for (Edge edge : {Edge::rising, Edge::falling}) {
-            CamGuess edges{column, edge, ways.front(), 0, 1, 0, edge == Edge::rising ? finder.rising : finder.falling};
-            auto found = candidate(edges, phase, place_rev);
-            if (found && (!best || found->is_better_than(*best))) best = std::move(found);
+            like.edge = edge;
+            consider(source, like, edge == Edge::rising ? finder.rising : finder.falling);
         }
     }
-    if (!best) return {};
-    return std::move(best->cam);
+
+    /// All columns that may be a cam's, or the one that is wanted.
+    void try_columns(const Source &source, std::optional<int> wanted, std::optional<int> except, const CamGuess &like) {
+        const Recording &recording = source.recording;
+        if (recording.is_edge_times()) return try_column(source, recording.layout.time_column, like);
+        for (int column = 0; column <= recording.last_column(); ++column) {
+            if (column == except || !recording.layout.is_signal(std::size_t(column)) || recording.bad_cells[std::size_t(column)].line)
+                continue;
+            if (wanted ? column == *wanted : is_two_level(recording, column)) try_column(source, column, like);
+        }
+    }
+
+    std::optional<Candidate> best;
+
+  private:
+    void consider(const Source &source, CamGuess edges, const std::vector<double> &times) {
+        for (double time : times) edges.time.push_back(time * source.scale + source.shift);
+        auto found = candidate(edges, phase_, place_rev_);
+        if (found && (!best || found->is_better_than(*best))) best = std::move(found);
+    }
+
+    Phase phase_;
+    std::optional<double> place_rev_;
+};
+
+constexpr std::size_t kStretchCells = std::size_t(3) << 20;
+
+/// The stretches of another file that lie beside the crank's edges. Where its header names no unit of time, the recording's is tried
+/// first and then the second.
+void try_other_file(const Recording &recording, const Guess &crank, const Constraints &constraints, Search &search) {
+    RowReader reader{std::filesystem::path(constraints.cam_file)};
+    const double stated = reader.layout().time_unit_s;
+    CamGuess like;
+    like.file = constraints.cam_file;
+    while (!search.best) {
+        const Recording stretch = read_stretch(reader, kStretchCells);
+        if (stretch.rows() == 0) return;
+        for (double unit_s : {stated > 0 ? stated : crank.unit_s, stated > 0 ? stated : 1.0}) {
+            like.unit_s = unit_s;
+            const double shift = stretch.origin.value() * unit_s / crank.unit_s - recording.origin.value();
+            search.try_columns({stretch, unit_s / crank.unit_s, shift}, constraints.cam_column, {}, like);
+            if (search.best) return;
+        }
+    }
+}
+
+} // namespace
+
+std::optional<CamGuess> guess_cam(const Recording &recording, const Guess &crank, const Fit &fit, int turns,
+                                  const Constraints &constraints) {
+    const bool elsewhere = !constraints.cam_file.empty();
+    if ((recording.is_edge_times() && !elsewhere) || fit.consistent < 4 * turns || fit.turns.empty()) return {};
+    Search search(crank, fit, turns, constraints.cam_place_rev);
+    if (elsewhere) try_other_file(recording, crank, constraints, search);
+    else search.try_columns({recording}, constraints.cam_column, crank.column, {});
+    if (!search.best) return {};
+    return std::move(search.best->cam);
 }
 
 } // namespace sixdeg

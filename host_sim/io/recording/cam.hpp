@@ -6,10 +6,11 @@
 
 namespace sixdeg {
 
-/// The cam column beside the crank's, if one has an edge at a place of the revolution that it passes without one in every other.
-/// `turns`: how many revolutions of the fit make one of the crank; 1 but where marks may repeat. `column`: the caller's choice.
-/// `place_rev`: where the engine has its telling edge, which is preferred among several that tell, of the revolution from position 0 on.
-std::optional<CamGuess> guess_cam(const Recording &recording, const Guess &crank, const Fit &fit, int turns, std::optional<int> column,
-                                   std::optional<double> place_rev = {});
+/// The cam column beside the crank's or in the caller's other file, if one has an edge at a place of the revolution that it passes
+/// without one in every other. `turns`: how many revolutions of the fit make one of the crank; 1 but where marks may repeat. The
+/// caller's `cam_column`, `cam_file` and `cam_place_rev` count; an edge at that place is preferred among several that tell.
+/// Throws InputError where the other file cannot be read.
+std::optional<CamGuess> guess_cam(const Recording &recording, const Guess &crank, const Fit &fit, int turns,
+                                  const Constraints &constraints);
 
 } // namespace sixdeg

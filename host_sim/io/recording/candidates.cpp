@@ -13,9 +13,12 @@ namespace {
 
 constexpr int kConsistentMin = 2;
 constexpr double kShareMin = 0.3; // Of the revolutions that the edges could make; faults break some.
-constexpr double kNoisyShareMin = 0.6, kNoisy = 0.1; // More where edges are so uneven: chance explains some.
+constexpr double kNoisyShareMin = 0.75, kNoisy = 0.1, kRatherNoisy = 0.07; // More where edges are so uneven: chance explains some.
 constexpr int kNoisyConsistentMin = 3;
 constexpr double kLeastMark = 1.25, kLeastMeasured = 1.5, kWellKnown = 0.15; // Spacings.
+// Two intervals over two spacings (least_pair): on the way from an added tooth to none. Speed changes less across many teeth.
+constexpr double kPairOfFew = 0.64, kPairOfMany = 0.72;
+constexpr int kManyTeeth = 20;
 constexpr int kAddedPositions[] = {12, 24, 36}; // Wheels with a tooth added that are made.
 constexpr int kRunMin = 5;        // Or so many in a row, wherever they are: chance does not do that.
 // A recording contradicts a wheel that it was said to be when another explains so many times as many edges.
@@ -63,7 +66,7 @@ std::vector<int> columns_to_try(const Recording &recording, const Constraints &c
     for (int column = 0; column <= recording.last_column(); ++column) {
         if (!recording.layout.is_signal(std::size_t(column))) continue;
         if (recording.bad_cells[std::size_t(column)].line) bad = std::size_t(column) + 1;
-        else if (column != constraints.cam_column) columns.push_back(column);
+        else if (column != constraints.cam_column || !constraints.cam_file.empty()) columns.push_back(column);
     }
     if (columns.empty() && bad > 0) column_kind(recording, int(bad) - 1); // says which cell it is
     return columns;
@@ -78,6 +81,16 @@ Candidate judged(int column, Edge edge, const Slicing &slicing, int way, std::ve
     return candidate;
 }
 
+/// Under jitter the intervals beside an added tooth pass for marks.
+/// No wheel that is made has as many teeth as one of those and one more.
+bool has_added_tooth(const Candidate &candidate) {
+    const Fit &fit = candidate.fit;
+    const auto *const end = std::end(kAddedPositions);
+    const bool as_many = fit.turn.size() == 1 && std::find(std::begin(kAddedPositions), end, fit.teeth - 1) != end;
+    if (as_many && candidate.roughness > kRatherNoisy) return true;
+    return fit.teeth > kAddedPositions[0] && least_pair(fit.usual) < (fit.teeth < kManyTeeth ? kPairOfFew : kPairOfMany);
+}
+
 /// What is as wide as a tooth in most revolutions is no mark; beside its neighbours, or where speed changes much there, beside the speed.
 bool has_marks(const Fit &fit) {
     if (std::all_of(fit.turn.begin(), fit.turn.end(), [](const Mark &mark) { return mark.width > kLeastMark; })) return true;
@@ -88,7 +101,8 @@ bool has_marks(const Fit &fit) {
 Candidate *best_of(std::vector<Candidate> &tried) {
     Candidate *best = nullptr;
     for (Candidate &candidate : tried) {
-        if (is_plausible(candidate, candidate.fit) && has_marks(candidate.fit) && (!best || is_better(candidate, *best))) best = &candidate;
+        if (!is_plausible(candidate, candidate.fit) || !has_marks(candidate.fit) || has_added_tooth(candidate)) continue;
+        if (!best || is_better(candidate, *best)) best = &candidate;
     }
     return best;
 }

@@ -9,13 +9,16 @@
 namespace sixdeg {
 
 RecordedEvents::RecordedEvents(const std::string &path, const Guess &guess, const std::vector<SensorSource> &sensors)
-    : reader_(std::filesystem::path(path)), is_edge_times_(guess.is_edge_times), has_cam_(guess.cam.has_value()),
-      cam_rising_(guess.cam && guess.cam->edge == Edge::rising), crank_rising_(guess.edge == Edge::rising),
-      crank_column_(std::size_t(guess.column)), cam_column_(guess.cam ? std::size_t(guess.cam->column) : 0), unit_s_(guess.unit_s),
-      crank_(guess.slicing), cam_(guess.cam ? guess.cam->slicing : Slicing{}), added_(guess) {
+    : reader_(std::filesystem::path(path)), is_edge_times_(guess.is_edge_times), has_cam_(guess.cam && guess.cam->file.empty()),
+      has_home_(guess.home.has_value()), cam_rising_(guess.cam && guess.cam->edge == Edge::rising),
+      home_rising_(guess.home && guess.home->edge == Edge::rising), crank_rising_(guess.edge == Edge::rising),
+      crank_column_(std::size_t(guess.column)), cam_column_(guess.cam ? std::size_t(guess.cam->column) : 0),
+      home_column_(guess.home ? std::size_t(guess.home->column) : 0), unit_s_(guess.unit_s), crank_(guess.slicing),
+      cam_(guess.cam ? guess.cam->slicing : Slicing{}), home_(guess.home ? guess.home->slicing : Slicing{}), added_(guess) {
     std::vector<int> used;
     if (!is_edge_times_) used.push_back(guess.column);
-    if (guess.cam) used.push_back(guess.cam->column);
+    if (has_cam_) used.push_back(guess.cam->column);
+    if (has_home_) used.push_back(guess.home->column);
     for (const SensorSource &sensor : sensors) {
         if (sensor.constant) {
             waiting_.push({RecordedEvent::reading, 0, sensor.input, *sensor.constant});
@@ -30,6 +33,28 @@ RecordedEvents::RecordedEvents(const std::string &path, const Guess &guess, cons
     origin_s_ = reader_.time_origin().value() * unit_s_;
     for (const SensorSource &sensor : sensors)
         if (!sensor.constant && !sensor.file.empty()) open(sensor);
+    if (guess.cam && !has_cam_) open_cam(*guess.cam);
+}
+
+void RecordedEvents::open_cam(const CamGuess &cam) {
+    RowReader reader{std::filesystem::path(cam.file)};
+    cam_file_ = std::make_unique<CamFile>(CamFile{cam, std::move(reader), EdgeFinder(cam.slicing), {}});
+    cam_file_->reader.read_only({cam.column});
+    find_cam_edge();
+}
+
+/// Reads the cam's file up to its next edge.
+void RecordedEvents::find_cam_edge() {
+    CamFile &file = *cam_file_;
+    std::vector<double> &found = file.cam.edge == Edge::rising ? file.finder.rising : file.finder.falling;
+    while (file.edge_s.empty() && !file.ended) {
+        file.ended = !file.reader.next();
+        if (file.ended) file.finder.finish();
+        else if (file.cam.is_edge_times) found.push_back(file.reader.time());
+        else file.finder.row(file.reader.time(), file.reader.values()[std::size_t(file.cam.column)]);
+        for (double time : found) file.edge_s.push_back((file.reader.time_origin().value() + time) * file.cam.unit_s - origin_s_);
+        file.finder.rising.clear(), file.finder.falling.clear();
+    }
 }
 
 void RecordedEvents::open(const SensorSource &sensor) {
@@ -50,6 +75,8 @@ void RecordedEvents::step(OtherFile &file) {
 }
 
 void RecordedEvents::take_edges() {
+    for (double time : home_rising_ ? home_.rising : home_.falling) added_.reference(time);
+    home_.rising.clear(), home_.falling.clear();
     std::vector<double> &found = crank_rising_ ? crank_.rising : crank_.falling;
     for (double time : found) added_.edge(time, edges_);
     if (ended_) added_.finish(edges_);
@@ -67,7 +94,7 @@ bool RecordedEvents::read_row() {
     if (ended_) return false;
     ended_ = !reader_.next();
     if (ended_) {
-        crank_.finish(), cam_.finish();
+        crank_.finish(), cam_.finish(), home_.finish();
         take_edges();
         return false;
     }
@@ -75,6 +102,7 @@ bool RecordedEvents::read_row() {
     const std::vector<double> &values = reader_.values();
     if (is_edge_times_) crank_.falling.push_back(time);
     else crank_.row(time, values[crank_column_]);
+    if (has_home_) home_.row(time, values[home_column_]);
     if (has_cam_) cam_.row(time, values[cam_column_]);
     for (std::size_t i = 0; i < columns_.size(); ++i) {
         const double value = values[std::size_t(columns_[i].column)] * columns_[i].scale;
@@ -95,6 +123,12 @@ bool RecordedEvents::next(RecordedEvent &event) {
         step(*file);
         if (!std::isnan(event.value)) return true;
         return next(event);
+    }
+    if (cam_file_ && !cam_file_->edge_s.empty() && (waiting_.empty() || cam_file_->edge_s.front() <= waiting_.top().t_s)) {
+        event = {RecordedEvent::cam_edge, cam_file_->edge_s.front(), 0, 0};
+        cam_file_->edge_s.pop_front();
+        find_cam_edge();
+        return true;
     }
     if (waiting_.empty()) return false;
     event = waiting_.top();

@@ -48,22 +48,33 @@ class RecordedEvents {
         bool ended = false;
         double t_s = 0, value = 0;
     };
+    /// The cam in another file.
+    struct CamFile {
+        CamGuess cam;
+        RowReader reader;
+        EdgeFinder finder;
+        std::deque<double> edge_s; ///< Found and not yet given.
+        bool ended = false;
+    };
     bool read_row();
+    void open_cam(const CamGuess &cam);
+    void find_cam_edge();
     void take_edges();
     void push(RecordedEvent::Kind kind, double time, int input, double value) { waiting_.push({kind, time * unit_s_, input, value}); }
     void step(OtherFile &file);
     void open(const SensorSource &sensor);
 
     RowReader reader_;
-    bool is_edge_times_, has_cam_, cam_rising_, crank_rising_;
-    std::size_t crank_column_, cam_column_;
+    bool is_edge_times_, has_cam_, has_home_, cam_rising_, home_rising_, crank_rising_;
+    std::size_t crank_column_, cam_column_, home_column_;
     double unit_s_, origin_s_ = 0, newest_edge_s_ = 0;
-    EdgeFinder crank_, cam_;
+    EdgeFinder crank_, cam_, home_;
     AddedTooth added_;
     std::vector<double> edges_;
     std::vector<SensorSource> columns_;
     std::vector<double> last_reading_;
     std::vector<std::unique_ptr<OtherFile>> files_;
+    std::unique_ptr<CamFile> cam_file_;
     std::priority_queue<RecordedEvent, std::vector<RecordedEvent>, Later> waiting_;
     bool ended_ = false;
 };

@@ -9,6 +9,7 @@
 #include "common/error.hpp"
 #include "io/recording/cam.hpp"
 #include "io/recording/candidates.hpp"
+#include "io/recording/home.hpp"
 
 namespace sixdeg {
 namespace {
@@ -54,12 +55,14 @@ void check_enough(const Recording &recording, const Candidate &candidate, const 
         fmt::format("has {} edges, too few: one revolution of {} needs {}", candidate.time.size(), describe(wheel), wheel.teeth() + 1));
 }
 
-void choose_unit(const Recording &recording, Guess &found) {
+void choose_unit(const Recording &recording, const Constraints &constraints, Guess &found) {
     std::vector<double> interval = intervals(found.time);
     const double turn = interval.empty() ? 0 : median(std::move(interval)) * found.wheel.positions;
     const auto rpm = [&](double unit_s) { return turn > 0 ? 60 / (turn * unit_s) : 0; };
     const auto plausible = [&](double unit_s) { return rpm(unit_s) >= kRpmMin && rpm(unit_s) <= kRpmMax; };
-    if (recording.layout.time_unit_s > 0) {
+    if (constraints.unit_s) {
+        found.unit_s = *constraints.unit_s, found.unit_given = true;
+    } else if (recording.layout.time_unit_s > 0) {
         found.unit_s = recording.layout.time_unit_s;
     } else {
         const auto unit = std::find_if(std::begin(kUnits), std::end(kUnits), plausible);
@@ -91,7 +94,7 @@ void check_repetition(const Recording &recording, const Constraints &constraints
     if (times.empty()) return;
     std::vector<std::string> names{fmt::format("{} at {:.0f} rpm", describe(found.wheel), found.rpm)};
     for (int count : times) {
-        if (const auto cam = guess_cam(recording, found, fit, count, constraints.cam_column, constraints.cam_place_rev)) {
+        if (const auto cam = guess_cam(recording, found, fit, count, constraints)) {
             found.wheel = repeated(found.wheel, count), found.rpm /= count, found.cam = cam;
             return;
         }
@@ -132,19 +135,44 @@ std::string name_runner_up(const Recording &recording, const Candidate &best, co
     return "";
 }
 
-Guess added_tooth_guess(const Recording &recording, const Candidate &best) {
+Guess added_tooth_guess(const Candidate &best, const Recording &recording, int positions) {
     Guess found;
     found.tooth_added = true;
-    const int positions = best.added.teeth - 1;
     found.wheel = {positions, {positions - 1}};
     found.column = best.column, found.edge = best.edge, found.slicing = best.slicing;
     found.is_edge_times = recording.is_edge_times();
     found.consistent_revolutions = best.added.consistent;
+    found.gap_ratio = 0.5;
+    return found;
+}
+
+void filter_teeth(const Recording &recording, const Constraints &constraints, const Candidate &best, const std::vector<double> &references,
+                  Guess &found) {
     AddedTooth filter(found);
+    for (double time : references) filter.reference(time);
     for (double time : best.time) filter.edge(time, found.time);
     filter.finish(found.time);
-    found.gap_ratio = 0.5;
-    choose_unit(recording, found);
+    choose_unit(recording, constraints, found);
+}
+
+Guess home_guess(const Recording &recording, const Constraints &constraints, const HomeFound &seen) {
+    Guess found = added_tooth_guess(*seen.wheel, recording, seen.positions);
+    found.home = seen.home;
+    found.consistent_revolutions = seen.turns * (seen.home.on_cam ? 2 : 1);
+    found.gap_ratio = 2;
+    const std::vector<double> references = edges(recording, seen.home.column, seen.home.edge);
+    filter_teeth(recording, constraints, *seen.wheel, references, found);
+    if (!seen.home.on_cam) {
+        found.runner_up = fmt::format("{0}+1 with the one tooth on a cam, at {1:.0f} rpm: --wheel {0}+1", seen.positions / 2,
+                                      2 * found.rpm);
+        return found;
+    }
+    // The single tooth lies in the mark that was made: between the last tooth and the first.
+    CamGuess cam;
+    cam.column = seen.home.column, cam.edge = seen.home.edge, cam.slicing = seen.home.slicing;
+    cam.place_rev = (seen.positions - 2 + (1 + seen.home.between) / 2) / (seen.positions - 1);
+    cam.time = references;
+    found.cam = cam;
     return found;
 }
 
@@ -156,8 +184,14 @@ Guess guess(const Recording &recording, const Constraints &constraints) {
     const bool may_be_added = wants_added || (!constraints.wheel && !constraints.engine_wheel);
     const Candidate *added = may_be_added ? choose_added(tried) : nullptr;
     const Candidate *best = wants_added ? nullptr : choose(recording, constraints, tried);
-    if (added && (!best || added->added.explained > kAddedShare * best->fit.explained))
-        return added_tooth_guess(recording, *added);
+    if (added && (!best || added->added.explained > kAddedShare * best->fit.explained)) {
+        Guess found = added_tooth_guess(*added, recording, added->added.teeth - 1);
+        filter_teeth(recording, constraints, *added, {}, found);
+        return found;
+    }
+    const bool clear = best && best->fit.explained > kAddedShare * double(best->time.size());
+    if (const auto home = may_be_added && !clear ? find_home(recording, constraints, tried) : std::nullopt)
+        return home_guess(recording, constraints, *home);
     if (!best) fail(recording, constraints, tried);
     Guess result;
     const std::vector<WheelName> names = wheels_of(best->fit);
@@ -171,12 +205,12 @@ Guess guess(const Recording &recording, const Constraints &constraints) {
     result.is_edge_times = recording.is_edge_times();
     result.consistent_revolutions = best->fit.consistent;
     result.time = best->time;
-    choose_unit(recording, result);
+    choose_unit(recording, constraints, result);
     result.weak_tooth = misses_a_tooth(tried, *best);
     if (!names.empty()) {
         check_clear(recording, constraints, *best, names);
         result.runner_up = name_runner_up(recording, *best, runner_up(tried, *best), result, names);
-        result.cam = guess_cam(recording, result, best->fit, 1, constraints.cam_column, constraints.cam_place_rev);
+        result.cam = guess_cam(recording, result, best->fit, 1, constraints);
         check_repetition(recording, constraints, result, best->fit);
     }
     return result;
@@ -187,7 +221,8 @@ std::string wheel_name(const Guess &guess) {
 }
 
 std::string describe(const Guess &guess) {
-    const std::string gap = guess.tooth_added     ? "a tooth added"
+    const std::string gap = guess.home            ? fmt::format("the one tooth in column {}", guess.home->column)
+                            : guess.tooth_added   ? "a tooth added"
                             : guess.gap_ratio > 0 ? fmt::format("gap ratio {:.1f}", guess.gap_ratio)
                                                   : "no gap measured";
     return fmt::format("{}, {}, {}", wheel_name(guess), guess.is_edge_times ? "edge times" : to_string(guess.edge), gap);
@@ -196,6 +231,10 @@ std::string describe(const Guess &guess) {
 void AddedTooth::edge(double time, std::vector<double> &out) {
     if (!active_) return out.push_back(time);
     held_.push_back(time);
+    if (apart_) {
+        if (held_.size() > 3) decide(out); // a voltage shows the single tooth somewhat late
+        return;
+    }
     if (held_.size() < 5) return;
     // Four intervals: the added tooth splits the second of them from the third.
     const std::vector<double> d = intervals(held_);
@@ -209,7 +248,29 @@ void AddedTooth::edge(double time, std::vector<double> &out) {
     held_.erase(held_.begin());
 }
 
+/// Whether the oldest tooth is the last of a revolution. A reference that is off the count by a tooth must be so twice: it may lie so near
+/// to a tooth that jitter puts it on either side.
+bool AddedTooth::is_last_tooth() {
+    bool told = false;
+    for (; !references_.empty() && references_.front() < held_[1]; references_.pop_front()) told |= references_.front() >= held_[0];
+    if (told) {
+        const int off = since_ % positions_ == 1 ? 1 : since_ == positions_ - 1 ? -1 : since_ == positions_ ? 0 : 2;
+        const bool follow = !counting_ || off == 0 || off == 2 || off == off_;
+        off_ = follow ? 0 : off;
+        if (follow) return counting_ = true;
+    }
+    return counting_ && since_ == positions_;
+}
+
+void AddedTooth::decide(std::vector<double> &out) {
+    ++since_;
+    if (is_last_tooth()) since_ = 0;
+    else if (counting_) out.push_back(held_.front());
+    held_.erase(held_.begin());
+}
+
 void AddedTooth::finish(std::vector<double> &out) {
+    while (apart_ && held_.size() > 1) decide(out);
     out.insert(out.end(), held_.begin(), held_.end());
     held_.clear();
 }

@@ -34,6 +34,7 @@ struct Fit {
     int consistent = 0;             ///< Revolutions whose marks follow one another as in the others.
     int longest_run = 0;            ///< How many of those without a break.
     double gap_ratio = 0;           ///< Median of the last mark's interval over the interval before it.
+    double steps = 0;               ///< Share of the marks that come so many teeth after those a turn before.
     double explained = 0;           ///< Edges in consistent revolutions.
     double score = 0;               ///< The same, less of that where the gap looks split.
     Revolution usual;                    ///< Of the consistent revolutions; its marks are those of `turn`.

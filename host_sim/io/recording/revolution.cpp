@@ -176,6 +176,17 @@ Revolution revolution_of(const std::vector<double> &interval_s, const std::vecto
     return revolution;
 }
 
+double least_pair(const Revolution &revolution) {
+    const std::size_t slots = revolution.share.size();
+    if (slots < 8) return 1;
+    double least = 1;
+    for (std::size_t i = 0; i < slots; ++i) {
+        const auto at = [&](std::size_t ahead) { return revolution.share[(i + ahead) % slots]; };
+        least = std::min(least, (at(1) + at(2)) / (2 * std::min(at(0), at(3))));
+    }
+    return least;
+}
+
 std::vector<MeasuredWidth> widths_of(const Revolution &revolution, const std::vector<int> &missing) {
     std::vector<MeasuredWidth> widths;
     if (revolution.share.empty()) return widths;

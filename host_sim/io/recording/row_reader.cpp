@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "io/recording/row_reader.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <fmt/format.h>
 #include <fstream>
 #include <limits>
 #include <sstream>
+#include <utility>
 
 #include "common/error.hpp"
 
@@ -45,24 +47,42 @@ RowReader::RowReader(std::string name, std::string text) : name_(std::move(name)
 /// What people bring that is no text and has no converter here.
 void RowReader::refuse_known_binaries() const {
     if (buffer_.compare(0, 1, "\x7F") == 0 && buffer_.substr(0, kHeadBytes).find("Data save") != std::string::npos)
-        fail("", "is a .logicdata of Saleae's Logic, which nothing here reads; open it there, and export the table as CSV");
+        fail("", "is a .logicdata; tools/log/convert.py reads what rusEFI and FOME write, of Saleae's own Logic export the table as CSV");
+    if (buffer_.find("$enddefinitions") != std::string::npos) fail("", "is a VCD; tools/log/convert.py makes a table of it");
     if (buffer_.compare(0, 4, "PK\x03\x04") == 0)
         fail("", "is an archive: a .sal of Saleae's Logic 2, or a spreadsheet; open it there, and export the table as CSV");
+}
+
+/// Byte order marks, UTF-16 as spreadsheets write it (with a mark or without), and lines that end with a carriage return alone.
+void RowReader::recognise_coding() {
+    const auto zero = [&](std::size_t i) { return buffer_.size() > i && buffer_[i] == 0; };
+    if (buffer_.compare(0, 3, "\xEF\xBB\xBF") == 0) at_ = 3;
+    const bool marked_little = buffer_.compare(0, 2, "\xFF\xFE") == 0, marked_big = buffer_.compare(0, 2, "\xFE\xFF") == 0;
+    const bool little = marked_little || (!zero(0) && zero(1) && !zero(2) && zero(3));
+    const bool big = marked_big || (zero(0) && !zero(1) && zero(2) && !zero(3));
+    if (little || big) {
+        wide_ = little ? Wide::little : Wide::big;
+        const std::string bytes = std::exchange(buffer_, {});
+        append_wide(std::string_view(bytes).substr(marked_little || marked_big ? 2 : 0));
+    }
+    bare_returns_ = buffer_.find('\n') == std::string::npos && buffer_.find('\r') != std::string::npos;
+    if (bare_returns_) std::replace(buffer_.begin(), buffer_.end(), '\r', '\n');
+}
+
+/// Takes the characters of UTF-16 that are ASCII; the others are of no use here.
+void RowReader::append_wide(std::string_view bytes) {
+    const std::size_t high = wide_ == Wide::little ? 1 : 0;
+    for (std::size_t i = 0; i + 1 < bytes.size(); i += 2) buffer_ += bytes[i + high] == 0 ? bytes[i + 1 - high] : '?';
 }
 
 void RowReader::open(std::unique_ptr<std::istream> in) {
     in_ = std::move(in);
     fill();
-    if (buffer_.compare(0, 3, "\xEF\xBB\xBF") == 0) at_ = 3;
-    if (buffer_.compare(0, 2, "\xFF\xFE") == 0) { // UTF-16, as spreadsheets write it
-        wide_ = true;
-        std::string narrow;
-        for (std::size_t i = 2; i + 1 < buffer_.size(); i += 2) narrow += buffer_[i + 1] == 0 ? buffer_[i] : '?';
-        buffer_ = std::move(narrow);
-    }
+    recognise_coding();
     refuse_known_binaries();
     std::vector<std::string_view> lines;
-    const std::string_view text = std::string_view(buffer_).substr(at_);
+    std::string_view text = std::string_view(buffer_).substr(at_);
+    text = text.substr(0, text.find_last_not_of('\0') + 1); // a logger without power leaves the rest of a block empty
     for (std::size_t from = 0; from < text.size() && lines.size() < kLayoutLines;) {
         const auto end = text.find('\n', from);
         if (end == std::string_view::npos && (!ended_ || text.size() - from > kLongestLine)) break;
@@ -90,7 +110,7 @@ bool RowReader::fill() {
     buffer_.erase(0, at_);
     at_ = 0;
     const std::size_t had = buffer_.size();
-    if (!wide_) {
+    if (wide_ == Wide::no) {
         buffer_.resize(had + kChunk);
         in_->read(buffer_.data() + had, std::streamsize(kChunk));
         buffer_.resize(had + std::size_t(in_->gcount()));
@@ -98,8 +118,9 @@ bool RowReader::fill() {
         std::string chunk(kChunk, 0);
         in_->read(chunk.data(), std::streamsize(kChunk));
         chunk.resize(std::size_t(in_->gcount()));
-        for (std::size_t i = 0; i + 1 < chunk.size(); i += 2) buffer_ += chunk[i + 1] == 0 ? chunk[i] : '?';
+        append_wide(chunk);
     }
+    if (bare_returns_) std::replace(buffer_.begin() + std::ptrdiff_t(had), buffer_.end(), '\r', '\n');
     ended_ = !*in_;
     return true;
 }
@@ -160,7 +181,7 @@ bool RowReader::take_row(std::string_view line) {
     // A last column may be blank in this row, or have been blank where the columns were counted.
     const bool fits = column == columns || (open_end && (column + 1 == columns || column == columns + 1));
     if (fits && time) return take_time(*time), true;
-    if (cut_off_ || !has_number(whole)) return false;
+    if (cut_off_ || (!fits && !time) || !has_number(whole)) return false;
     if (!fits) {
         fail(fmt::format("line {}", line_),
              fmt::format("has {} columns, the rows above have {}; every row must have as many", column, columns));
@@ -193,7 +214,8 @@ void RowReader::take_time(const Decimal &time) {
     time_ = double(time.whole - origin_.whole + wrapped_) + (time.fraction - origin_.fraction);
     if (has_time_ && time_ < before) {
         fail(fmt::format("line {}, column {}", line_, layout_.time_column),
-             fmt::format("time {:.9g} is before the {:.9g} of the row above; time must not go back", time.value(), last_.value()));
+             fmt::format("time {:.9g} is before the {:.9g} of the row above; time must not go back (a second recording in the file?)",
+                         time.value(), last_.value()));
     }
     has_time_ = true;
     last_ = time;

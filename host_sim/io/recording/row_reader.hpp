@@ -45,6 +45,8 @@ class RowReader {
 
   private:
     void open(std::unique_ptr<std::istream> in);
+    void recognise_coding();
+    void append_wide(std::string_view bytes);
     void refuse_known_binaries() const;
     bool fill();
     bool take_line(std::string_view &line);
@@ -58,7 +60,9 @@ class RowReader {
     std::unique_ptr<std::istream> in_;
     std::string buffer_;
     std::size_t at_ = 0; ///< Of the next line in the buffer.
-    bool ended_ = false, wide_ = false, cut_off_ = false;
+    bool ended_ = false, cut_off_ = false;
+    enum class Wide { no, little, big } wide_ = Wide::no; ///< UTF-16.
+    bool bare_returns_ = false;                           ///< Lines end with a carriage return and no line feed.
     TextLayout layout_;
     std::vector<bool> wanted_;
     std::vector<double> values_;

@@ -51,7 +51,8 @@ std::optional<double> other_number(std::string_view field, char decimal) {
 /// Levels in words.
 std::optional<double> level_word(std::string_view field) {
     static constexpr std::pair<std::string_view, double> words[] = {{"high", 1}, {"low", 0},    {"true", 1},    {"false", 0}, {"on", 1},
-                                                                    {"off", 0},  {"rising", 1}, {"falling", 0}, {"rise", 1},  {"fall", 0}};
+                                                                    {"off", 0},  {"rising", 1}, {"falling", 0}, {"rise", 1},  {"fall", 0},
+                                                                    {"h", 1},    {"l", 0}};
     for (const auto &[word, value] : words) {
         if (word.size() != field.size()) continue;
         bool same = true;
@@ -75,6 +76,37 @@ std::optional<Decimal> clock_time(std::string_view field, char decimal) {
     if (parts < 1 || parts > 2 || !seconds || seconds->negative) return std::nullopt;
     const double value = double(seconds->digits) / kPowers[seconds->behind];
     return Decimal{before + std::int64_t(value), value - std::floor(value)};
+}
+
+/// Days from 1970 to a date of three numbers: 2024-03-12, 2024/03/12, 12.03.2024.
+std::optional<std::int64_t> days_of(std::string_view date) {
+    std::int64_t part[3];
+    const char separator = date.find('.') != std::string_view::npos ? '.' : date.find('/') != std::string_view::npos ? '/' : '-';
+    for (std::int64_t &number : part) {
+        const auto end = date.find(separator);
+        const auto plain = plain_of(date.substr(0, end), '\0');
+        if (!plain || plain->negative || plain->count > 4 || (end == std::string_view::npos) != (&number == part + 2)) return std::nullopt;
+        number = std::int64_t(plain->digits);
+        date = end == std::string_view::npos ? std::string_view{} : date.substr(end + 1);
+    }
+    if (separator == '.') std::swap(part[0], part[2]);
+    const auto [year, month, day] = part;
+    if (year < 1900 || month < 1 || month > 12 || day < 1 || day > 31) return std::nullopt;
+    // The year begins in March, so that a leap day is its last.
+    const std::int64_t from_march = (month + 9) % 12, whole = year - (month < 3);
+    return whole * 365 + whole / 4 - whole / 100 + whole / 400 + (153 * from_march + 2) / 5 + day - 719469;
+}
+
+/// The time of day, with a date before it or without; a time zone behind it is passed over.
+std::optional<Decimal> date_and_time(std::string_view field, char decimal) {
+    const auto gap = field.find_first_of("T ");
+    if (gap == std::string_view::npos) return clock_time(field, decimal);
+    const auto days = days_of(field.substr(0, gap));
+    std::string_view clock = trimmed(field.substr(gap + 1));
+    clock = clock.substr(0, clock.find_first_of("Z+-"));
+    const auto time = clock_time(trimmed(clock), decimal);
+    if (!days || !time) return std::nullopt;
+    return Decimal{*days * 86400 + time->whole, time->fraction};
 }
 
 } // namespace
@@ -122,7 +154,7 @@ std::optional<double> number_of(std::string_view field, char decimal) {
         if (plain->digits < (std::uint64_t(1) << 53)) return plain->negative ? -value : value; // exact operands, rounded once
     }
     if (field.find(':') != std::string_view::npos) {
-        const auto time = clock_time(field, decimal);
+        const auto time = date_and_time(field, decimal);
         return time ? std::optional(time->value()) : std::nullopt;
     }
     const auto other = other_number(field, decimal);
@@ -136,7 +168,7 @@ std::optional<Decimal> decimal_of(std::string_view field, char decimal) {
         const double fraction = double(rest) / double(scale);
         return plain->negative ? Decimal{-whole, -fraction} : Decimal{whole, fraction};
     }
-    if (field.find(':') != std::string_view::npos) return clock_time(field, decimal);
+    if (field.find(':') != std::string_view::npos) return date_and_time(field, decimal);
     const auto value = other_number(field, decimal);
     if (!value || std::abs(*value) > 9e18) return std::nullopt;
     const double whole = std::trunc(*value);

@@ -34,7 +34,8 @@ struct Decimal {
     double value() const { return double(whole) + fraction; }
 };
 
-/// Nothing where the field is no finite number. Hours, minutes and seconds as in 12:30:05.25 count as seconds.
+/// Nothing where the field is no finite number. Hours, minutes and seconds as in 12:30:05.25 count as seconds; with a date before them,
+/// as in 2024-03-12T12:30:05.25Z, as seconds since 1970.
 std::optional<double> number_of(std::string_view field, char decimal);
 std::optional<Decimal> decimal_of(std::string_view field, char decimal);
 

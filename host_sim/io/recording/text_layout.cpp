@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "common/error.hpp"
+#include "io/recording/header_words.hpp"
 
 namespace sixdeg {
 namespace {
@@ -12,12 +13,6 @@ namespace {
 constexpr FieldStyle kStyles[] = {{';', '.', false}, {';', ',', false}, {'\t', '.', false}, {'\t', ',', false}, {',', '.', false},
                                   {'|', '.', false}, {' ', '.', false}, {' ', ',', false}};
 constexpr double kMostRows = 0.9;
-
-std::string lower(std::string_view text) {
-    std::string out;
-    for (char c : text) out += c >= 'A' && c <= 'Z' ? char(c + 'a' - 'A') : c;
-    return out;
-}
 
 /// The cells of a line; texts stay texts.
 std::vector<std::string> cells_of(std::string_view line, const FieldStyle &style) {
@@ -97,23 +92,6 @@ bool is_count(const std::vector<double> &values) {
         up += values[i] == values[i - 1] + 1;
     }
     return double(up) >= kMostRows * double(values.size() - 1);
-}
-
-/// A header's word for a time, without its unit.
-bool is_time_name(const std::string &name) {
-    const std::string text = lower(name);
-    const auto end = text.find_first_of("[(");
-    const std::string word(trimmed(std::string_view(text).substr(0, end)));
-    static const char *const words[] = {"time", "t", "zeit", "timestamp", "time_s", "t_s", "time_ms", "time_us", "x", "second", "seconds",
-                                        "sec", "time stamp", "timestamps", "elapsed", "elapsed time", "temps", "tiempo", "tempo", "time s"};
-    return std::find(std::begin(words), std::end(words), word) != std::end(words);
-}
-
-bool is_interval_name(const std::string &name) {
-    const std::string text = lower(name);
-    for (const char *word : {"toothtime", "tooth time", "tooth_time", "interval", "period", "delta", "gap time"})
-        if (text.find(word) != std::string::npos) return true;
-    return false;
 }
 
 class Finder {
@@ -249,19 +227,6 @@ class Finder {
         return cells;
     }
 
-    static bool looks_like_units(const std::vector<std::string> &cells) {
-        static const char *const units[] = {"s",      "ms",      "us",  "ns",  "v",   "mv", "volt", "volts", "flag",
-                                            "second", "seconds", "rpm", "deg", "bar", "a",  "sec",  "bits",  "hex"};
-        for (const std::string &cell : cells) {
-            std::string bare = lower(cell);
-            bare.erase(std::remove_if(bare.begin(), bare.end(),
-                                      [](char c) { return std::string_view("[](){} ").find(c) != std::string_view::npos; }),
-                       bare.end());
-            if (std::find(std::begin(units), std::end(units), bare) != std::end(units)) return true;
-        }
-        return false;
-    }
-
     void judge_columns() {
         std::size_t rows = 0;
         for (std::size_t i = layout_.first_line; i < table_.size(); ++i) rows += is_row(table_[i], decimal());
@@ -286,12 +251,16 @@ class Finder {
             chosen = counter >= 0 && count_numbers() > 1 && only_counter_is_tooth(counter) ? other_than(counter) : first_number();
         layout_.time_column = chosen;
         layout_.is_counter[std::size_t(chosen)] = false;
-        if (!layout_.is_interval && count_numbers() == 1 && is_interval_list(values_[std::size_t(chosen)])) layout_.is_interval = true;
+        const bool alone = count_numbers() == 1 || (count_numbers() == 2 && counter >= 0 && chosen != counter);
+        if (!layout_.is_interval && alone && named < 0 && is_interval_list(values_[std::size_t(chosen)])) layout_.is_interval = true;
+        if (!layout_.is_interval && named < 0 && has_two_values(values_[std::size_t(chosen)]))
+            throw InputError(name_, "", "has no column of times, levels alone; a time in every row is wanted");
         layout_.counts_teeth = std::find(layout_.is_counter.begin(), layout_.is_counter.end(), true) != layout_.is_counter.end();
         const auto at = std::size_t(chosen);
         if (at < units_.size()) layout_.time_unit_s = time_unit_of(units_[at]);
         if (layout_.time_unit_s == 0 && at < names_.size()) layout_.time_unit_s = time_unit_of(names_[at]);
         if (increment_s_ > 0 && is_count(values_[at])) layout_.time_unit_s = increment_s_;
+        layout_.counts_time = layout_.time_unit_s == 0 && (is_count(values_[at]) || is_count_name(layout_.names[at]));
     }
 
     int named_interval() const {
@@ -309,6 +278,12 @@ class Finder {
             down += i > 0 && values[i] < values[i - 1];
         }
         return down > values.size() / 50 + 2;
+    }
+
+    static bool has_two_values(const std::vector<double> &values) {
+        if (values.size() < 8 || is_rising(values)) return false;
+        const auto other = std::find_if(values.begin(), values.end(), [&](double v) { return v != values[0]; });
+        return std::all_of(values.begin(), values.end(), [&](double v) { return v == values[0] || v == *other; });
     }
 
     /// It goes back to its beginning, so it counts the teeth of a revolution; one that never does may be the time.
@@ -359,27 +334,5 @@ std::string_view next_cell(std::string_view &rest, const FieldStyle &style, std:
 }
 
 TextLayout layout_of(const std::string &name, const std::vector<std::string_view> &lines) { return Finder(name, lines).find(); }
-
-double time_unit_of(std::string_view text) {
-    const std::string name = lower(text);
-    std::string word;
-    double found = 0;
-    for (std::size_t i = 0; i <= name.size(); ++i) {
-        const char c = i < name.size() ? name[i] : ' ';
-        const bool letter = (c >= 'a' && c <= 'z') || (static_cast<unsigned char>(c) & 0x80) != 0;
-        if (letter) {
-            word += c;
-            continue;
-        }
-        if (word == "s" || word == "sec" || word == "secs" || word == "second" || word == "seconds") found = 1;
-        if (word == "ms" || word == "msec" || word == "millisecond" || word == "milliseconds" || word == "millis") found = 1e-3;
-        if (word == "us" || word == "usec" || word == "microsecond" || word == "microseconds" || word == "micros" || word == "\xC2\xB5s" ||
-            word == "\xCE\xBCs" || word == "\xB5s")
-            found = 1e-6;
-        if (word == "ns" || word == "nsec" || word == "nanosecond" || word == "nanoseconds") found = 1e-9;
-        word.clear();
-    }
-    return found;
-}
 
 } // namespace sixdeg

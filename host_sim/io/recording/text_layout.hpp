@@ -16,6 +16,7 @@ struct TextLayout {
     std::vector<bool> is_number;      ///< One a column: nearly all of its cells are numbers.
     int time_column = 0;
     double time_unit_s = 0;           ///< As the header says; 0 where it says nothing.
+    bool counts_time = false;         ///< The time column counts rows or ticks, and nothing says how long one takes.
     bool is_interval = false;         ///< The time column holds the time since the row above.
     bool counts_teeth = false;        ///< Another column counts rows or teeth, and is no signal.
     std::vector<bool> is_counter;     ///< One a column.
@@ -32,8 +33,5 @@ TextLayout layout_of(const std::string &name, const std::vector<std::string_view
 
 /// The number in the next column of a row, or nothing; takes two fields where commas split a number.
 std::string_view next_cell(std::string_view &rest, const FieldStyle &style, std::string &joined);
-
-/// 1, 1e-3, 1e-6 or 1e-9 for "s", "[ms]", "Time (us)" and their like; 0 where the text names no unit of time.
-double time_unit_of(std::string_view text);
 
 } // namespace sixdeg

@@ -72,7 +72,7 @@ void matched(const AirPathStudy &study) {
 
 /// Alarms an hour if residuals were white and of the design's covariance (D. Siegmund, 1985, a CUSUM with his correction of its threshold).
 double white_rate(const MatchedSetup &setup, double threshold) {
-    const sd_cusum_tables_t &c = setup.design.tables.cusum;
+    const sd_cusum_tables_f32_t &c = setup.design.tables.cusum;
     double per_step = 0;
     for (int l = 0; l < c.hypotheses; ++l) {
         const double information = double(c.offset[l]), h = threshold + 1.166 * std::sqrt(2 * information);

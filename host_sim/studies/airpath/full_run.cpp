@@ -32,9 +32,9 @@ void run_full(const PlantEngine &engine, const FullCase &c, const std::function<
     }
 }
 
-sd_airpath_in_t bank_input(const airpath::Readings &readings, const airpath::Truth &truth) {
+sd_airpath_in_f32_t bank_input(const airpath::Readings &readings, const airpath::Truth &truth) {
     const auto value = [&](airpath::Channel channel) { return *readings.value[channel]; };
-    sd_airpath_in_t in{};
+    sd_airpath_in_f32_t in{};
     in.speed_rpm = float(truth.speed_radps / kRadpsPerRpm);
     in.air_gps = float(1e3 * value(airpath::kAirFlow)), in.fuel_gps = float(1e3 * truth.fuel_kgps);
     in.charge_k = float(value(airpath::kChargeTemperature)), in.egr_k = float(value(airpath::kEgrTemperature));
@@ -49,15 +49,15 @@ const Alarm *FullResult::first(double from_s, double to_s) const {
     return found == alarms.end() ? nullptr : &*found;
 }
 
-FullResult judge_full(const PlantEngine &engine, const sd_airpath_tables_t &tables, const sd_airpath_config_t &config, const FullCase &c) {
-    sd_airpath_bank_t bank;
-    sd_airpath_start(&bank);
+FullResult judge_full(const PlantEngine &engine, const sd_airpath_tables_f32_t &tables, const sd_airpath_config_f32_t &config, const FullCase &c) {
+    sd_airpath_bank_f32_t bank;
+    sd_airpath_start_f32(&bank);
     FullResult result;
     int fault = SD_AIRPATH_NO_FAULT;
     run_full(engine, c, [&](const airpath::Readings &readings, const airpath::Truth &truth) {
-        const sd_airpath_in_t in = bank_input(readings, truth);
-        sd_airpath_out_t out;
-        sd_airpath_step(&bank, &tables, &config, &in, &out);
+        const sd_airpath_in_f32_t in = bank_input(readings, truth);
+        sd_airpath_out_f32_t out;
+        sd_airpath_step_f32(&bank, &tables, &config, &in, &out);
         if (out.phase == SD_AIRPATH_DECIDES && result.decides_s < 0) result.decides_s = readings.time_s;
         if (int(out.fault) != fault && out.fault != SD_AIRPATH_NO_FAULT) result.alarms.push_back({readings.time_s, int(out.fault)});
         fault = int(out.fault);

@@ -29,7 +29,7 @@ void run_full(const PlantEngine &engine, const FullCase &c, const std::function<
     const airpath::Truth &)> &take);
 
 /// What the bank takes of one time's readings; all of them speak.
-sd_airpath_in_t bank_input(const airpath::Readings &readings, const airpath::Truth &truth);
+sd_airpath_in_f32_t bank_input(const airpath::Readings &readings, const airpath::Truth &truth);
 
 /// The bank begins to say something other than no fault.
 struct Alarm {
@@ -47,6 +47,6 @@ struct FullResult {
 };
 
 /// The same with the bank listening.
-FullResult judge_full(const PlantEngine &engine, const sd_airpath_tables_t &tables, const sd_airpath_config_t &config, const FullCase &c);
+FullResult judge_full(const PlantEngine &engine, const sd_airpath_tables_f32_t &tables, const sd_airpath_config_f32_t &config, const FullCase &c);
 
 } // namespace sixdeg

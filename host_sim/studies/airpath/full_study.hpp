@@ -7,8 +7,8 @@ namespace sixdeg {
 
 struct FullStudy {
     const PlantEngine &engine;
-    sd_airpath_tables_t tables;
-    sd_airpath_config_t config;
+    sd_airpath_tables_f32_t tables;
+    sd_airpath_config_f32_t config;
     int runs = 500; ///< Of each fault whose delay is measured; others get a fifth of it. Below 50 all is shorter.
     std::uint64_t seed = 1;
 };

@@ -29,7 +29,7 @@ struct ScalarInjection {
     double p = 0, q = 0, air = 0, egr = 0; ///< kPa; kPa: p + egr's share of the exhaust's mass; g; g.
 
     Residuals operator()(const MatchedRun &run) {
-        const sd_airpath_in_t &in = run.readings();
+        const sd_airpath_in_f32_t &in = run.readings();
         const AirPathSystem &s = setup.system;
         const double per_air = 1e-6 * 287 * s.charge_k / s.intake_m3, per_egr = 1e-6 * 286 * s.egr_k / s.intake_m3;
         const double y = double(in.intake_kpa), mass = double(in.exhaust_kpa) / (1e-6 * 286 * s.exhaust_k / s.exhaust_m3);
@@ -89,8 +89,8 @@ Known learn(const MatchedSetup &setup, const MakeMethod &make, double healthy_s,
     return known;
 }
 
-sd_cusum_tables_t tables_of(const Known &known) {
-    sd_cusum_tables_t t{};
+sd_cusum_tables_f32_t tables_of(const Known &known) {
+    sd_cusum_tables_f32_t t{};
     t.hypotheses = 4, t.residuals = 2;
     for (int l = 0; l < 4; ++l) {
         const std::size_t j = l < 2 ? 1 : 0;
@@ -107,16 +107,16 @@ struct Decided {
     MatchedRun run;
     Method method;
     const Known &known;
-    sd_cusum_tables_t tables;
-    sd_cusum_thresholds_t thresholds;
-    sd_cusum_t sums{};
-    sd_cusum_out_t out{};
+    sd_cusum_tables_f32_t tables;
+    sd_cusum_thresholds_f32_t thresholds;
+    sd_cusum_f32_t sums{};
+    sd_cusum_out_f32_t out{};
 
     void step(RandomStream &random) {
         run.step(draw_noise(random));
         const Residuals r = difference(method(run), known.mean);
         const float residual[2] = {float(r[0]), float(r[1])};
-        sd_cusum_step(&sums, &tables, &thresholds, residual, &out);
+        sd_cusum_step_f32(&sums, &tables, &thresholds, residual, &out);
     }
 };
 
@@ -160,7 +160,7 @@ std::vector<MethodFigures> compare_methods(const MatchedSetup &setup, double hea
                 const float h = float(f.threshold);
                 Decided d{MatchedRun(setup, kNever, kNever, random), make(), known, tables_of(known), {h, h}};
                 for (int k = 0; k < kSettle; ++k) d.step(random);
-                sd_cusum_start(&d.sums);
+                sd_cusum_start_f32(&d.sums);
                 d.run.set_fault(matched_faults()[i]);
                 int steps = 0;
                 do d.step(random);

@@ -44,7 +44,7 @@ DelayFigures measure_delay(const MatchedSetup &setup, const MatchedFault &fault,
         else {
             f.named++;
             delay.push_back(steps * kMatchedPeriodS);
-            f.time_error_s += (steps * kMatchedPeriodS - double(run.out().since_s));
+            f.time_error_s += (steps * kMatchedPeriodS - kMatchedPeriodS * run.out().decision.since_steps);
         }
     }
     if (delay.empty()) return f;
@@ -75,7 +75,7 @@ FaultTrace trace_fault(const MatchedSetup &setup, const MatchedFault &fault) {
 
 double formula_delay_s(const MatchedSetup &setup, const MatchedFault &fault, double threshold) {
     const auto end = trace_fault(setup, fault).end_kpa;
-    const sd_cusum_tables_t &c = setup.design.tables.cusum;
+    const sd_cusum_tables_f32_t &c = setup.design.tables.cusum;
     const std::size_t l = fault.actuator == SD_AIRPATH_EGR_FAULT ? 0 : 2;
     const double growth = double(c.weight[l][0]) * end[0] + double(c.weight[l][1]) * end[1] - double(c.offset[l]);
     return threshold / growth * kMatchedPeriodS;

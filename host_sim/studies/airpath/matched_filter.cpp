@@ -15,7 +15,7 @@ constexpr int kSubsteps = 2;
 MatchedFilter::MatchedFilter(const MatchedSetup &setup, double walk_gps)
     : setup_(&setup), walk_gps_(walk_gps), model_(setup.system, setup.displaced_m3) {}
 
-MatchedFilter::State MatchedFilter::moved(const State &x, const sd_airpath_in_t &in) const {
+MatchedFilter::State MatchedFilter::moved(const State &x, const sd_airpath_in_f32_t &in) const {
     const AirPathSystem &s = setup_->system;
     const double per_exhaust = 1e-6 * kExhaustJpkgk * s.exhaust_k / s.exhaust_m3,
         k = model_.emptying_ps(double(in.speed_rpm) * kRadpsPerRpm);
@@ -33,7 +33,7 @@ MatchedFilter::State MatchedFilter::moved(const State &x, const sd_airpath_in_t 
     return now;
 }
 
-Eigen::Vector2d MatchedFilter::step(const sd_airpath_in_t &in) {
+Eigen::Vector2d MatchedFilter::step(const sd_airpath_in_f32_t &in) {
     const AirPathSystem &s = setup_->system;
     const double per_exhaust = 1e-6 * kExhaustJpkgk * s.exhaust_k / s.exhaust_m3;
     if (!begun_) {

@@ -14,7 +14,7 @@ class MatchedFilter {
     explicit MatchedFilter(const MatchedSetup &setup, double walk_gps = 0);
 
     /// A period on; the innovations of the two outputs, kPa.
-    Eigen::Vector2d step(const sd_airpath_in_t &in);
+    Eigen::Vector2d step(const sd_airpath_in_f32_t &in);
     const Eigen::Matrix2d &innovation_covariance() const { return s_; }
     /// EGR and turbine flow beyond the model's, g/s.
     Eigen::Vector2d flow_error() const { return x_.tail<2>(); }
@@ -22,7 +22,7 @@ class MatchedFilter {
 
   private:
     using State = Eigen::Matrix<double, 6, 1>; ///< kPa, g, g, g, g/s, g/s.
-    State moved(const State &x, const sd_airpath_in_t &in) const;
+    State moved(const State &x, const sd_airpath_in_f32_t &in) const;
 
     const MatchedSetup *setup_;
     double walk_gps_;

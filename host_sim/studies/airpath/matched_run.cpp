@@ -48,7 +48,7 @@ MatchedRun::MatchedRun(const MatchedSetup &setup, double detect, double isolate,
             wander_[i].radps[j] = 2 * M_PI / (3 + 17 * random.uniform());
         }
     }
-    sd_airpath_start(&bank_);
+    sd_airpath_start_f32(&bank_);
     plant_.rest(input(0));
 }
 
@@ -73,7 +73,7 @@ void MatchedRun::step(const MatchedNoise &noise) {
     for (double at = 0; at < kMatchedPeriodS - 1e-9; at += kPlantStepS) plant_.step(input(t + at + kPlantStepS / 2), kPlantStepS);
     steps_++;
     read(noise);
-    sd_airpath_step(&bank_, &setup_->design.tables, &config_, &in_, &out_);
+    sd_airpath_step_f32(&bank_, &setup_->design.tables, &config_, &in_, &out_);
 }
 
 MatchedNoise draw_noise(RandomStream &random) {

@@ -38,10 +38,10 @@ class MatchedRun {
     void set_fault(const MatchedFault &fault) { fault_ = fault; }
     /// 10 ms of the plant, and the bank with what sensors then say.
     void step(const MatchedNoise &noise);
-    const sd_airpath_out_t &out() const { return out_; }
-    const sd_airpath_bank_t &bank() const { return bank_; }
+    const sd_airpath_out_f32_t &out() const { return out_; }
+    const sd_airpath_bank_f32_t &bank() const { return bank_; }
     const MeanValueModel &plant() const { return plant_; }
-    const sd_airpath_in_t &readings() const { return in_; }
+    const sd_airpath_in_f32_t &readings() const { return in_; }
     bool decides() const { return out_.phase == SD_AIRPATH_DECIDES; }
 
   private:
@@ -54,13 +54,13 @@ class MatchedRun {
     void read(const MatchedNoise &noise);
 
     const MatchedSetup *setup_;
-    sd_airpath_config_t config_;
+    sd_airpath_config_f32_t config_;
     std::array<Wander, 4> wander_;
     MeanValueModel plant_;
     MatchedFault fault_{"", 0, 0, SD_AIRPATH_NO_FAULT};
-    sd_airpath_bank_t bank_{};
-    sd_airpath_in_t in_{};
-    sd_airpath_out_t out_{};
+    sd_airpath_bank_f32_t bank_{};
+    sd_airpath_in_f32_t in_{};
+    sd_airpath_out_f32_t out_{};
     long steps_ = 0;
 };
 

@@ -1,10 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 /* The torque observer in q31: any state, tables and gains in range, any tooth. */
-/* options: -eva-slevel 100 */
+/* options: -eva-precision 0 -eva-slevel 100 */
 /* kernel: firmware/torque/sd_fourier_q31.c */
 #include "any_q31.h"
 #include "sd_fourier.h"
 
+#ifndef FIRST
+#define FIRST 12u
+#define LAST SD_FOURIER_POSITIONS_MAX
+#define STEP 2u
+#endif
 static volatile float kept;
 static sd_fourier_q31_t self;
 static sd_fourier_tables_t tables;
@@ -28,23 +33,31 @@ static void call_all(void) {
     sd_fourier_restart_q31(&self);
 }
 
-int main(void) {
+static void fill_tables(void) {
     for (uint32_t k = 0; k < SD_FOURIER_POSITIONS_MAX; k++) { tables.inertia_q31[k] = any_of(1, INT32_MAX); }
     for (uint32_t k = 0; k < 2u * SD_FOURIER_POSITIONS_MAX; k++) { tables.sine_q31[k] = any_sine(); }
-    for (uint32_t positions = 12; positions <= SD_FOURIER_POSITIONS_MAX; positions += 2u) {
+}
+
+/* The place where the sine is -1 exactly, which as q31 is INT32_MIN: the cosine there is within the table's tolerance of 0. */
+static void at_minus_one(uint32_t positions) {
+    const uint32_t low = positions + positions / 2u;
+    fill_state();
+    self.positions = (uint16_t)positions;
+    tables.sine_q31[low] = INT32_MIN;
+    tables.sine_q31[0] = any_of(-(1 << 22), 1 << 22);
+    kept = sd_fourier_torque_at_q31(&self, &tables, low);
+    sd_fourier_advance_q31(&self, &tables, low, 1u, any_u32(), 1u);
+    tables.sine_q31[low] = any_sine(), tables.sine_q31[0] = any_sine();
+}
+
+int main(void) {
+    fill_tables();
+    //@ loop unroll 60;
+    for (uint32_t positions = FIRST; positions <= LAST; positions += STEP) {
         fill_state();
         self.positions = (uint16_t)positions;
         call_all();
-        if (positions % 12u != 0u) { continue; }
-        /* The place where the sine is -1 exactly, which as q31 is INT32_MIN: the cosine there is within the table's tolerance of 0. */
-        fill_state();
-        self.positions = (uint16_t)positions;
-        const uint32_t low = positions + positions / 2u;
-        tables.sine_q31[low] = INT32_MIN;
-        tables.sine_q31[0] = any_of(-(1 << 22), 1 << 22);
-        kept = sd_fourier_torque_at_q31(&self, &tables, low);
-        sd_fourier_advance_q31(&self, &tables, low, 1u, any_u32(), 1u);
-        tables.sine_q31[low] = any_sine(), tables.sine_q31[0] = any_sine();
+        if (positions % 12u == 0u) { at_minus_one(positions); }
     }
     return 0;
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Document 000's observers on the toothed wheel in q31: any state, tables in range, any tooth and firing. */
-/* options: -eva-ilevel 256 -eva-slevel 100 */
+/* options: -eva-slevel 100 */
 /* kernel: firmware/misfire/sd_switched_q31.c firmware/misfire/sd_switched_wheel_q31.c */
 #include "any_q31.h"
 #include "sd_switched_wheel.h"
@@ -8,26 +8,19 @@
 static sd_wheel_q31_t self;
 static sd_wheel_tables_t tables;
 
-/* No firing beyond the cylinders there may be, and any flags: each of the three firings any one, and all at once. */
-static uint16_t any_mark(void) {
-    const uint32_t firing = any_upto(SD_CYLINDERS_MAX), flags = SD_WHEEL_CLOSES * any_upto(3u), which = any_upto(3u);
-    return (uint16_t)(flags + ((which == 0u) ? firing : (which == 1u) ? 16u * firing : (which == 2u) ? 256u * firing : 0x111u * firing));
-}
-
 static void fill_tables(uint32_t positions) {
     ANY_BYTES(tables);
     tables.positions = (uint8_t)positions;
     tables.cylinders = (uint8_t)any_of(1, SD_CYLINDERS_MAX);
     tables.speed_shift = (uint8_t)any_of(0, 24);
     sd_wheel_tables_q31_t *t = &tables.q31;
-    const uint16_t mark = any_mark();
     for (uint32_t kind = 0; kind < SD_WHEEL_KINDS; kind++) {
         sd_wheel_design_q31_t *design = &t->design[kind];
         design->table.row[0] = any_row(), design->table.row[1] = any_row();
         design->table.output_gain = any_gain(), design->table.slope = any_gain();
         design->table.reduced = any_upto(1u);
         design->sliding = any_size_gain(), design->capture = any_size_gain();
-        for (uint32_t k = 0; k < 2u * SD_WHEEL_POSITIONS_MAX; k++) { tables.mark[kind][k] = mark; } /* each may be any of them */
+        for (uint32_t k = 0; k < 2u * SD_WHEEL_POSITIONS_MAX; k++) { tables.mark[kind][k] = any_u16(); }
     }
     t->pulse = any_gain(), t->mean = any_gain(), t->jump = any_gain();
     for (uint32_t i = 0; i < SD_CYLINDERS_MAX; i++) { t->accel[i] = any_size_gain(), t->per_tooth[i] = any_gain(); }

@@ -153,6 +153,7 @@ void run(const Options &options) {
 void add_bench(Command &app) {
     auto options = std::make_shared<Options>();
     Command command = app.add("bench", "time per block on this host, or the pace of the simulated engine");
+    command.task("Figures", "bench blocks");
     command.option("WHAT", options->what, "blocks (default) or plant").one_of({"blocks", "plant"});
     command.option("--seconds", options->seconds, "of each repetition, at least; default 0.05").within(1e-4, 100.0);
     command.option("--repetitions", options->repetitions, "whose median is printed; default 5").within(1, 1000);

@@ -4,6 +4,9 @@
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
+#include <fmt/format.h>
+
+#include "common/nearest.hpp"
 
 namespace sixdeg {
 
@@ -18,6 +21,11 @@ Option &Option::excludes(const Option &other) { return option_->excludes(other.o
 Option &Option::shows_default() { return option_->capture_default_str(), *this; }
 
 Command Command::add(const std::string &name, const std::string &help) { return Command(app_->add_subcommand(name, help)); }
+
+Command &Command::task(const std::string &name, const std::string &example) {
+    app_->group(name)->description(app_->get_description() + "\ne.g. sixdeg " + example);
+    return *this;
+}
 
 Option Command::option(const std::string &name, std::string &value, const std::string &help) {
     return Option(app_->add_option(name, value, help));
@@ -53,6 +61,24 @@ Option Command::settings(std::vector<std::string> &value, const std::string &hel
 void Command::runs(std::function<void()> action) { app_->callback(std::move(action)); }
 void Command::needs_command() { app_->require_subcommand(1); }
 
+namespace {
+
+/// Which word means nothing to the command that was reached, and the nearest valid name; "" where none is near.
+std::string hint_for_extras(const CLI::App &top) {
+    const CLI::App *command = &top;
+    while (!command->get_subcommands().empty()) command = command->get_subcommands().front();
+    std::vector<std::string> names;
+    for (const CLI::App *below : command->get_subcommands([](const CLI::App *) { return true; })) names.push_back(below->get_name());
+    for (const CLI::Option *option : command->get_options()) names.push_back(option->get_name());
+    for (const std::string &word : top.remaining(true)) {
+        if (const std::string hint = nearest_hint(word.substr(0, word.find('=')), names); !hint.empty())
+            return (command == &top ? "" : command->get_name() + ": ") + "'" + word + "' is not known" + hint;
+    }
+    return "";
+}
+
+} // namespace
+
 int run_command_line(const std::string &about, const std::function<void(Command &)> &add_commands, int argc, char **argv) {
     CLI::App app{about};
     Command top(&app);
@@ -62,6 +88,10 @@ int run_command_line(const std::string &about, const std::function<void(Command 
         app.parse(argc, argv);
         return 0;
     } catch (const CLI::ParseError &error) {
+        if (const std::string hint = error.get_exit_code() != 0 ? hint_for_extras(app) : ""; !hint.empty()) {
+            fmt::print(stderr, "sixdeg: {}\n", hint);
+            return 2;
+        }
         return app.exit(error) == 0 ? 0 : 2; // CLI11 also throws for --help, which is no error
     }
 }

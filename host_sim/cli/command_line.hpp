@@ -47,6 +47,8 @@ class Command {
     explicit Command(CLI::App *app) : app_(app) {}
     /// A command below this one.
     Command add(const std::string &name, const std::string &help);
+    /// The task under which --help lists this command, and a command line to begin with.
+    Command &task(const std::string &name, const std::string &example);
     /// The value is written to `value`, which must live until the command has run; it keeps what it has where nothing is given.
     Option option(const std::string &name, std::string &value, const std::string &help);
     Option option(const std::string &name, std::vector<std::string> &value, const std::string &help);

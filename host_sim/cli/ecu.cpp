@@ -57,6 +57,7 @@ void run(const Options &options) {
 void add_ecu(Command &app) {
     auto options = std::make_shared<Options>();
     Command command = app.add("ecu", "the firmware as a process of its own on a bus");
+    command.task("Over a bus", "ecu ENGINE.toml --transport lcm");
     command.option("ENGINE", options->file, "engine file, or a calibration page").required();
     command.option("--transport", options->transport, "can:IFACE, lcm or lcm:URL (docs/bus.md)").required();
     command.option("--tune", options->tune, "tune file");

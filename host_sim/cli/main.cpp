@@ -23,16 +23,16 @@ bool writes_to_standard_output(int argc, char **argv) {
 int main(int argc, char **argv) {
     const auto commands = [](sixdeg::Command &app) {
         sixdeg::add_replay(app);
-        sixdeg::add_calibrate(app);
-        sixdeg::add_bench(app);
         sixdeg::add_run(app);
         sixdeg::add_sweep(app);
-        sixdeg::add_study(app);
         sixdeg::add_plant(app);
         sixdeg::add_ecu(app);
         sixdeg::add_watch(app);
         sixdeg::add_parameter(app);
+        sixdeg::add_calibrate(app);
         sixdeg::add_sensors(app);
+        sixdeg::add_study(app);
+        sixdeg::add_bench(app);
     };
     try {
         if (writes_to_standard_output(argc, argv)) sixdeg::keep_standard_output_for_files();

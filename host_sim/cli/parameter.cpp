@@ -138,6 +138,7 @@ void run(const Options &options) {
 void add_parameter(Command &app) {
     auto options = std::make_shared<Options>();
     Command command = app.add("parameter", "reads and sets parameters of an ecu while it runs");
+    command.task("Over a bus", "parameter get torque.harmonics --transport lcm");
     command.option("ACTION", options->action, "get, set, dump (as a tune file), diff (against the reference page) or restore").required().one_of({"get", "set", "dump", "diff", "restore"});
     command.option("NAME", options->names, "names, or NAME=VALUE to set; all when none is given");
     command.option("--transport", options->transport, "can:IFACE, lcm or lcm:URL (docs/bus.md)").required();

@@ -253,6 +253,7 @@ void run(const ReplayOptions &options) {
 void add_replay(Command &app) {
     auto options = std::make_shared<ReplayOptions>();
     Command command = app.add("replay", "a recording of crank edges, or an event log, through the firmware");
+    command.task("A recording", "replay FILE --out DIR");
     command.option("FILE", options->file, "edge list, sampled voltages or edge times (docs/recordings.md), or an event log (docs/log.md)")
         .required();
     command.option("--wheel", options->wheel, "like 60-2, 36-2-1 or 24+1; guessed otherwise");

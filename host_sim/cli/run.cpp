@@ -295,6 +295,7 @@ void add_options(Command &command, const std::shared_ptr<Options> &options) {
 void add_run(Command &app) {
     auto options = std::make_shared<Options>();
     Command command = app.add("run", "a scenario's engine and the firmware, in one process or as two over a bus");
+    command.task("A simulated engine", "run host_sim/data/scenarios/balance_1000rpm_5bar.toml");
     add_options(command, options);
     command.option("--transport", options->transport, "inproc, can:IFACE, lcm or lcm:URL (docs/bus.md); qemu:CORE, an emulated controller (docs/porting.md)");
     command.option("--restart", options->restart_s, "the ecu begins anew at this second; not over a bus").within(0.0, 1e6);
@@ -304,6 +305,7 @@ void add_plant(Command &app) {
     auto options = std::make_shared<Options>();
     options->start_ecu = false;
     Command command = app.add("plant", "a scenario's engine on a bus, for an ecu that is there");
+    command.task("Over a bus", "plant SCENARIO.toml --transport lcm");
     add_options(command, options);
     command.option("--transport", options->transport, "can:IFACE, lcm or lcm:URL (docs/bus.md)").required();
 }

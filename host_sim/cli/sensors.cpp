@@ -93,6 +93,7 @@ void run(const Options &options) {
 void add_sensors(Command &app) {
     const auto options = std::make_shared<Options>();
     Command command = app.add("sensors", "rank sensor sets by how soon they reveal the wanted states");
+    command.task("Your own engine", "sensors host_sim/data/models/turbo_si_13.toml --size 3");
     command.option("MODEL", options->model, "model structure, for example host_sim/data/models/turbo_si_13.toml").required();
     command.option("--target", options->targets,
                      "states wanted, separated by commas (default: the model's)").separated_by(',');

@@ -74,6 +74,7 @@ void add_air_path(Command &study) {
 
 void add_study(Command &app) {
     Command study = app.add("study", "questions with a table as their answer");
+    study.task("Figures", "study driveline figure-6");
     study.needs_command();
     add_afr(study);
     add_loop(study);

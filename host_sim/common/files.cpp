@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "common/error.hpp"
+#include "common/nearest.hpp"
 
 namespace fs = std::filesystem;
 namespace sixdeg {
@@ -92,7 +93,7 @@ std::string read_file(const fs::path &path) {
     std::error_code ec;
     if (fs::is_directory(path, ec)) throw InputError(path.string(), "", "is a folder, not a file");
     std::ifstream in(path, std::ios::binary);
-    if (!in) throw InputError(path.string(), "", "cannot be read");
+    if (!in) throw InputError(path.string(), "", "cannot be read" + nearest_file_hint(path));
     return {std::istreambuf_iterator<char>(in), {}};
 }
 
@@ -130,7 +131,7 @@ std::string sha256(std::string_view content) {
 
 std::string sha256_of_file(const fs::path &path) {
     std::ifstream in(path, std::ios::binary);
-    if (!in) throw InputError(path.string(), "", "cannot be read");
+    if (!in) throw InputError(path.string(), "", "cannot be read" + nearest_file_hint(path));
     const std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> context(EVP_MD_CTX_new(), &EVP_MD_CTX_free);
     EVP_DigestInit_ex(context.get(), EVP_sha256(), nullptr);
     std::string piece(std::size_t(1) << 18, 0);

@@ -7,6 +7,7 @@
 
 #include "common/error.hpp"
 #include "common/files.hpp"
+#include "common/nearest.hpp"
 
 namespace sixdeg {
 namespace {
@@ -51,14 +52,18 @@ void TomlFile::fail(const std::string &field, const std::string &problem) const 
 
 toml::node_view<const toml::node> TomlFile::find(const std::string &field) {
     asked_.insert(field);
+    named_.insert(field);
     return std::as_const(table_).at_path(field);
 }
 
-bool TomlFile::has(const std::string &field) const { return bool(std::as_const(table_).at_path(field)); }
+bool TomlFile::has(const std::string &field) const {
+    named_.insert(field);
+    return bool(std::as_const(table_).at_path(field));
+}
 
 double TomlFile::number(const std::string &field, Range range) {
     const auto node = find(field);
-    if (!node) fail(field, "is missing; allowed range " + describe(range));
+    if (!node) fail_missing(field, "allowed range " + describe(range));
     const auto value = node.value<double>();
     if (!node.is_number() || !value) fail(field, "is not a number; allowed range " + describe(range));
     // Written so that NaN fails too.
@@ -84,7 +89,8 @@ long TomlFile::integer_or(const std::string &field, long low, long high, long ot
 
 std::string TomlFile::text(const std::string &field) {
     const auto value = find(field).value<std::string>();
-    if (!value) fail(field, has(field) ? "is not a text in quotes" : "is missing (a text in quotes)");
+    if (!has(field)) fail_missing(field, "a text in quotes");
+    if (!value) fail(field, "is not a text in quotes");
     return *value;
 }
 
@@ -168,15 +174,23 @@ void TomlFile::set(const std::string &assignment) {
     table->insert_or_assign(field.substr(from), std::move(*parsed.get("value")));
 }
 
-void TomlFile::finish() const {
+std::vector<std::string> TomlFile::unasked() const {
     std::vector<std::string> leaves;
     collect_leaves(table_, "", leaves);
-    for (const auto &leaf : leaves) {
+    const auto is_accounted_for = [&](const std::string &leaf) {
         const auto left_to_others = [&](const std::string &table) { return leaf.rfind(table, 0) == 0; };
-        if (!asked_.count(leaf) && std::none_of(ignored_.begin(), ignored_.end(), left_to_others)) {
-            fail(leaf, "is not a known field");
-        }
-    }
+        return asked_.count(leaf) || std::any_of(ignored_.begin(), ignored_.end(), left_to_others);
+    };
+    leaves.erase(std::remove_if(leaves.begin(), leaves.end(), is_accounted_for), leaves.end());
+    return leaves;
+}
+
+void TomlFile::fail_missing(const std::string &field, const std::string &wanted) const {
+    fail(field, "is missing; " + wanted + nearest_hint(field, unasked()));
+}
+
+void TomlFile::finish() const {
+    for (const auto &leaf : unasked()) fail(leaf, "is not a known field" + nearest_hint(leaf, {named_.begin(), named_.end()}));
 }
 
 } // namespace sixdeg

@@ -43,7 +43,7 @@ class TomlFile {
     void set(const std::string &assignment);
     /// Leaves a whole table to another reader: finish() says nothing of the fields below it.
     void ignore(const std::string &table) { ignored_.insert(table + "."); }
-    /// Throws when the file holds a field that no getter has asked for.
+    /// Throws when the file holds a field that no getter has asked for, and names the known field that is nearest to it.
     void finish() const;
     [[noreturn]] void fail(const std::string &field, const std::string &problem) const;
 
@@ -51,10 +51,14 @@ class TomlFile {
     const std::string &content() const { return content_; }
 
   private:
+    /// Fields of the file that no getter has asked for, tables of other readers left out.
+    std::vector<std::string> unasked() const;
+    [[noreturn]] void fail_missing(const std::string &field, const std::string &wanted) const;
     toml::node_view<const toml::node> find(const std::string &field);
     std::string name_, content_;
     toml::table table_;
     std::set<std::string> asked_, ignored_;
+    mutable std::set<std::string> named_; ///< Every field that a reader knows, there or not: one of them was meant by a misspelt one.
 };
 
 /// "[0, 10] kg m2", for messages.

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Compiles the example of docs/lifting-a-block.md against copies of firmware/num and firmware/torque, and runs it."""
+"""Compiles the examples of docs/lifting-a-block.md and of README against copies of firmware/num and their block, and runs them."""
 import pathlib
 import re
 import shutil
@@ -9,7 +9,7 @@ import sys
 import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-MAIN = """
+TORQUE_MAIN = """
 #include <stdio.h>
 int main(void) {
     if (torque_start() != 0) { return 1; }
@@ -23,15 +23,39 @@ int main(void) {
     return 0;
 }
 """
+CRANK_MAIN = """
+#include <stdio.h>
+int main(void) {
+    if (crank_start() != SD_OK) { return 1; }
+    int wrong = 0, right = 0;
+    /* 1000 rpm, from the middle of a revolution. */
+    for (unsigned k = 17; k < 60u * 20u; ++k) {
+        if (k % 60u >= 58u) { continue; }
+        const int said = crank_on_edge(k * 1000u);
+        if (said == (int)(k % 60u)) { ++right; } else if (said >= 0) { ++wrong; }
+    }
+    printf("%d", wrong == 0 ? right : -wrong);
+    return 0;
+}
+"""
 
-with tempfile.TemporaryDirectory() as temporary:
-    folder = pathlib.Path(temporary)
-    for block in ("num", "torque"):
-        shutil.copytree(ROOT / "firmware" / block, folder / block)
-    example = re.search(r"```c\n(.*?)```", (ROOT / "docs" / "lifting-a-block.md").read_text(), re.DOTALL).group(1)
-    (folder / "example.c").write_text(example + MAIN)
-    subprocess.run(["cc", "-std=c11", "-ffp-contract=off", "-Wall", "-Wextra", "-Werror", "-Inum", "-Itorque", "example.c",
-                    *map(str, (folder / "torque").glob("*.c")), "-lm", "-o", "example"], cwd=folder, check=True)
-    torque = float(subprocess.run([folder / "example"], capture_output=True, text=True, check=True).stdout)
-    if abs(torque - 10) > 0.5:
-        sys.exit(f"the lifted observer says {torque} Nm, not 10")
+
+def said_by(page, main, block, *more):
+    """What the page's example prints when `main` calls it."""
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = pathlib.Path(temporary)
+        for name in ("num", block):
+            shutil.copytree(ROOT / "firmware" / name, folder / name)
+        example = re.search(r"```c\n(.*?)```", page.read_text(), re.DOTALL).group(1)
+        (folder / "example.c").write_text(example + main)
+        subprocess.run(["cc", "-std=c11", "-ffp-contract=off", "-Wall", "-Wextra", "-Werror", "-Inum", f"-I{block}", "example.c",
+                        *map(str, (folder / block).glob("*.c")), *more, "-o", "example"], cwd=folder, check=True)
+        return float(subprocess.run([folder / "example"], capture_output=True, text=True, check=True).stdout)
+
+
+torque = said_by(ROOT / "docs" / "lifting-a-block.md", TORQUE_MAIN, "torque", "-lm")
+if abs(torque - 10) > 0.5:
+    sys.exit(f"the lifted observer says {torque} Nm, not 10")
+teeth = said_by(ROOT / "README.md", CRANK_MAIN, "crank")
+if teeth < 17 * 58:
+    sys.exit(f"the lifted decoder placed {teeth} of 1143 teeth rightly; negative: so many wrongly")

@@ -108,7 +108,7 @@ class BusCases:
         self.assertIn("truth lost 0, edges without an answer 0", watch.out)
         self.assertEqual(self.csv_bytes("run"), self.csv_bytes("heard"))
         self.assertRegex(watch.out, r"lamp off, misfires 1, partial burns 0")
-        self.assertRegex(watch.out, r"\n4 +\d+\.\d +-\d+\.\d% #+ +healthy +[01]\.\d\d")
+        self.assertRegex(watch.out, r"\n4 +\d+\.\d +-\d+\.\d% #+[ |#]*\| +healthy +[01]\.\d\d #+\|#+ ")
 
     def test_parameters_at_run_time(self):
         ecu = self.ecu("--set", "torque.harmonics=4")

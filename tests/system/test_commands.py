@@ -39,7 +39,7 @@ def help_of(path):
 def leaves(path=()):
     """Every command that is no group, as a tuple of words, with its help."""
     text = help_of(path)
-    names = re.findall(r"^  (\S+)", text.partition("Subcommands:")[2], re.M)
+    names = re.findall(r"^  ([a-z]\S*)", text.partition("Options:")[2], re.M)
     found = {} if names else {path: text}
     for name in names:
         found.update(leaves((*path, name)))
@@ -118,6 +118,13 @@ class Docs(Folder):
         rest = [w for w in rest if w is not None]
         self.ran([*path, *([] if positional or name not in ONE_PART else [ONE_PART[name]]), *rest, *shorter])
         return path
+
+    def test_help_begins_with_an_example_of_every_command_that_runs(self):
+        examples = re.findall(r"e\.g\. sixdeg (.+)", help_of(()))
+        self.assertEqual({words.split()[0] for words in examples}, {leaf[0] for leaf in self.leaves})
+        for words in examples:
+            with self.subTest(example=words):
+                self.assertIsNotNone(self.checked(words.split()))
 
     def test_every_command_runs_as_the_docs_write_it(self):
         run = set()

@@ -36,6 +36,18 @@ class Outputs(Folder):
         self.assertTrue(link.is_symlink())
         self.assertEqual(json.loads(target.read_text())["revolutions"], 17)
 
+    def test_a_name_written_wrongly_is_answered_with_the_nearest(self):
+        engine = self.folder / "engine.toml"
+        engine.write_text((ENGINES / "diesel_22.toml").read_text().replace("bore_m", "boore_m"))
+        for words, meant in ((["rplay", self.wheel], "replay"), (["replay", self.wheel, "--jsno", "x"], "--json"),
+                             (["study", "drivelin"], "driveline"), (["replay", self.folder / "whel.csv"], "wheel.csv"),
+                             (["calibrate", engine], "cylinders.boore_m"),
+                             (["calibrate", ENGINES / "diesel_22.toml", "--set", "misfire.strat=3"], "misfire.start")):
+            done = sixdeg(*words)
+            self.assertEqual(done.returncode, 2)
+            self.assertIn(f"; the nearest is '{meant}'\n", done.stderr)
+        self.assertNotIn("nearest", sixdeg("replay", self.folder / "quite_another").stderr)
+
     def test_a_fifo_is_written_through(self):
         fifo = self.folder / "fifo"
         os.mkfifo(fifo)

@@ -168,7 +168,7 @@ class Teeth(RunFolder):
         teeth, _ = self.tables(self.scenario())
         self.assertEqual(len(teeth), 40 * 116)
         self.assertEqual(list(teeth[0]), ["t_s", "angle_deg", "rpm_true", "rpm", "torque_true_nm", "torque_nm", "class", "tooth",
-                                          "tooth_true", "health", "torque_health"])
+                                          "tooth_true", "health", "torque_health", "waveform_nm", "firing_health"])
         valid = [r for r in teeth if r["health"] == "valid"]
         self.assertGreater(len(valid), 38 * 116)
         for r in valid:

@@ -7,13 +7,18 @@
 namespace sixdeg {
 namespace {
 
-constexpr int kBarColumns = 30;
+constexpr int kTorqueColumns = 24, kIndexColumns = 16;
+constexpr float kFullIndex = 1.6f; ///< At the end of its bar; a healthy firing scatters about 1.
 constexpr const char *kVerdicts[] = {"healthy", "partial burn", "MISFIRE", "not judged"};
 constexpr const char *kLamps[] = {"off", "pending", "on", "blinking"};
 
-std::string bar(float value, float full) {
-    const float share = full > 0 ? std::clamp(value / full, 0.0f, 1.0f) : 0;
-    return std::string(std::size_t(float(kBarColumns) * share), '#');
+/// `columns` wide, filled up to `value` of `full`, with a stroke where `mark` lies.
+std::string bar(float value, float mark, float full, int columns) {
+    const auto column = [&](float x) { return full > 0 ? int(float(columns) * std::clamp(x / full, 0.0f, 1.0f)) : 0; };
+    std::string text = std::string(std::size_t(column(value)), '#');
+    text.resize(std::size_t(columns), ' ');
+    text[std::size_t(std::min(column(mark), columns - 1))] = '|';
+    return text;
 }
 
 /// Numbers of the bits that are set, or "none".
@@ -37,7 +42,7 @@ void LiveView::take(const sd_event_t &event) {
     const sd_signals_t &s = said_.signals();
     // The last of its row: the others are of the same firing now.
     if (event.channel == SD_SIGNAL_MISFIRE_CYLINDER && said_.health(SD_OWNER_FIRING) != SD_INVALID)
-        firings_[int(s.misfire_cylinder)] = {int(s.misfire_verdict), s.misfire_index};
+        firings_[int(s.misfire_cylinder)] = {int(s.misfire_verdict), s.misfire_index, s.misfire_limit};
 }
 
 std::string LiveView::cylinder(int number, float mean_nm, float largest_nm) const {
@@ -46,14 +51,16 @@ std::string LiveView::cylinder(int number, float mean_nm, float largest_nm) cons
     std::string text = fmt::format("{:<9}", number);
     const float torque = s.cycle_cylinder_torque_nm[i];
     if (said_.health(SD_OWNER_CYLINDER) == SD_INVALID)
-        text += fmt::format("{:>10} {:>8} {:<{}}", "-", "-", "", kBarColumns);
+        text += fmt::format("{:>10} {:>8} {:<{}}", "-", "-", "", kTorqueColumns);
     else
-        text += fmt::format("{:10.1f} {:+7.1f}% {:<{}}", torque, mean_nm > 0 ? 100 * (torque / mean_nm - 1) : 0, bar(torque, largest_nm), kBarColumns);
+        text += fmt::format("{:10.1f} {:+7.1f}% {}", torque, mean_nm > 0 ? 100 * (torque / mean_nm - 1) : 0,
+                            bar(torque, mean_nm, largest_nm, kTorqueColumns));
     const auto firing = firings_.find(number);
     if (firing == firings_.end() || firing->second.verdict == 3)
-        text += fmt::format(" {:<12} {:>6}", firing == firings_.end() ? "-" : kVerdicts[3], "-");
+        text += fmt::format(" {:<12} {:>6} {:<{}}", firing == firings_.end() ? "-" : kVerdicts[3], "-", "", kIndexColumns);
     else
-        text += fmt::format(" {:<12} {:6.2f}", name_of(kVerdicts, float(firing->second.verdict)), firing->second.index);
+        text += fmt::format(" {:<12} {:6.2f} {}", name_of(kVerdicts, float(firing->second.verdict)), firing->second.index,
+                            bar(firing->second.index, firing->second.limit, kFullIndex, kIndexColumns));
     text += fmt::format(" {:5.1f} {:5.1f}", s.misfire_rate_200_percent[i], s.misfire_rate_1000_percent[i]);
     text += said_.health(SD_OWNER_AFR) == SD_INVALID ? fmt::format(" {:>7}", "-") : fmt::format(" {:7.3f}", s.afr_cylinder_burned[i]);
     return text + fmt::format(" {:+6.1f}%\n", 100 * s.balance_trim[i]);
@@ -78,8 +85,8 @@ std::string LiveView::text(bool silent) const {
         sum += torque;
         largest = std::max(largest, torque);
     }
-    text += fmt::format("{:<9}{:>10} {:>8} {:<{}} {:<12} {:>6} {:>5} {:>5} {:>7} {:>7}\n", "cylinder", "Nm", "of mean", "", kBarColumns, "last firing",
-                        "index", "%/200", "/1000", "burned", "trim");
+    text += fmt::format("{:<9}{:>10} {:>8} {:<{}} {:<12} {:>6} {:<{}} {:>5} {:>5} {:>7} {:>7}\n", "cylinder", "Nm", "of mean", "| mean",
+                        kTorqueColumns, "last firing", "index", "| limit", kIndexColumns, "%/200", "/1000", "burned", "trim");
     for (int number = 1; number <= count; ++number) text += cylinder(number, sum / float(count), largest);
     return text;
 }

@@ -18,7 +18,7 @@ class LiveView {
   private:
     struct Firing {
         int verdict;
-        float index;
+        float index, limit;
     };
     std::string cylinder(int number, float mean_nm, float largest_nm) const;
 

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "common/error.hpp"
+#include "common/nearest.hpp"
 
 namespace sixdeg {
 namespace {
@@ -36,7 +37,7 @@ RowReader::RowReader(const std::filesystem::path &path) : name_(path.string()) {
     std::error_code ec;
     if (std::filesystem::is_directory(path, ec)) throw InputError(name_, "", "is a folder, not a file");
     auto in = std::make_unique<std::ifstream>(path, std::ios::binary);
-    if (!*in) throw InputError(name_, "", "cannot be read");
+    if (!*in) throw InputError(name_, "", "cannot be read" + nearest_file_hint(name_));
     open(std::move(in));
 }
 

@@ -25,7 +25,7 @@ std::int64_t ended_cycle(const EngineFile &engine, double crank_deg) {
 void RunTables::tooth(const EncoderEdge &truth, const EcuSaid &ecu) {
     const sd_signals_t &s = ecu.signals();
     const bool placed = is_placed(s);
-    const std::uint8_t torque_health = ecu.health(SD_OWNER_TORQUE);
+    const std::uint8_t torque_health = ecu.health(SD_OWNER_TORQUE), firing_health = ecu.health(SD_OWNER_FIRING);
     const auto number = [this](double value, int decimals) { append_fixed(teeth_, value, decimals); };
     number(truth.time_s, 9);
     teeth_ += ',';
@@ -48,6 +48,10 @@ void RunTables::tooth(const EncoderEdge &truth, const EcuSaid &ecu) {
     teeth_ += health_name(ecu.health(SD_OWNER_CRANK));
     teeth_ += ',';
     teeth_ += health_name(torque_health);
+    teeth_ += ',';
+    if (placed && firing_health != SD_INVALID) number(double(s.firing_waveform_nm), 3);
+    teeth_ += ',';
+    teeth_ += health_name(firing_health);
     teeth_ += '\n';
 }
 

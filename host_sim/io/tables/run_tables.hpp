@@ -49,7 +49,7 @@ class RunTables {
     MisfireScore accelerations_, residuals_; ///< Of document 000\'s observer, kept by firing as verdicts are.
     std::size_t firings_ = 0; ///< Of which the verdict is taken.
     std::string teeth_ =
-        "t_s,angle_deg,rpm_true,rpm,torque_true_nm,torque_nm,class,tooth,tooth_true,health,torque_health\n";
+        "t_s,angle_deg,rpm_true,rpm,torque_true_nm,torque_nm,class,tooth,tooth_true,health,torque_health,waveform_nm,firing_health\n";
     std::vector<CycleTruth> truths_;
     std::map<std::int64_t, FirmwareCycle> firmware_;
 };

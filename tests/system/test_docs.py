@@ -1,0 +1,78 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""README and docs: every link leads somewhere, every file that is named exists, every page can be found."""
+import os
+import pathlib
+import re
+import subprocess
+import sys
+import unittest
+
+from sixdeg_test import Folder
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+DOCS = ROOT / "docs"
+PAGES = [ROOT / "README.md", *sorted(DOCS.rglob("*.md"))]
+FOLDERS = ("firmware", "hal", "host_sim", "tests", "tools", "docs", "cmake")
+
+
+def anchors(page):
+    """What a heading is called in a link."""
+    for heading in re.findall(r"^#+ (.+)$", page.read_text(), re.M):
+        yield re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-")
+
+
+def named_files(text):
+    """Paths in backticks; NAME, *, {a,b} and options are a reader's to fill in."""
+    for path in re.findall(r"`((?:%s)/[\w./-]+)`" % "|".join(FOLDERS), text):
+        yield path
+
+
+class Docs(unittest.TestCase):
+    def test_links(self):
+        for page in PAGES:
+            for target in re.findall(r"\]\(([^)\s]+)\)", page.read_text()):
+                if "://" in target:
+                    continue
+                path, _, anchor = target.partition("#")
+                place = (page.parent / path).resolve() if path else page
+                with self.subTest(page=page.name, link=target):
+                    self.assertTrue(place.exists())
+                    if anchor:
+                        self.assertIn(anchor, list(anchors(place)))
+
+    def test_files_that_are_named(self):
+        for page in PAGES:
+            for path in named_files(page.read_text()):
+                with self.subTest(page=page.name, path=path):
+                    # A block's header and source, or the parts of a name that a page leaves open ("sd_afr_*").
+                    self.assertTrue((ROOT / path).exists() or list(ROOT.glob(path.rstrip("/") + "*")))
+
+    def test_every_page_is_reached_from_readme(self):
+        reached, waiting = set(), [ROOT / "README.md"]
+        while waiting:
+            page = waiting.pop()
+            if page in reached or page.suffix != ".md":
+                continue
+            reached.add(page)
+            links = re.findall(r"\]\(([^)#\s]+)[^)]*\)", page.read_text())
+            waiting += [(page.parent / link).resolve() for link in links if "://" not in link and (page.parent / link).is_file()]
+        self.assertEqual(set(PAGES) - reached, set())
+
+
+class Overview(Folder):
+    def test_the_picture_of_readme_is_drawn_from_a_run(self):
+        scenario = ROOT / "host_sim/data/scenarios/balance_1000rpm_5bar.toml"
+        subprocess.run([os.environ["SIXDEG"], "run", scenario, "--set", "misfires.one_in=20", "--set", "run.cycles=80", "--out",
+                        self.folder / "run"], capture_output=True, check=True)
+        subprocess.run([sys.executable, ROOT / "tools/report/overview.py", self.folder / "run", self.folder / "overview.svg"], check=True)
+        new, kept = ((folder / "overview.svg").read_text() for folder in (self.folder, DOCS))
+        words = re.findall(r"<text[^>]*>([^<]+)</text>", kept)
+        self.assertIn("Out: every firing, its cylinder, and a misfire named (red)", words)
+        self.assertEqual(re.findall(r"<text[^>]*>([^<]{12,})</text>", new), [w for w in words if len(w) >= 12])
+        for picture in (new, kept):
+            self.assertEqual(picture.count("#c23b22"), 1, "one misfire, named")
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -199,7 +199,7 @@ static void set_pace(sd_afr_delay_t *self, float speed_radps) {
     const float lags = (self->config.tau1_s + self->config.tau2_s) * speed_radps * (1.0f / (2.0f * SD_TWO_PI)); /* cycles */
     self->move2 = sd_lag_move(step_s / (self->config.tau2_s * longer));
     self->move1 = sd_lag_move(step_s / (self->config.tau1_s * longer));
-    self->settles = (uint16_t)(SKIP_MIN + (uint32_t)(SETTLED_LAGS * lags));
+    self->settles = (uint16_t)(SKIP_MIN + sd_real_floor_f32(SETTLED_LAGS * lags));
     self->set = 1;
 }
 

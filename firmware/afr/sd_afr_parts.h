@@ -17,10 +17,10 @@ extern "C" {
 static inline float       sd_real_root_f32(float x)       { return sd_root(x); }
 static inline sd_scaled_t sd_real_root_q31(sd_scaled_t x) { return sd_scaled_root(x); }
 
-/* x in [0, 1) cut into equal parts: which one, and how far into it. */
+/* x in [0, 1) cut into equal parts: which one, and how far into it. Of anything else, NaN too, the part after the last. */
 static inline uint32_t sd_afr_split_f32(float x, uint32_t parts, float *rest) {
     const float at = x * (float)parts;
-    const uint32_t part = (uint32_t)at;
+    const uint32_t part = ((at >= 0.0f) && (at < (float)parts)) ? (uint32_t)at : parts;
     *rest = at - (float)part;
     return part;
 }

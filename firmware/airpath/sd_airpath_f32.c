@@ -22,10 +22,10 @@ static bool weights_ok(const float *weight, float offset) {
     return sd_all_within(weight, SD_CUSUM_RESIDUALS_MAX, -NUMBER_MAX, NUMBER_MAX) && (offset <= NUMBER_MAX);
 }
 
-/* Which interval of `steps` equal ones over [0, 1] holds the share, and how far into it. */
+/* Which interval of `steps` equal ones over [0, 1] holds the share, and how far into it: of what is no number, no number into the first. */
 static inline uint32_t split(float share, uint32_t steps, float *rest) {
     const float at = share * (float)steps;
-    const uint32_t whole = (uint32_t)at, i = (whole < steps) ? whole : steps - 1u;
+    const uint32_t i = ((at > 0.0f) && (at < (float)steps)) ? (uint32_t)at : (at > 0.0f) ? steps - 1u : 0u;
     *rest = at - (float)i;
     return i;
 }

@@ -12,10 +12,6 @@ _Static_assert(sizeof(sd_crank_t) == 948, "without pointers, the same size on ev
 static bool stall_in_range(uint32_t ticks) { return (ticks >= 256u) && (ticks <= (uint32_t)STALL_TICKS_MAX); }
 
 sd_result_t sd_crank_init(sd_crank_t *self, const sd_crank_config_t *config) {
-    sd_crank_t fresh;
-    memset(&fresh, 0, sizeof fresh);
-    fresh.config = *config;
-    fresh.pending_mark = SD_CRANK_MARKS_MAX;
     const bool in_range = (config->positions >= SD_CRANK_POSITIONS_MIN) && (config->positions <= SD_CRANK_POSITIONS_MAX) &&
                           (config->missing_count >= 1u) && (config->missing_count <= SD_CRANK_MISSING_MAX) &&
                           stall_in_range(config->stall_ticks) &&
@@ -25,6 +21,10 @@ sd_result_t sd_crank_init(sd_crank_t *self, const sd_crank_config_t *config) {
         if (config->missing[i] <= config->missing[i - 1u]) { return SD_ERR_CONFIG; }
     }
     if (config->missing[config->missing_count - 1u] != config->positions - 1u) { return SD_ERR_CONFIG; }
+    sd_crank_t fresh;
+    memset(&fresh, 0, sizeof fresh);
+    fresh.config = *config;
+    fresh.pending_mark = SD_CRANK_MARKS_MAX;
     if (!sd_wheel_init(&fresh)) { return SD_ERR_CONFIG; }
     sd_search_begin(&fresh);
     *self = fresh;

@@ -52,7 +52,7 @@ static void begin_level(sd_crank_t *self) {
 /* Teeth from here to the next mark. */
 static uint32_t teeth_to_mark(const sd_crank_t *self, uint32_t *mark) {
     uint32_t m = 0;
-    while (self->mark_first[m] <= self->position) { m++; } /* the last position of a wheel is missing */
+    while ((m + 1u < self->mark_count) && (self->mark_first[m] <= self->position)) { m++; } /* the last position of a wheel is missing */
     *mark = m;
     return self->mark_first[m] - self->position - 1u;
 }
@@ -115,8 +115,9 @@ static void copy(sd_crank_t *self, uint32_t steps, uint32_t period_ticks) {
         self->memory[slot] = part * ((i == 0u) ? (uint32_t)self->placed_way.last >> 4 : 256u);
         slot = (slot > 0u) ? slot - 1u : self->teeth - 1u;
     }
-    self->unlearned = (uint8_t)((self->unlearned > steps) ? self->unlearned - steps : 0u);
-    if (self->unlearned > 0u) { return; }
+    const int32_t unlearned = (int32_t)self->unlearned - (int32_t)steps;
+    self->unlearned = (uint8_t)((unlearned > 0) ? unlearned : 0);
+    if (unlearned > 0) { return; }
     sd_crank_clocks_t *clocks = clocks_now(self);
     clocks->clock[MEMORY] = clocks->clock[clocks->leader];
     clocks->clock[MEMORY].change = 0;

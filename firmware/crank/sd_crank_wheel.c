@@ -1,14 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 #include "sd_crank_parts.h"
 
-enum { UNLEARNED = ONE / 2 }; /* scatter of a mark seen less than twice */
-
-static bool is_missing(const sd_crank_config_t *config, uint32_t position) {
-    for (uint32_t i = 0; i < config->missing_count; ++i) {
-        if (config->missing[i] == position) { return true; }
-    }
-    return false;
-}
+enum {
+    UNLEARNED = ONE / 2, /* scatter of a mark seen less than twice */
+    TEETH_MIN = 6,       /* what the smallest wheel has with two marks of three */
+};
 
 uint32_t sd_wheel_first_after(const sd_crank_t *self, uint32_t mark) {
     const uint32_t position = (uint32_t)self->mark_first[mark] + self->mark_run[mark];
@@ -92,7 +88,7 @@ void sd_wheel_measure(sd_crank_t *self, uint32_t mark, uint32_t slot, bool quiet
         const sd_inverse_t inverse = sd_inverse_of(spacing_at(self, mark, slot, quiet));
         sd_wheel_set_width(self, mark, sd_in_spacings(&inverse, clamp32(self->memory[slot], 0, TIME_MAX)));
         slot += sd_wheel_teeth_after(self, mark);
-        slot -= (slot >= self->teeth) ? self->teeth : 0u;
+        slot %= self->teeth;
         mark = (mark + 1u < self->mark_count) ? mark + 1u : 0u;
     }
     for (uint32_t m = 0; sd_wheel_has_pairs(self) && (m < self->mark_count); ++m) {
@@ -103,16 +99,18 @@ void sd_wheel_measure(sd_crank_t *self, uint32_t mark, uint32_t slot, bool quiet
 /* ---- reading the configuration --------------------------------------------------------------------------------- */
 
 static bool collect_marks(sd_crank_t *self) {
-    const sd_crank_config_t *config = &self->config;
-    for (uint32_t p = 0; p < config->positions; ++p) {
-        if (!is_missing(config, p)) { continue; }
-        if ((p == 0u) || !is_missing(config, p - 1u)) {
-            if (self->mark_count == SD_CRANK_MARKS_MAX) { return false; }
-            self->mark_first[self->mark_count] = (uint8_t)p;
-            self->mark_count++;
+    const uint8_t *missing = self->config.missing;
+    uint32_t mark = 0;
+    self->mark_first[0] = missing[0];
+    self->mark_run[0] = 1;
+    for (uint32_t i = 1; i < self->config.missing_count; ++i) {
+        if (missing[i] != missing[i - 1u] + 1) {
+            if (++mark == SD_CRANK_MARKS_MAX) { return false; }
+            self->mark_first[mark] = missing[i];
         }
-        if (++self->mark_run[self->mark_count - 1u] > SD_CRANK_RUN_MAX) { return false; }
+        if (++self->mark_run[mark] > SD_CRANK_RUN_MAX) { return false; }
     }
+    self->mark_count = (uint8_t)(mark + 1u);
     return true;
 }
 
@@ -138,7 +136,9 @@ static bool marks_stand_apart(sd_crank_t *self) {
 
 /* Fills what follows from the configuration. Returns false where the marks are too many, too wide or too near. */
 bool sd_wheel_init(sd_crank_t *self) {
-    self->teeth = (uint8_t)(self->config.positions - self->config.missing_count);
+    const int32_t teeth = (int32_t)self->config.positions - self->config.missing_count;
+    if (teeth < TEETH_MIN) { return false; } /* marks would be too wide or too near */
+    self->teeth = (uint8_t)teeth;
     if (!collect_marks(self) || !marks_stand_apart(self)) { return false; }
     self->mark_at = 0xffffffffu;
     for (uint32_t m = 0; m < self->mark_count; ++m) { self->mark_at ^= (0xffu ^ self->mark_first[m]) << (8u * m); }

@@ -4,9 +4,9 @@
 #include "sd_value.h"
 
 #ifdef SD_ECU_FIXED
-#define read sd_work_read_q31
+#define READ sd_work_read_q31
 #else
-#define read sd_work_read_f32
+#define READ sd_work_read_f32
 #endif
 
 /* Whole numbers as floats, of a firing's index and of a cylinder: quicker than to make them of integers. */
@@ -32,7 +32,7 @@ void sd_stage_work_edge(sd_work_meter_t *self, const sd_calibration_t *page, con
     if (!sd_work_edge(self, &page->work, tooth->cycle_position, tooth->tick, trusted)) { return; }
     sd_work_out_t out;
     const sd_value_t edge = V(mul)(V(of)(p->torque_tooth_sd_deg), V(of)(0.017453293f));
-    read(self, &page->work, V(float)(edge), &out);
+    READ(self, &page->work, V(float)(edge), &out);
     sd_status_t status;
     judge(page, tooth, out.known != 0u, &status);
     sd_signals_t *s = &say->signals;

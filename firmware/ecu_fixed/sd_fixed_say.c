@@ -30,7 +30,8 @@ float sd_ecu_say_edge(sd_ecu_t *self, const sd_calibration_t *page, const sd_too
     const sd_scaled_t tick_hz = sd_scaled_of(page->tick_hz);
     const sd_scaled_t turn_ticks = sd_scaled_make((int64_t)crank->turn_spacings * tooth->period_ticks, 0);
     const sd_scaled_t turns_per_s = sd_scaled_div(sd_scaled_mul(sd_scaled_int((int32_t)tooth->span_spacings), tick_hz), turn_ticks);
-    const sd_scaled_t period = sd_scaled_int(lead->period), grown = sd_scaled_mul(sd_scaled_int(-64 * lead->change), tick_hz);
+    /* 1/64 tick: by the exponent, since 64 times it has more than 32 bits where a tooth takes more than 2^22 ticks. */
+    const sd_scaled_t period = sd_scaled_int(lead->period), grown = sd_scaled_mul(sd_scaled_narrow(-lead->change, 6), tick_hz);
     const sd_scaled_t shrinks = sd_scaled_div(grown, sd_scaled_mul(period, period));
     s->crank_speed_rpm = sd_scaled_to_float(sd_scaled_mul(turns_per_s, sd_scaled_int(60)));
     s->crank_acceleration_radps2 = sd_scaled_to_float(sd_scaled_mul(sd_scaled_mul(turns_per_s, sd_scaled_of(6.2831853f)), shrinks));

@@ -175,7 +175,9 @@ static inline float       sd_real_div_f32(float a, float b)               { retu
 static inline sd_scaled_t sd_real_div_q31(sd_scaled_t a, sd_scaled_t b)   { return sd_scaled_div(a, b); }
 static inline bool        sd_real_less_f32(float a, float b)              { return a < b; }
 static inline bool        sd_real_less_q31(sd_scaled_t a, sd_scaled_t b)  { return sd_scaled_less(a, b); }
-static inline uint32_t    sd_real_floor_f32(float x)                      { return (uint32_t)x; }
+static inline uint32_t    sd_real_floor_f32(float x) {
+    return ((x > 0.0f) && (x < 2147483648.0f)) ? (uint32_t)x : (x > 0.0f) ? INT32_MAX : 0u;
+}
 static inline uint32_t    sd_real_floor_q31(sd_scaled_t x)                { return sd_scaled_floor(x); }
 static inline float       sd_real_value_f32(float x)                      { return x; } /* into the kernel's own type */
 static inline sd_q31_t    sd_real_value_q31(sd_scaled_t x)                { return sd_scaled_to_q31(x); }

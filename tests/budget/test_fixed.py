@@ -101,6 +101,26 @@ class Fixed(unittest.TestCase):
         moved = self.pairs("torque.mass")[:, 0]
         self.assertGreater(moved.max() - moved.min(), 100, "the comparison must be about something")
 
+    def test_a_crank_that_hardly_turns_slows_down_and_speeds_up(self):
+        """An eighth each tooth, at 3 to 7 s a tooth: 64 times that change has more than 32 bits."""
+        waits = [1_000_000] * 57 + [3_000_000]
+        slower = [round(2.9e6 * 1.12**n) for n in range(8)]
+        run = self.folder / "slow.run"
+        head = ["engine diesel_22.toml", "tune torque.fixed_point 1", "tune afr.method 3", "tune afr.arithmetic 1", "tune misfire.method 1",
+                "tune misfire.arithmetic 1", "tune firing.enabled 0", "tune crank.stall 10", "events"]
+        steps = [round(1e6 * 1.08**n) for n in range(14)]
+        run.write_text("\n".join(head + [f"c{wait}" for wait in waits * 4 + steps + slower + slower[::-1]]) + "\n")
+        files = [self.folder / f"slow_{name}" for name in ("page", "events", "float", "fixed")]
+        tools = ROOT / "build/host/tests/budget"
+        subprocess.run([tools / "budget_input", run] + files[:3], check=True, capture_output=True)
+        subprocess.run([tools / "budget_fixed"] + files[:2] + files[3:], check=True, capture_output=True)
+        channel = self.rows["crank.acceleration"][0]
+        usual, fixed = (signals(path.read_bytes())[channel] for path in files[2:])
+        self.assertEqual(usual["tick"].tolist(), fixed["tick"].tolist())
+        self.assertLess(usual["value"].min(), -1e-3, "it slows down")
+        self.assertGreater(usual["value"].max(), 1e-3, "and speeds up")
+        numpy.testing.assert_allclose(fixed["value"], usual["value"], rtol=1e-5)
+
     def test_what_is_not_built_says_so(self):
         said = self.fixed[self.rows["firing.waveform"][0]]
         self.assertEqual(set((said["flags"] & 0xff).tolist()), {2}, "invalid")

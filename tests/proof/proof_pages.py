@@ -4,34 +4,44 @@
 import textwrap
 import tomllib
 
-# What is proved, or tested in its place, by block: f32 kernels and what Frama-C's intervals cannot do.
+# What no driver has, with what stands in the place of a proof.
 OTHERS = [
     (
-        "decoder (firmware/crank) on other wheels than 60 less 2; its init with any configuration",
-        "not run to an end: 500 s of processor time were not enough for three wheels",
-        "sanitized (signed overflow, shifts, indices) in test_crank, its fuzzing and every recording; cost and stack bound as all",
+        "learning of tooth pattern, twist and zeros; single firings (sd_pattern.c, sd_twist.c, sd_firings.c)",
+        "no driver yet",
+        "innovations and states are clamped or rejected: test_pattern, test_twist; sanitized in each",
     ),
     (
-        "sd_sqrt_by_bits_f32",
-        "not proved: digit by digit, the remainder stays below twice the root",
-        "golden runs on a Cortex-M3, which takes it, have the hash of the host, which has an instruction",
+        "numbers of float kernels: that they stay finite and in range",
+        "not proved: covariances and series are bounded by relations that intervals do not hold; with any bits in the state there is"
+        " nothing to start from",
+        "each checks its state at every step and starts afresh or rejects, NaN included (in_unit, sd_within): the unit test of each"
+        " gives it what is no number",
     ),
-    ("Fourier observer f32", "not proved", "restarts where energy or torque leaves (-1, 1) or is NaN: test_fourier"),
     (
-        "filters on tooth times, firings, pattern, twist (firmware/torque)",
-        "not proved",
-        "innovations and states are clamped or rejected; test_kalman, test_pattern",
+        "that the position of a tooth is one of the wheel's",
+        "not proved: which byte of four is the next mark is arithmetic on bits",
+        "no index of the decoder depends on it; blocks check the position that they are given; test_crank and its fuzzing look at each",
     ),
-    ("document 000's observers f32", "not proved", "in_unit at every sample and at the end of each window: test_switched"),
-    ("misfire monitor", "not proved", "indices and rates are clamped: test_misfire"),
-    (
-        "exhaust, inversion, observer of cylinders f32; joint filter; delay",
-        "not proved",
-        "restart out of (-1, 1); the joint filter rejects and clamps: test_afr_*",
-    ),
-    ("fuel balance and its watch", "not proved", "trims are clamped to balance.limit: test_balance"),
-    ("driveline's observers", "not proved", "residuals are rejected, states restart out of range: test_driveline"),
 ]
+# Where a driver has alarms that stay: how many, and what they are.
+NO_NUMBER = (
+    "Frama-C 25 keeps NaN in the range of x where x > 0 has been asked; the conversion is bounded on both sides by comparisons, which leave"
+    " NaN out"
+)
+KEPT = {
+    "f32_airpath": (1, NO_NUMBER),
+    "f32_exhaust": (2, NO_NUMBER),
+    "f32_fourier": (1, NO_NUMBER),
+    "f32_joint": (1, NO_NUMBER),
+    "f32_point": (1, NO_NUMBER),
+    "f32_misfire": (1, "a firing's cylinder is set where its index is one of the engine's, and asked for where it is again"),
+    "f32_driveline": (
+        3,
+        "the octave of a step is read from the bits of a float that was clamped to [1, 256); gears are counted before they are looked"
+        " at, in one expression",
+    ),
+}
 WHAT = {
     "verbs": "every verb of q31 (sd_num.h) and every function of scaled numbers (sd_scaled.h)",
     "scaled_make": "the contract of sd_scaled_make, which the others use in place of its body",
@@ -44,8 +54,27 @@ WHAT = {
     "point_q31": "operating point: begin, every piece of its work, gains of the sensor's inversion; any page at all",
     "trims_q31": "trims of the ecu of fixed point: any state, parameters and estimate at all; 1 to 8 cylinders",
     "crank": (
-        "decoder on a wheel of 60 less 2: edges, cam, stall, lost sync in each mode; and that the ranges of its state hold afterwards (an"
-        " alarm is one that intervals cannot show)"
+        "decoder on any wheel that init takes: edges, cam, stall, lost sync in each mode, from any state in its ranges; and that it is in"
+        " them again afterwards"
+    ),
+    "crank_init": "decoder's init, any configuration at all: what it leaves is in those ranges",
+    "airpath_q31": "air path's diagnosis: tables looked at, step, hold, wait; any state, tables in range, any measurements",
+    "work_q31": "work of a cycle: teeth, windows, reading by integers; any state, windows and teeth",
+    "bases": "verbs of sd_bases.h for all arguments; two by the contracts that every_number tries",
+    "saturate": "the contract of sd_sat_q31, which the last two use in place of its body",
+    "f32_fourier": "torque observer; every twelfth number of positions",
+    "f32_wheel": "document 000's observers, alone and on the wheel; 12, 48, 84, 120 positions",
+    "f32_exhaust": "manifold and delay; any cycle",
+    "f32_chain": "sensor inverted, observer of cylinders, chain; cycles of 24, 132, 240 positions",
+    "f32_point": "operating point",
+    "f32_joint": "joint filter, and the model of the trims that learns the delay; 1 to 8 cylinders",
+    "f32_misfire": "misfire monitor",
+    "f32_balance": "fuel balance and its watch",
+    "f32_driveline": "guard filter, document 003's observers, damping",
+    "f32_airpath": "air path's diagnosis",
+    "f32_kalman": (
+        "filters on tooth times, motion, road; 4 cylinders, 8 with two modes, 12 harmonics (400 s of a busy machine were not"
+        " enough)"
     ),
     "crank_inverse": "the contract of sd_inverse_of, which the decoder's driver uses in place of its body",
     "chain_q31": "sensor inverted, observer of cylinders, chain: step, set, reading; cycles of 24, 132, 240 positions",
@@ -58,6 +87,7 @@ PROOFS = """<!-- SPDX-License-Identifier: MIT -->
     tests/proof/prove.py eva                        # Frama-C on the fixed-point kernels; some minutes
     tests/proof/prove.py misra tidy                 # cppcheck and clang-tidy on the firmware
     tests/proof/prove.py eva misra tidy --keep      # keeps what they say, and writes this page and misra.md
+    tests/proof/prove.py numbers                    # a few functions with every number that there is; minutes
     tests/proof/stack.py build/cortex-m7/tests/budget/target/budget_ecu    # stack bound, recursion, heap, loops
 
 The first three need Debian packages that tools/setup does not install (frama-c-base with OCaml, cppcheck, clang-tidy); each says so where
@@ -68,9 +98,12 @@ its program is missing. tools/check compares this page with what was kept, and r
 For all inputs, all states and all page values in the ranges that the headers state, at once: no signed overflow, no shift by a size that
 there is not, no index or pointer out of bounds, no division by 0, no read of what was never written. A driver of tests/proof/eva fills
 state, tables and arguments with intervals and calls the kernel as it is; a state is taken to be anything, not only what calls can reach.
-The decoder's state has ranges. None of its alarms is in the decoder: they are assertions of the driver, that the ranges hold again
-afterwards, of which intervals cannot show five: a way of 0 or at least a spacing; the change of a clock's period, within an eighth of it;
-positions that are teeth; a mark that is pending, or none; what is left to learn, at most a revolution.
+The decoder's state has ranges (eva/crank_ranges.h): init leaves it in them, and every call does, so that what holds for one call holds for
+ever. The air path's sums of residuals are taken to be of at most a million steps, which is more than a window has.
+
+Three functions go by Newton's steps or digit by digit, which intervals cannot follow: `every_number.c` tries sd_reciprocal, sd_root_q31 and
+sd_sqrt_by_bits_f32 with every argument under a sanitizer, the last against the hardware's root, bit for bit. Drivers take what they promise
+(eva/contracts_*.h) for granted.
 """
 NOT_COVERED = """
 What this does not cover:
@@ -82,14 +115,24 @@ What this does not cover:
   the host, which has not.
 - The analysis is by intervals. Rows of a matrix have a quarter of the sum that sd_row_fits_q31 allows for each number, and a sine of
   exactly -1 is a case of its own (fourier_q31), where a cosine beside it is within the table's tolerance of 0.
-- Other wheels: where a driver names some cycles or wheels, it holds for those.
+- Other wheels: where a driver names some cycles or wheels, it holds for those; the decoder's names none.
+- Loops end by the list of stack.py, not by this analysis.
+"""
+FLOATS = """
+## Float kernels, whatever bits they are given
+
+State, tables and inputs may be any bits, NaN and infinite included, but for counts and indices, which are in the ranges that init leaves:
+no index out of bounds, no read of what was never written, no overflow of whole numbers, no conversion of a float that no whole
+number holds. Where a number of alarms stays, its reason stands beside it.
+What it says of a number's value is nothing: below.
+
 """
 STACK = """
 ## Stack, recursion, heap, loops
 
 `tests/proof/stack.py` reads the machine code of the linked image: every call, every jump into another function, everything that a function
 pushes or subtracts from the stack pointer. In ctest (`stack_bound`) for all four images, with an image that recurses, takes heap and calls
-through pointers as negative control. sd_ecu_init takes at most 1,104 bytes, sd_ecu_run at most 1,096 and sd_ecu_task_run, which that may
+through pointers as negative control. sd_ecu_init takes at most 1,104 bytes, sd_ecu_run at most 1,104 and sd_ecu_task_run, which that may
 interrupt, at most 512; painting finds 1,104 and 992 of the first two ([costs.md](costs.md)). The port's own receive and send come on top. An ecu reaches no heap function, nothing recursive, and no pointer call
 but the port's. Every loop that is no counted `for` stands in that file with its bound; one that does not fails the test.
 
@@ -106,17 +149,19 @@ def proofs(kept, root):
     rows = [
         [
             name,
-            WHAT[name],
+            WHAT[name] + (f"; {KEPT[name][1]}" if result["alarms"] > 0 and name in KEPT else ""),
             ", ".join(f"`{kernel.split('/')[-1]}`" for kernel in result["kernels"]) or "headers",
             "it must have some" if name == "broken" else "proved" if result["alarms"] == 0 else "not proved",
             str(result["alarms"]),
             f"{result['reached']} %",
         ]
         for name, result in kept.get("eva", {}).items()
+        if name in WHAT
     ]
     drivers = sorted(path.stem for path in (root / "tests/proof/eva").glob("*.c"))
     assert drivers == sorted(WHAT), "every driver has a line in proof_pages.py"
     rows += [[name, WHAT[name], "", "not run to its end yet", "-", "-"] for name in drivers if name not in kept.get("eva", {})]
+    head = ["driver", "what", "kernels", "state", "alarms", "statements reached"]
     tidy = dict(kept.get("tidy", {}))
     files = tidy.pop("files", 0)
     reasons = tomllib.loads((root / "tests/proof/misra.toml").read_text())["tidy"]
@@ -124,9 +169,11 @@ def proofs(kept, root):
     return (
         PROOFS
         + "\n"
-        + table(["driver", "what", "kernels", "state", "alarms", "statements reached"], rows)
+        + table(head, [row for row in rows if not row[0].startswith("f32_")])
         + NOT_COVERED
-        + "\n## Everything else\n\nFloat kernels and what intervals cannot prove, with what stands in the place of a proof:\n\n"
+        + FLOATS
+        + table(head, [row for row in rows if row[0].startswith("f32_")])
+        + "\n## Everything else\n\nWhat no driver shows, with what stands in the place of a proof:\n\n"
         + table(["block", "state of proof", "instead"], [list(row) for row in OTHERS])
         + STACK
         + f"\n## clang-tidy\n\nChecks bugprone, cert and the static analyzer over {files} files. What they say, and why it stays:\n\n"

@@ -3,6 +3,7 @@
 """What a tool can say of every input (docs/proofs.md). Not part of tools/check, which compares what is kept:
 
     tests/proof/prove.py eva [DRIVER...]      Frama-C's Eva on the fixed-point kernels; needs Debian's frama-c-base (700 MB with OCaml)
+    tests/proof/prove.py numbers              a few functions with every number that there is (every_number.c), under a sanitizer
     tests/proof/prove.py misra                cppcheck's MISRA addon on the firmware; needs Debian's cppcheck
     tests/proof/prove.py tidy                 clang-tidy's checks for bugs; needs Debian's clang-tidy
     tests/proof/prove.py eva misra tidy --keep   keeps what was found in tests/proof/proved.toml, and writes docs/proofs.md and docs/misra.md
@@ -52,7 +53,7 @@ def eva_of(driver):
     ends = [""] + [f"_{i}" for i in range(len(kernels))]  # a static function of a header has a name for each file
     includes = (re.search(r"/\* include: (.*?) \*/", text) or [None, ""])[1].split()
     specified = [] if driver.stem == "scaled_make" else ["sd_scaled_make", "sd_scaled_narrow"]
-    specified += ["sd_inverse_of"] if driver.stem == "crank" else []
+    specified += (re.search(r"/\* specified: (.*?) \*/", text) or [None, ""])[1].split()
     makes = [f"{name}{end}" for name in specified for end in ends]
     # The core without extensions: the verbs' portable forms are what is analysed. A float is only carried, so that its value is not judged.
     extra = f"-U__SSE2__ -D__arm__=1 -I{HERE}/eva -include any.h -include contracts.h " + " ".join(
@@ -110,9 +111,20 @@ def eva(names):
             )
             if driver.stem == "broken" and result["alarms"] < 6:
                 wrong.append("broken: the faults that were put into it are not found")
-            if driver.stem != "broken" and result["alarms"] != 0:
+            if driver.stem != "broken" and result["alarms"] > proof_pages.KEPT.get(driver.stem, (0, ""))[0]:
                 wrong.append(f"{driver.stem}: {result['alarms']} alarms; build/proof/{driver.stem}.log has them")
     return found, wrong
+
+
+def numbers():
+    """Tries every number; what it says."""
+    program = ROOT / "build" / "proof" / "every_number"
+    program.parent.mkdir(parents=True, exist_ok=True)
+    flags = ["-O2", "-std=c11", "-fno-math-errno", "-ffp-contract=off", "-fsanitize=undefined", "-fno-sanitize-recover=all"]
+    subprocess.run(["gcc", *flags, f"-I{ROOT}/firmware/num", HERE / "every_number.c", "-o", program], check=True)
+    done = subprocess.run([program], capture_output=True, text=True)
+    print(done.stdout + done.stderr, end="")
+    return {}, [] if done.returncode == 0 else ["numbers: one is wrong"]
 
 
 # ---- cppcheck, clang-tidy ---------------------------------------------------------------------------------------------
@@ -198,19 +210,19 @@ def keep(results):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("part", nargs="*", help="eva, misra, tidy; behind eva drivers by name")
+    parser.add_argument("part", nargs="*", help="eva, misra, tidy, numbers; behind eva drivers by name")
     parser.add_argument("--keep", action="store_true")
     parser.add_argument("--pages", action="store_true")
     parser.add_argument("--check", action="store_true")
     arguments = parser.parse_args()
-    parts = [part for part in arguments.part if part in ("eva", "misra", "tidy")]
+    parts = [part for part in arguments.part if part in ("eva", "misra", "tidy", "numbers")]
     kept, wrong = tomllib.loads(KEPT.read_text()) if KEPT.exists() else {}, []
     for part in parts:
         found, faults = (
-            eva([name for name in arguments.part if name not in parts]) if part == "eva" else {"misra": misra, "tidy": tidy}[part]()
+            eva([name for name in arguments.part if name not in parts]) if part == "eva" else {"misra": misra, "tidy": tidy, "numbers": numbers}[part]()
         )
         wrong += faults
-        if arguments.keep:  # what another one has kept meanwhile stays
+        if arguments.keep and part != "numbers":  # what another one has kept meanwhile stays
             kept = tomllib.loads(KEPT.read_text()) if KEPT.exists() else {}
             kept[part] = dict(sorted((kept.get(part, {}) | found).items())) if part == "eva" else found
             keep(kept)

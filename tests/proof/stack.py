@@ -35,7 +35,7 @@ LOOPS = {
     "firmware/ecu/sd_publish.c: do": "as many as a row has signals, and as many as it has parts",
     "firmware/ecu/sd_publish.c: while (--left > 0u)": "the same loop's end",
     "firmware/ecu/sd_ecu_events.c: while ((self->ready != 0u)": "as many events as the port hands over: the port bounds it",
-    "firmware/crank/sd_crank_memory.c: while (self->mark_first[m]": "the last position of a wheel is missing: SD_CRANK_MARKS_MAX",
+    "firmware/crank/sd_crank_memory.c: while ((m + 1u < self->mark_count)": "the wheel's marks: SD_CRANK_MARKS_MAX",
     "firmware/crank/sd_crank_memory.c: while (clear == 0u)": "as many marks as follow one another by a single tooth: SD_CRANK_MARKS_MAX",
     "firmware/airpath/sd_airpath_q31.c: while ((d > INT32_MAX)": "halves of a number of 64 bits: 33",
     "firmware/torque/sd_fourier.inc: for (uint32_t left = self->harmonics; ; c += 2)": "harmonics: 12 at most",

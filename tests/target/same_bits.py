@@ -21,17 +21,18 @@ import tempfile
 from other_order import other_events, other_page, page_numbers
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-BOARDS = {"cortex-m7": "mps2-an500", "cortex-m4f": "mps2-an386", "cortex-m3": "mps2-an385", "cortex-m3-fixed": "mps2-an385"}
+BOARDS = {"cortex-m7": "mps2-an500", "cortex-m4f": "mps2-an386", "cortex-m3": "mps2-an385"}
 FOREIGN = {"armel": "qemu-arm", "powerpc": "qemu-ppc"}
 CRANK_EDGE, MOST_EVENTS = 1, 120_000  # what a board has room for
 RUNS = sorted(path.stem for path in (ROOT / "tests/golden").glob("*.run"))
-FIXED = "fixed"  # the one run that an ecu of fixed point can take whole
+ECUS = {"sd_ecu": "budget_ecu", "sd_ecu_fixed": "budget_ecu_fixed"}  # their images on a board
+FIXED = ("fixed", "q31", "faults", "folsmo_q31", "twist")  # runs for the ecu of fixed point too; the first it can take whole
 
 
 def build(processors):
     wanted = {"host": ["budget_input", "hash_sd_ecu", "hash_sd_ecu_fixed"]}
     for name in processors:
-        wanted[name] = ["budget_ecu"] if name in BOARDS else ["hash_sd_ecu", "hash_sd_ecu_fixed"]
+        wanted[name] = list(ECUS.values()) if name in BOARDS else ["hash_sd_ecu", "hash_sd_ecu_fixed"]
     for preset, targets in wanted.items():
         done = subprocess.run([ROOT / "tools/build", preset, *targets], capture_output=True, text=True)
         if done.returncode != 0:
@@ -66,15 +67,15 @@ class Run:
     def on_host(self, ecu):
         return self.said([ROOT / f"build/host/hash_{ecu}", self.page, self.events])
 
-    def on(self, processor):
+    def on(self, processor, ecu):
         if processor in BOARDS:
             return self.said(["qemu-system-arm", "-M", BOARDS[processor], "-display", "none", "-monitor", "none", "-serial", "none",
                               "-semihosting-config", "enable=on,target=native", "-kernel",
-                              ROOT / f"build/{processor}/tests/budget/target/budget_ecu",
+                              ROOT / f"build/{processor}/tests/budget/target/{ECUS[ecu]}",
                               "-device", f"loader,file={self.page},addr=0x200000,force-raw=on",
                               "-device", f"loader,file={self.events},addr=0x20200000,force-raw=on"])
         end = ".other" if processor == "powerpc" else ""
-        return self.said([FOREIGN[processor], ROOT / f"build/{processor}/hash_sd_ecu", f"{self.page}{end}", f"{self.events}{end}"])
+        return self.said([FOREIGN[processor], ROOT / f"build/{processor}/hash_{ecu}", f"{self.page}{end}", f"{self.events}{end}"])
 
     @staticmethod
     def said(words):
@@ -83,17 +84,16 @@ class Run:
 
 
 def compare(run, processors, turn):
-    """Prints a line; returns the processors that say something else."""
+    """Prints a line for each ecu; returns those that say something else, as "PROCESSOR ECU"."""
     run.turn(turn)
-    usual, fixed = run.on_host("sd_ecu"), run.on_host("sd_ecu_fixed") if run.name == FIXED else None
-    wrong, right = [], []
-    for processor in processors:
-        of_fixed = processor.endswith("-fixed")
-        if of_fixed and fixed is None:
-            continue
-        (right if run.on(processor) == (fixed if of_fixed else usual) else wrong).append(processor)
-    differs = f"; NOT on {', '.join(wrong)}" if wrong else ""
-    print(f"{run.name:11} {run.teeth:6} teeth  {usual}  the same on {', '.join(right) or 'none'}{differs}", flush=True)
+    wrong = []
+    for ecu in ECUS if run.name in FIXED else ["sd_ecu"]:
+        here = run.on_host(ecu)
+        differ = [name for name in processors if here.startswith("none") or run.on(name, ecu) != here]
+        same = [name for name in processors if name not in differ]
+        differs = f"; NOT on {', '.join(differ)}" if differ else ""
+        print(f"{run.name:11} {ecu:12} {run.teeth:6} teeth  {here}  the same on {', '.join(same) or 'none'}{differs}", flush=True)
+        wrong += [f"{name} {ecu}" for name in differ]
     return wrong
 
 
@@ -108,7 +108,7 @@ def main():
     if missing := [tool for tool in tools if shutil.which(tool) is None]:
         raise SystemExit(f"same_bits: {', '.join(missing)} not installed; tools/setup --cross --foreign installs all")
     build(processors)
-    numbers, wrong, teeth, turn = page_numbers(), [], 0, 0
+    numbers, wrong, teeth, of_fixed, turn = page_numbers(), [], 0, 0, 0
     with tempfile.TemporaryDirectory() as folder:
         runs = []
         for name in options.run or RUNS:
@@ -118,8 +118,10 @@ def main():
             for run in runs:
                 wrong += compare(run, processors, turn)
                 teeth += run.teeth
+                of_fixed += run.teeth if run.name in FIXED else 0
             turn += 1
-    print(f"{teeth} teeth on {', '.join(processors)}: " + ("NOT the same bits" if wrong else "the same bits as on this machine"))
+    print(f"{teeth} teeth, {of_fixed} of them also by the ecu of fixed point, on {', '.join(processors)}: "
+          + ("NOT the same bits" if wrong else "the same bits as on this machine"))
     return 1 if wrong else 0
 
 

@@ -17,6 +17,13 @@ static inline bool any_bool(void) { return any_of(0, 1) != 0; }
 /// A float of [low, high].
 static inline float any_float(float low, float high) { return Frama_C_float_interval(low, high); }
 
+/// Any float at all, NaN and infinite included, as a result of arithmetic: comparisons narrow it, which bytes they do not.
+static inline float any_number(void) {
+    float x;
+    Frama_C_make_unknown((char *)&x, sizeof x);
+    return x + 0.0f;
+}
+
 /// Every byte of it may be anything.
 #define ANY_BYTES(object) Frama_C_make_unknown((char *)&(object), sizeof(object))
 
@@ -36,15 +43,15 @@ int32_t any_zero(void);
 #define __builtin_fabsf(x) (((x) < 0.0f) ? -(x) : (x))
 static inline bool any_add_overflow(int32_t a, int32_t b, int32_t *sum) {
     const int64_t exact = (int64_t)a + b;
-    const bool over = (exact > INT32_MAX) || (exact < INT32_MIN);
-    *sum = over ? 0 : (int32_t)exact;
-    return over;
+    if ((exact > INT32_MAX) || (exact < INT32_MIN)) { *sum = 0; return true; }
+    *sum = (int32_t)exact;
+    return false;
 }
 static inline bool any_sub_overflow(int32_t a, int32_t b, int32_t *difference) {
     const int64_t exact = (int64_t)a - b;
-    const bool over = (exact > INT32_MAX) || (exact < INT32_MIN);
-    *difference = over ? 0 : (int32_t)exact;
-    return over;
+    if ((exact > INT32_MAX) || (exact < INT32_MIN)) { *difference = 0; return true; }
+    *difference = (int32_t)exact;
+    return false;
 }
 #define __builtin_add_overflow(a, b, to) any_add_overflow(a, b, to)
 #define __builtin_sub_overflow(a, b, to) any_sub_overflow(a, b, to)

@@ -1,21 +1,31 @@
 /* SPDX-License-Identifier: MIT */
-/* The decoder: any state in the ranges of fill_state, which every call leaves behind again, any edge of crank or cam, any time. A wheel
- * of 60 less 2. Only differences of times count, so that the last edge is at 0. */
-/* options: -eva-precision 0 -eva-slevel 8 -eva-ilevel 128 -eva-auto-loop-unroll 130 -eva-slevel-function collect_marks:500,is_missing:100,marks_stand_apart:100,sd_crank_init:1000,sd_wheel_init:500,sd_wheel_reset_widths:100,sum_turn:50,find_mark:100,find_early:100,sd_search_edge:50,main:100,sd_track_edge:100,next_place:50,nearest_place:60 */
+/* The decoder on any wheel: whatever numbers of a wheel crank_init.c says that init may leave, any state in the ranges of fill_state, which
+ * every call leaves behind again, any edge of crank or cam, any time. Only differences of times count, so that the last edge is at 0. */
+/* options: -eva-precision 0 -eva-slevel 8 -eva-ilevel 128 -eva-auto-loop-unroll 20 -eva-slevel-function sum_turn:50,find_mark:100,find_early:100,sd_search_edge:50,main:100,sd_track_edge:100,next_place:50,nearest_place:60 */
+/* specified: sd_inverse_of */
 /* include: contracts_crank.h */
 /* kernel: firmware/crank/sd_crank.c firmware/crank/sd_crank_clock.c firmware/crank/sd_crank_mark.c firmware/crank/sd_crank_memory.c firmware/crank/sd_crank_search.c firmware/crank/sd_crank_track.c firmware/crank/sd_crank_wheel.c */
 #include "any.h"
-#include "sd_crank_parts.h"
-
-enum { LATE_MOST = 16 * ONE, WIDTH_LEAST = (16 * ONE) / 10, WIDTH_MOST = (45 * ONE) / 10, WAY_MOST = 9 * WIDTH_MOST };
-enum { TURN_MOST = 140 * ONE };
+#include "crank_ranges.h"
 
 static sd_crank_t self;
 static sd_tooth_t tooth;
 
+static void fill_wheel(void) {
+    self.config.positions = (uint8_t)any_of(SD_CRANK_POSITIONS_MIN, SD_CRANK_POSITIONS_MAX);
+    self.config.has_cam = (uint8_t)any_upto(1u), self.config.cam_position = (uint16_t)any_upto(2u * SD_CRANK_POSITIONS_MAX - 1u);
+    self.config.stall_ticks = 256u + any_upto((uint32_t)STALL_TICKS_MAX - 256u);
+    self.teeth = (uint8_t)any_of(TEETH_LEAST, TEETH_MOST), self.mark_count = (uint8_t)any_of(1, SD_CRANK_MARKS_MAX);
+    for (uint32_t i = 0; i < SD_CRANK_MARKS_MAX; i++) {
+        self.mark_first[i] = (uint8_t)any_upto(255u), self.mark_run[i] = (uint8_t)any_of(0, SD_CRANK_RUN_MAX);
+        self.mark_teeth[i] = (uint8_t)any_of(0, SD_CRANK_POSITIONS_MAX);
+    }
+    self.mark_at = any_u32(), self.search_marks = (uint8_t)any_upto(255u);
+}
+
 static void fill_clocks(sd_crank_clocks_t *clocks) {
     for (uint32_t i = 0; i < SD_CRANK_CLOCKS; i++) {
-        const int32_t grows = (i == (uint32_t)MEMORY) ? PERIOD_MAX : PERIOD_MAX >> 3;
+        const int32_t grows = (i == (uint32_t)MEMORY) ? TIME_MAX : PERIOD_MAX >> 3;
         clocks->clock[i] = (sd_crank_clock_t){ any_u32(), any_of(PERIOD_MIN, PERIOD_MAX), any_of(-grows, grows), any_of(0, ONE / 2) };
     }
     clocks->ratio = (uint32_t)any_of(RATIO_MIN, RATIO_MAX);
@@ -24,7 +34,7 @@ static void fill_clocks(sd_crank_clocks_t *clocks) {
 
 static void check_clocks(const sd_crank_clocks_t *clocks) {
     for (uint32_t i = 0; i < SD_CRANK_CLOCKS; i++) {
-        const int32_t grows = (i == (uint32_t)MEMORY) ? PERIOD_MAX : PERIOD_MAX >> 3;
+        const int32_t grows = (i == (uint32_t)MEMORY) ? TIME_MAX : PERIOD_MAX >> 3;
         //@ assert period: PERIOD_MIN <= clocks->clock[i].period <= PERIOD_MAX;
         //@ assert change: -grows <= clocks->clock[i].change <= grows;
         //@ assert error: 0 <= clocks->clock[i].error <= ONE / 2;
@@ -34,42 +44,40 @@ static void check_clocks(const sd_crank_clocks_t *clocks) {
 }
 
 static void fill_marks(void) {
-    for (uint32_t i = 0; i < self.mark_count; i++) {
-        self.mark_spacings[i] = any_of(WIDTH_LEAST, WIDTH_MOST);
+    for (uint32_t i = 0; i < SD_CRANK_MARKS_MAX; i++) {
+        self.mark_spacings[i] = any_of(0, WIDTH_MOST);
         self.mark_scatter[i] = any_of(0, ONE / 2);
     }
-    self.turn_spacings = any_of(4 * ONE, TURN_MOST);
+    self.turn_spacings = any_of(TURN_LEAST, TURN_MOST);
     for (uint32_t i = 0; i < SD_CRANK_SIGHTS; i++) {
         ANY_BYTES(self.sight[i]);
-        self.sight[i].mark = (uint8_t)any_upto(self.mark_count - 1u);
+        self.sight[i].mark = (uint8_t)any_upto(SD_CRANK_MARKS_MAX - 1u);
     }
-    self.pending_mark = any_bool() ? (uint8_t)any_upto(self.mark_count - 1u) : (uint8_t)SD_CRANK_MARKS_MAX;
+    self.pending_mark = (uint8_t)any_upto(SD_CRANK_MARKS_MAX);
 }
 
 static void check_marks(void) {
-    for (uint32_t i = 0; i < self.mark_count; i++) {
-        //@ assert spacings: WIDTH_LEAST <= self.mark_spacings[i] <= WIDTH_MOST;
+    for (uint32_t i = 0; i < SD_CRANK_MARKS_MAX; i++) {
+        //@ assert spacings: 0 <= self.mark_spacings[i] <= WIDTH_MOST;
         //@ assert scatter: 0 <= self.mark_scatter[i] <= ONE / 2;
     }
-    //@ assert turn: 4 * ONE <= self.turn_spacings <= TURN_MOST;
+    //@ assert turn: TURN_LEAST <= self.turn_spacings <= TURN_MOST;
     for (uint32_t i = 0; i < SD_CRANK_SIGHTS; i++) {
-        //@ assert sight: self.sight[i].mark < self.mark_count;
+        //@ assert sight: self.sight[i].mark < SD_CRANK_MARKS_MAX;
     }
-    //@ assert pending: self.pending_mark < self.mark_count || self.pending_mark == SD_CRANK_MARKS_MAX;
+    //@ assert pending: self.pending_mark <= SD_CRANK_MARKS_MAX;
 }
 
 static void fill_state(uint32_t mode) {
-    self.config.stall_ticks = 256u + any_upto((uint32_t)STALL_TICKS_MAX - 256u);
-    self.config.has_cam = (uint8_t)any_upto(1u);
-    self.config.cam_position = (uint16_t)any_upto(2u * self.config.positions - 1u);
+    fill_wheel();
     ANY_BYTES(self.counts);
     fill_clocks(&self.clocks[0]);
     fill_clocks(&self.clocks[1]);
     fill_marks();
-    self.placed_way = (sd_crank_way_t){ any_bool() ? any_of(ONE, WAY_MOST) : 0, any_of(0, WIDTH_MOST), any_u32(), any_u32() };
+    self.placed_way = (sd_crank_way_t){ any_of(0, WAY_MOST), any_of(0, WIDTH_MOST), any_u32(), any_u32() };
     self.placed_late = any_of(-LATE_MOST, LATE_MOST), self.placed_excused = any_of(-ONE, ONE);
     self.mark_late = any_of(-LATE_MOST, LATE_MOST);
-    for (uint32_t i = 0; i < self.teeth; i++) { self.memory[i] = any_u32(); }
+    for (uint32_t i = 0; i < SD_CRANK_POSITIONS_MAX; i++) { self.memory[i] = any_u32(); }
     self.last_tick = any_u32(), self.raw_tick = 0;
     for (uint32_t i = 0; i < 4u; i++) { self.raw_period[i] = any_upto(STALL_TICKS_MAX); }
     self.noise = any_u32(), self.hum = any_u32(), self.mean = any_u32(), self.uneven = any_u32();
@@ -79,13 +87,13 @@ static void fill_state(uint32_t mode) {
     self.travel = any_of(INT32_MIN, INT32_MAX), self.mark_travel = any_of(INT32_MIN, INT32_MAX);
     for (uint32_t i = 0; i < SD_CRANK_WITNESSES; i++) { self.witness[i] = any_of(INT32_MIN, INT32_MAX); }
     self.witness_next = (uint8_t)any_upto(SD_CRANK_WITNESSES - 1u);
-    self.slot = (uint8_t)any_upto(self.teeth - 1u), self.level_slot = (uint8_t)any_upto(self.teeth - 1u);
-    self.level_left = (uint8_t)any_upto(self.teeth), self.unlearned = (uint8_t)any_upto(self.teeth);
+    self.slot = (uint8_t)any_upto(TEETH_MOST - 1), self.level_slot = (uint8_t)any_upto(TEETH_MOST - 1);
+    self.level_left = (uint8_t)any_upto(TEETH_MOST), self.unlearned = (uint8_t)any_upto(TEETH_MOST);
     self.fault_age = (uint8_t)any_upto(255u), self.gap_age = (uint8_t)any_upto(255u);
     self.provisional = (uint8_t)any_upto(1u), self.now = (uint8_t)any_upto(1u);
     self.odd_periods = (uint8_t)any_upto(255u);
     self.mode = (uint8_t)mode;
-    self.position = (uint8_t)any_upto(self.config.positions - 1u - self.mark_run[self.mark_count - 1u]); /* a tooth, not the mark */
+    self.position = (uint8_t)any_upto(255u);
     self.revolution = (uint8_t)any_upto(1u);
     self.suspected_slip = (int8_t)any_of(-3, 3);
     self.missed = (uint8_t)any_upto(255u), self.rejected = (uint8_t)any_upto(255u), self.mark_clean = (uint8_t)any_upto(1u);
@@ -96,7 +104,7 @@ static void check_state(void) {
     check_clocks(&self.clocks[0]);
     check_clocks(&self.clocks[1]);
     check_marks();
-    //@ assert way: self.placed_way.spacings == 0 || ONE <= self.placed_way.spacings <= WAY_MOST;
+    //@ assert way: 0 <= self.placed_way.spacings <= WAY_MOST;
     //@ assert last: 0 <= self.placed_way.last <= WIDTH_MOST;
     //@ assert late: -LATE_MOST <= self.placed_late <= LATE_MOST && -LATE_MOST <= self.mark_late <= LATE_MOST;
     //@ assert excused: -ONE <= self.placed_excused <= ONE;
@@ -104,11 +112,10 @@ static void check_state(void) {
         //@ assert raw: self.raw_period[i] <= STALL_TICKS_MAX;
     }
     //@ assert strain: 0 <= self.strain <= ONE;
-    //@ assert places: self.witness_next < SD_CRANK_WITNESSES && self.slot < self.teeth && self.level_slot < self.teeth;
-    //@ assert left: self.level_left <= self.teeth && self.unlearned <= self.teeth;
+    //@ assert places: self.witness_next < SD_CRANK_WITNESSES && self.slot < TEETH_MOST && self.level_slot < TEETH_MOST;
+    //@ assert left: self.level_left <= TEETH_MOST && self.unlearned <= TEETH_MOST;
     //@ assert small: self.provisional <= 1 && self.now <= 1 && self.mode <= SYNCED && self.revolution <= 1 && self.phase_votes <= 2;
     //@ assert flags: self.mark_clean <= 1 && self.unsure <= 1 && self.doubtful <= 1 && -3 <= self.suspected_slip <= 3;
-    //@ assert position: self.position < self.config.positions;
 }
 
 static void edge(uint32_t mode, uint32_t tick) {
@@ -133,9 +140,6 @@ static void call_all(uint32_t mode) {
 }
 
 int main(void) {
-    static const sd_crank_config_t wheel = { 60, 2, { 58, 59 }, 1u << 20, 0, 0 };
-    for (uint32_t mode = WAITING; mode <= (uint32_t)SYNCED; mode++) {
-        if (sd_crank_init(&self, &wheel) == SD_OK) { call_all(mode); }
-    }
+    for (uint32_t mode = WAITING; mode <= (uint32_t)SYNCED; mode++) { call_all(mode); }
     return 0;
 }

@@ -96,9 +96,12 @@ void sd_ecu_tooth(sd_ecu_t *self, const sd_calibration_t *page, const sd_port_t 
         sd_fixed_begin_work(self, page, port, &cycle);
     }
     step_torque(self, page, tooth);
-    sd_stage_work_tooth(&self->energy, page, &self->working, tooth, &self->say, port);
+    const bool skipped = tooth->advance > 1u;
+    if (skipped || (tooth->cycle_position == self->energy.waits)) { /* as most teeth are not */
+        sd_stage_work_tooth(&self->energy, page, &self->working, tooth, &self->say, port);
+    }
     const bool firing_read = (self->shed < (uint8_t)SD_SHED_FIRINGS) && step_misfire(self, page, port, tooth);
-    const bool burdened = firing_read || (tooth->advance > 1u); /* a tooth has one burden beside its own position */
+    const bool burdened = firing_read || skipped; /* a tooth has one burden beside its own position */
     const bool catches_up = (self->shed < (uint8_t)SD_SHED_MIXTURE) &&
                             sd_fixed_mixture_tooth(&self->mixture, page, tooth, burdened ? 0u : SD_MIXTURE_STEPS);
     if (!burdened && !catches_up) { sd_ecu_do_piece(self, page, port); }

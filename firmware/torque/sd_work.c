@@ -5,7 +5,7 @@
 
 #include "sd_scaled.h"
 
-#define TICKS_MAX 0x7fffffffu
+#define TICKS_MAX 0x3fffffffu /* two of them in 31 bits */
 
 /* sd_work_meter_t.stage: before the window; in it, and its first tooth was good, or not. */
 enum { AHEAD, GOOD, SPOILT };

@@ -35,7 +35,7 @@ flat line.
 several percent and the differences between cycles little; hence the columns with TDC a degree off.
 
 **Tooth pattern.** As built: none is known, as the firmware starts. As the firmware learns it: the first half of the recording through
-`sixdeg replay --learn`, then the whole with `--learned`. From the gas exchange: what a single cylinder's wheel shows in the revolution in
+a replay with `--learn`, then the whole with `--learned`. From the gas exchange: what a single cylinder's wheel shows in the revolution in
 which it does not fire, by teeth alone (tools/pressure/gas_exchange.py, outside of the firmware), of the first half, taken off the edge
 times. Each is scored on the second half. An intake pressure that is not told counts as 1 bar.
 """

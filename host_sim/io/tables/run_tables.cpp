@@ -80,7 +80,8 @@ void RunTables::edge(const EncoderEdge &truth, double crank_deg, const EcuSaid &
 
 std::string RunTables::cycles_csv() const {
     std::string text = "cycle,cylinder,torque_true_nm,torque_nm,sd_nm,imep_true_bar,misfire_true,misfire_index,misfire_verdict,"
-                       "misfire_acceleration,misfire_residual,rough,rpm,health,burned_true,burned,burned_sd,trim,t_s,work_j,work_sd_j,work_change_j\n";
+                       "misfire_acceleration,misfire_residual,rough,rpm,health,burned_true,burned,burned_sd,trim,t_s,"
+                       "work_j,work_sd_j,work_change_j\n";
     const auto number = [&text](double value, int decimals) { append_fixed(text, value, decimals); };
     for (const CycleTruth &truth : truths_) {
         const auto &order = engine_.firing_order;

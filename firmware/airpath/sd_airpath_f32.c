@@ -10,7 +10,7 @@
 #define AREA_MOST     1e5f
 #define PERIOD_MOST   0.1f
 #define FAULT_MOST    1e4f
-#include "sd_airpath_parts.inc"
+#include "sd_parts.inc"
 
 _Static_assert(sizeof(sd_airpath_bank_f32_t) == 160, "without pointers, the same size on every target");
 

@@ -9,7 +9,7 @@
 #define AREA_MOST     CONSTANT(12800.0f, SD_AIRPATH_AREA) /* at 200 K and 200 J/(kg K) a flow of 64 g/(s kPa) still */
 #define PERIOD_MOST   ONE
 #define FAULT_MOST    ONE
-#include "sd_airpath_parts.inc"
+#include "sd_parts.inc"
 
 _Static_assert(sizeof(sd_airpath_bank_q31_t) == 176, "without pointers, the same size on every target");
 

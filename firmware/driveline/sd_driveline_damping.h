@@ -6,7 +6,7 @@
 /// the estimate is anything but valid, it goes to 0 by at most drop a second, so that it does not end with a jerk of its own.
 ///
 /// Real-time contract: no heap, no globals, no I/O, no libm; constant time. One writer per state, plain data. Call order: init; step with
-/// each sd_driveline_guard_step.
+/// each sd_driveline_guard_step_f32.
 #ifndef SD_DRIVELINE_DAMPING_H
 #define SD_DRIVELINE_DAMPING_H
 #include "sd_num.h"

@@ -87,6 +87,9 @@ typedef struct sd_driveline_tables {
     sd_driveline_gear_t gear[SD_DRIVELINE_GEARS_MAX]; ///< The first `gears`.
 } sd_driveline_tables_t;
 
+/// Whether every number is in the range said above. NaN is in none.
+bool sd_driveline_tables_ok(const sd_driveline_tables_t *tables);
+
 #ifdef __cplusplus
 }
 #endif

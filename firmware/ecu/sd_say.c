@@ -119,7 +119,7 @@ void sd_say_trims(sd_publish_t *say, const sd_calibration_t *page, const sd_stag
 
 void sd_say_driveline(sd_publish_t *say, const sd_stage_driveline_t *driveline) {
     sd_signals_t *s = &say->signals;
-    const sd_driveline_out_t *out = &driveline->out;
+    const sd_driveline_out_f32_t *out = &driveline->out;
     const sd_driveline_hybrid_out_t *reference = &driveline->reference;
     s->driveline_location = (float)out->location;
     s->driveline_torsion_rad = out->twist_rad;

@@ -17,7 +17,7 @@ sd_result_t sd_stage_driveline_init(sd_stage_driveline_t *self, const sd_calibra
     self->choice = damping_of(p);
     if (sd_driveline_damping_init(&self->damping, &self->choice) != SD_OK) { return SD_ERR_CONFIG; }
     if (driveline == NULL) { return SD_OK; }
-    if (!sd_page_driveline_ok(driveline) || (sd_driveline_guard_init(&self->guard, &driveline->tables) != SD_OK)) { return SD_ERR_CONFIG; }
+    if (!sd_page_driveline_ok(driveline) || (sd_driveline_guard_init_f32(&self->guard, &driveline->tables) != SD_OK)) { return SD_ERR_CONFIG; }
     self->out.status.why = self->reference.status.why = SD_WHY_NO_SYNC;
     return SD_OK;
 }
@@ -38,8 +38,8 @@ static void rest(sd_stage_driveline_t *self, uint16_t why) {
 }
 
 void sd_stage_driveline_restart(sd_stage_driveline_t *self, uint16_t why) {
-    sd_driveline_guard_restart(&self->guard);
-    self->out = (sd_driveline_out_t){ .location = 0 };
+    sd_driveline_guard_restart_f32(&self->guard);
+    self->out = (sd_driveline_out_f32_t){ .location = 0 };
     self->out.status = (sd_status_t){ .health = SD_INVALID, .why = why, .rejected = self->guard.rejected };
     self->damping.request_nm = self->task_s = self->torque_nms = 0.0f;
     rest(self, why);
@@ -58,7 +58,7 @@ static float mean_torque(sd_stage_driveline_t *self, float torque_nm) {
 /* A period of the firings is 2 positions / cylinders long; where the filter begins anew, so does the period. */
 static void follow_winding(sd_stage_driveline_t *self, const sd_page_driveline_t *driveline, const sd_tooth_t *tooth, float step_s,
                            float last_radps) {
-    sd_driveline_out_t *out = &self->out;
+    sd_driveline_out_f32_t *out = &self->out;
     if ((out->status.health == (uint8_t)SD_INVALID) || (self->begun_s <= 0.0f)) {
         self->begun_rad = out->twist_rad;
         self->begun_s = 1e-6f;
@@ -89,7 +89,7 @@ void sd_stage_driveline_tooth(sd_stage_driveline_t *self, const sd_page_drivelin
     /* over the interval; the viscous part of friction is the filter's */
     const float torque_nm = known ? 0.5f * (in->engine_nm + self->before_nm) - driveline->drag_nm : self->guard.torque_nm;
     const float mean_nm = mean_torque(self, torque_nm);
-    const sd_driveline_tooth_t seen = {
+    const sd_driveline_tooth_f32_t seen = {
         .period_ticks = tooth->period_ticks,
         .advance = tooth->advance,
         .health = tooth->health,
@@ -101,7 +101,7 @@ void sd_stage_driveline_tooth(sd_stage_driveline_t *self, const sd_page_drivelin
     self->before_nm = in->engine_nm;
     self->tick = tooth->tick;
     const float winding_radps = self->out.winding_radps;
-    sd_driveline_guard_step(&self->guard, tables, &seen, &self->out);
+    sd_driveline_guard_step_f32(&self->guard, tables, &seen, &self->out);
     if (!known) { sd_status_worst_of(&self->out.status, SD_INVALID, SD_WHY_CONVERGING); }
     follow_winding(self, driveline, tooth, step_s, winding_radps);
     (void)sd_driveline_damping_step(&self->damping, &self->choice, self->out.winding_radps, self->out.status.health, step_s);
@@ -110,7 +110,7 @@ void sd_stage_driveline_tooth(sd_stage_driveline_t *self, const sd_page_drivelin
 }
 
 void sd_stage_driveline_wheel(sd_stage_driveline_t *self, const sd_page_driveline_t *driveline, uint16_t wheel, uint32_t tick) {
-    if (wheel == driveline->wheel) { sd_driveline_guard_wheel(&self->guard, &driveline->tables, tick - self->tick, 1u); }
+    if (wheel == driveline->wheel) { sd_driveline_guard_wheel_f32(&self->guard, &driveline->tables, tick - self->tick, 1u); }
 }
 
 /* ---- the 10 ms task ------------------------------------------------------------------------------------------------ */

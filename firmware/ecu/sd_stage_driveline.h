@@ -35,11 +35,11 @@ typedef struct sd_stage_driveline_in {
 
 /// Owned by the stage.
 typedef struct sd_stage_driveline {
-    sd_driveline_guard_t   guard;
+    sd_driveline_guard_f32_t   guard;
     sd_driveline_hybrid_t  hybrid;
     sd_driveline_damping_t damping;
     sd_driveline_damping_config_t choice; ///< Of the damping, from the parameters that rule.
-    sd_driveline_out_t        out;        ///< Of the last tooth.
+    sd_driveline_out_f32_t        out;        ///< Of the last tooth.
     sd_driveline_hybrid_out_t reference;  ///< Of the last task.
     float    before_nm;    ///< Torque of all cylinders at the last tooth.
     float    mean_nm;      ///< Of the engine, over some 64 teeth.

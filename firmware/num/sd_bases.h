@@ -27,6 +27,9 @@ extern "C" {
 static inline float    sd_times_f32(float a, float b, int up)       { (void)up; return a * b; }
 static inline sd_q31_t sd_times_q31(sd_q31_t a, sd_q31_t b, int up) { return sd_sat_q31(((int64_t)a * b) >> (31 - up)); }
 
+/* The same, in q31 to the nearest: for what is summed up over many steps. */
+static inline float    sd_times_near_f32(float a, float b, int up)       { (void)up; return a * b; }
+static inline sd_q31_t sd_times_near_q31(sd_q31_t a, sd_q31_t b, int up) { return sd_sat_q31(((int64_t)a * b + ((int64_t)1 << (30 - up))) >> (31 - up)); }
 /* A float that is carried (of an input, of a parameter) as a quantity, and a quantity as one; in q31 per unit of 2^bits, by integers. */
 static inline float       sd_given_f32(float x, int bits)    { (void)bits; return x; }
 static inline sd_q31_t    sd_given_q31(float x, int bits)    {

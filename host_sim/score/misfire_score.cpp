@@ -54,8 +54,8 @@ double MisfireFigures::separation() const {
 double MisfireFigures::healthy_sd() const { return healthy ? spread(index_sum, index_square_sum, healthy) : 0; }
 double MisfireFigures::missed_sd() const { return missed ? spread(missed_sum, missed_square_sum, missed) : 0; }
 
-std::size_t MisfireScore::lane(int cylinder) const {
-    const auto &order = engine_.firing_order;
+std::size_t MisfireScore::lane_of(const EngineFile &engine, int cylinder) {
+    const auto &order = engine.firing_order;
     return std::size_t(std::find(order.begin(), order.end(), cylinder) - order.begin());
 }
 
@@ -63,9 +63,12 @@ std::int64_t MisfireScore::firing_number(std::int64_t cycle, int cylinder) const
     return cycle * engine_.cylinders() + std::int64_t(lane(cylinder));
 }
 
+std::int64_t MisfireScore::cycle_of(const EngineFile &engine, double crank_deg, int cylinder) {
+    return std::int64_t(std::floor((crank_deg - engine.firing_tdc_deg[lane_of(engine, cylinder)]) / 720));
+}
+
 void MisfireScore::said(double crank_deg, int cylinder, int verdict, double index) {
-    const double tdc_deg = engine_.firing_tdc_deg[lane(cylinder)];
-    said_[firing_number(std::int64_t(std::floor((crank_deg - tdc_deg) / 720)), cylinder)] = {verdict, index};
+    said_[firing_number(cycle_of(engine_, crank_deg, cylinder), cylinder)] = {verdict, index};
 }
 
 void MisfireScore::truth(const CycleTruth &cycle) { burned_[firing_number(cycle.cycle, cycle.cylinder)] = cycle.burned_fraction; }

@@ -44,13 +44,16 @@ class MisfireScore {
     /// A verdict (sd_verdict_t) heard at the true angle `crank_deg`, which never wraps; less than 720 deg after the TDC.
     void said(double crank_deg, int cylinder, int verdict, double index);
     void truth(const CycleTruth &cycle);
+    /// Cycle of the firing of `cylinder` that a verdict heard at `crank_deg` is about.
+    static std::int64_t cycle_of(const EngineFile &engine, double crank_deg, int cylinder);
     /// The verdict on a combustion; nullptr when there was none.
     const std::pair<int, double> *verdict(std::int64_t cycle, int cylinder) const;
     MisfireFigures result() const;
 
   private:
     std::int64_t firing_number(std::int64_t cycle, int cylinder) const;
-    std::size_t lane(int cylinder) const;
+    std::size_t lane(int cylinder) const { return lane_of(engine_, cylinder); }
+    static std::size_t lane_of(const EngineFile &engine, int cylinder);
     EngineFile engine_;
     std::map<std::int64_t, std::pair<int, double>> said_; ///< By firing number: verdict, index.
     std::map<std::int64_t, double> burned_;               ///< By firing number.

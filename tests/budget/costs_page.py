@@ -48,7 +48,7 @@ BLOCKS = [
     ("AFR: sensor inverted, oscillators", "sd_uego_step", "typed", "oscillators", None),
     ("AFR: observer and inversion, Fourier law", "sd_afr_chain_step", "typed", "fourier_law", None),
     ("AFR: joint filter, fixed gains", "sd_afr_joint_step", None, "fixed_gains", None),
-    ("driveline: guard filter", "sd_driveline_guard_step", None, "guard", None),
+    ("driveline: guard filter", "sd_driveline_guard_step", "typed", "guard", None),
     ("driveline: document 003", "sd_driveline_hybrid_step", None, "bank", None),
     ("air path: both observers and the decision, 10 ms", "sd_airpath_step", "typed", "airpath", None),
 ]

@@ -26,8 +26,8 @@ DriverInput square(double t) { return {std::fmod(t, 3) < 1.5 ? 47.0 : -12.0}; }
 
 sd_driveline_tables_t usual_tables() { return guard_tables(Driveline(), GuardBelief(), 60, 1e-6); }
 
-sd_driveline_tooth_t steady_tooth() {
-    sd_driveline_tooth_t tooth{};
+sd_driveline_tooth_f32_t steady_tooth() {
+    sd_driveline_tooth_f32_t tooth{};
     tooth.period_ticks = 500;
     tooth.advance = 1;
     tooth.gear = 1;
@@ -37,14 +37,14 @@ sd_driveline_tooth_t steady_tooth() {
 
 struct Running {
     sd_driveline_tables_t tables = usual_tables();
-    sd_driveline_guard_t filter;
-    sd_driveline_out_t out;
+    sd_driveline_guard_f32_t filter;
+    sd_driveline_out_f32_t out;
     Running() {
-        EXPECT_EQ(sd_driveline_guard_init(&filter, &tables), SD_OK);
+        EXPECT_EQ(sd_driveline_guard_init_f32(&filter, &tables), SD_OK);
         step(steady_tooth(), 2000);
     }
-    void step(const sd_driveline_tooth_t &tooth, int times = 1) {
-        for (int i = 0; i < times; ++i) sd_driveline_guard_step(&filter, &tables, &tooth, &out);
+    void step(const sd_driveline_tooth_f32_t &tooth, int times = 1) {
+        for (int i = 0; i < times; ++i) sd_driveline_guard_step_f32(&filter, &tables, &tooth, &out);
     }
 };
 
@@ -130,14 +130,14 @@ TEST(Guard, VaryingInertiaMovesNoTorsion) {
     Running plain, varying;
     const auto tooth_at = [](int k, double lead_of) {
         const auto time = [&](int n) { return (n * kPi / 30 + lead_of * std::sin(n * kPi / 15)) / kSpeed; };
-        sd_driveline_tooth_t tooth = steady_tooth();
+        sd_driveline_tooth_f32_t tooth = steady_tooth();
         tooth.period_ticks = std::uint32_t(std::llround(kTicks * time(k)) - std::llround(kTicks * time(k - 1)));
         tooth.lead_rad = float(lead_of * std::sin(k * kPi / 15));
         return tooth;
     };
     double largest = 0;
     for (int k = 1; k <= 6000; ++k) {
-        const sd_driveline_tooth_t tooth = tooth_at(k, kLead);
+        const sd_driveline_tooth_f32_t tooth = tooth_at(k, kLead);
         varying.step(tooth);
         plain.step(tooth_at(k, 0));
         const double apart = double(varying.out.twist_rad) + 0.125 * double(tooth.lead_rad) - double(plain.out.twist_rad);
@@ -188,7 +188,7 @@ TEST(Guard, BadInputs) {
     Running r;
     EXPECT_EQ(r.out.status.health, SD_VALID);
     EXPECT_NEAR(r.out.wheel_radps, 0.125 * 2 * kPi / 60 / 500e-6, 0.1);
-    sd_driveline_tooth_t tooth = steady_tooth();
+    sd_driveline_tooth_f32_t tooth = steady_tooth();
     tooth.torque_nm = kNan;
     r.step(tooth);
     EXPECT_EQ(r.out.status.health, SD_VALID); // the last good one
@@ -220,14 +220,14 @@ TEST(Guard, BadInputs) {
 
 TEST(Guard, AStateIsPlainData) {
     Running r;
-    sd_driveline_guard_t copy;
+    sd_driveline_guard_f32_t copy;
     std::memcpy(&copy, &r.filter, sizeof copy);
-    sd_driveline_tooth_t tooth = steady_tooth();
+    sd_driveline_tooth_f32_t tooth = steady_tooth();
     tooth.torque_nm = 30;
-    sd_driveline_out_t out;
+    sd_driveline_out_f32_t out;
     for (int i = 0; i < 100; ++i) {
         r.step(tooth);
-        sd_driveline_guard_step(&copy, &r.tables, &tooth, &out);
+        sd_driveline_guard_step_f32(&copy, &r.tables, &tooth, &out);
     }
     EXPECT_EQ(std::memcmp(&copy, &r.filter, sizeof copy), 0);
     EXPECT_EQ(out.twist_rad, r.out.twist_rad);
@@ -235,7 +235,7 @@ TEST(Guard, AStateIsPlainData) {
 
 TEST(Guard, InitRefusesWhatIsOutOfRange) {
     using T = sd_driveline_tables_t;
-    sd_driveline_guard_t filter;
+    sd_driveline_guard_f32_t filter;
     for (float T::*field : {&T::tick_s, &T::pitch_rad, &T::wheel_pitch_rad, &T::shortest_s, &T::per_inertia, &T::viscous_nms,
                             &T::per_vehicle,
                             &T::soft_nmprad, &T::stiff_nmprad, &T::damping_nms, &T::kink_rad, &T::rolling_nm, &T::drag_nms2,
@@ -243,16 +243,16 @@ TEST(Guard, InitRefusesWhatIsOutOfRange) {
                             &T::settle_s, &T::moving_radps, &T::moving_hold_s}) {
         T bad = usual_tables();
         bad.*field = kNan;
-        EXPECT_EQ(sd_driveline_guard_init(&filter, &bad), SD_ERR_CONFIG);
+        EXPECT_EQ(sd_driveline_guard_init_f32(&filter, &bad), SD_ERR_CONFIG);
     }
     T bad = usual_tables();
     bad.gear[0].ratio = 0;
-    EXPECT_EQ(sd_driveline_guard_init(&filter, &bad), SD_ERR_CONFIG);
+    EXPECT_EQ(sd_driveline_guard_init_f32(&filter, &bad), SD_ERR_CONFIG);
     T none{};
-    EXPECT_EQ(sd_driveline_guard_init(&filter, &none), SD_OK);
-    const sd_driveline_tooth_t tooth = steady_tooth();
-    sd_driveline_out_t out;
-    sd_driveline_guard_step(&filter, &none, &tooth, &out);
+    EXPECT_EQ(sd_driveline_guard_init_f32(&filter, &none), SD_OK);
+    const sd_driveline_tooth_f32_t tooth = steady_tooth();
+    sd_driveline_out_f32_t out;
+    sd_driveline_guard_step_f32(&filter, &none, &tooth, &out);
     EXPECT_EQ(out.status.why, SD_WHY_UNCALIBRATED);
 }
 

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 // The cylinders and the crank against closed forms and balances that the integrator does not use.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "common/files.hpp"
 #include "plant/engine/gas.hpp"
 #include "plant/engine/torsion.hpp"
 #include "plant_fixture.hpp"
@@ -40,6 +42,25 @@ TEST(PlantCylinder, AdiabaticMotoringIsIsentropicInClosedForm) {
         hottest = std::max(hottest, cylinder.temperature());
     }
     EXPECT_GT(hottest, 800); // it did compress
+}
+
+// The same of a gas with a gamma of its own: p V^gamma stays.
+TEST(PlantCylinder, GammaOfTheFileIsThatOfTheGas) {
+    const std::string text = read_file(SD_ENGINES "/diesel_22.toml");
+    for (const double gamma : {1.30, 1.38}) {
+        PlantEngine engine = read_plant_engine("engine", text + fmt::format("[plant.gas]\ngamma = {}\n", gamma));
+        engine.wall_factor = 0;
+        EngineModel model(engine, nominal(engine), 0.5);
+        model.start(0, 500, 0, 100);
+        turn(model, 661, 0);
+        const Cylinder cylinder{model, engine.slider(14)};
+        const auto invariant = [&] { return std::log(model.pressure_pa(0)) + gamma * std::log(cylinder.volume()); };
+        const double start = invariant();
+        for (int step = 0; step < 536; ++step) {
+            turn(model, 1, 0);
+            ASSERT_NEAR(invariant(), start, 1e-8) << gamma << ", " << step;
+        }
+    }
 }
 
 // First law between intake closing and exhaust opening, fired, with wall loss: 0.1 % of the heat asked, 1e-6

@@ -26,7 +26,7 @@ EngineModel::EngineModel(const PlantEngine &engine, const std::vector<CylinderSp
       exhaust_pa_(engine.exhaust_pressure_pa), charge_k_(engine.charge_temperature_k),
       exchange_(engine.exchange_per_rad), heating_value_(engine.heating_value_jpkg),
       stoichiometric_(engine.stoichiometric_ratio), wall_k_(engine.wall_temperature_k),
-      wall_factor_(engine.wall_factor), stroke_m_(engine.shared.stroke_m),
+      wall_factor_(engine.wall_factor), cv_(engine.gas_cv_over_r), stroke_m_(engine.shared.stroke_m),
       displacement_m3_(engine.slider(engine.shared.compression_ratio).displacement_m3()),
       dual_mass_(engine.dual_mass),
       secondary_inertia_(engine.driveline_inertia_kgm2 +

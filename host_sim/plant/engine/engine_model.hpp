@@ -254,6 +254,7 @@ class EngineModel {
     std::vector<PulseShape> pulse_shapes_;
     double crankcase_pa_, exhaust_pa_, charge_k_, exchange_, heating_value_, stoichiometric_, wall_k_,
         wall_factor_;
+    std::array<double, 3> cv_; // c_v/R over temperature, PlantEngine::gas_cv_over_r
     double stroke_m_, displacement_m3_; // of one cylinder
     double friction_nm_[3];             // of speed in rad/s
     std::optional<DualMassFlywheel> dual_mass_;

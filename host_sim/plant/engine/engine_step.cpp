@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "plant/engine/engine_model.hpp"
-#include "plant/engine/gas.hpp"
 
 // Inlines every call within: one step is a few hundred instructions, and calls would cost a third of them.
 #define SD_FLATTEN __attribute__((flatten))
@@ -22,7 +21,7 @@ double EngineModel::theta(int half, int lane) const {
 inline EngineModel::Twins EngineModel::change_at(const CylinderPoint &point, int lane, Twins y, double slowness, double heat_rate,
                                           double &loss) const {
     const Twins t = y * (point.warmth * lane_[lane].inverse_mr), power = y * point.push;
-    const Twins cv = gas::kB0 + t * (gas::kB1 + t * gas::kB2);
+    const Twins cv = cv_[0] + t * (cv_[1] + t * cv_[2]);
     const Twins to_walls = y * (t - wall_k_) * (lane_[lane].wall_factor * point.wall * point.pressure * slowness);
     loss = to_walls[0] * tables_.step_rad;
     // The inverse waits for nothing, the rest for the speed.

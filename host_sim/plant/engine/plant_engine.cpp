@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "common/files.hpp"
+#include "plant/engine/gas.hpp"
 
 namespace sixdeg {
 namespace {
@@ -36,6 +37,12 @@ void read_valves(TomlFile &file, PlantEngine &engine) {
     engine.exhaust_open_rad = kRadPerDeg * engine.shared.exhaust_open_deg;
     engine.intake_close_rad = kRadPerDeg * engine.shared.intake_close_deg;
     engine.exchange_per_rad = file.number_or("plant.valves.exchange_per_rad", {1, 20, "1/rad"}, 6);
+}
+
+/// A gas of constant gamma has c_v/R = 1/(gamma - 1).
+void read_gas(TomlFile &file, PlantEngine &engine) {
+    engine.gas_cv_over_r = {gas::kB0, gas::kB1, gas::kB2};
+    if (file.has("plant.gas.gamma")) engine.gas_cv_over_r = {1 / (file.number("plant.gas.gamma", {1.2, 1.5, ""}) - 1), 0, 0};
 }
 
 void read_losses(TomlFile &file, PlantEngine &engine) {
@@ -90,6 +97,7 @@ PlantEngine read_plant_engine(const std::string &name, const std::string &text) 
     read_valves(file, engine);
     for (const HeatPulse &p : engine.shared.pulses)
         engine.pulses.push_back({kRadPerDeg * p.start_deg, kRadPerDeg * p.duration_deg, p.shape, p.share});
+    read_gas(file, engine);
     read_losses(file, engine);
     engine.driveline_inertia_kgm2 = file.number_or("plant.driveline.inertia_kgm2", {0, 100, "kg m2"}, 0);
     read_exhaust(file, engine);

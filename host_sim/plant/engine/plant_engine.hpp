@@ -2,6 +2,7 @@
 // The [plant] tables of ENGINE.toml: what the simulated engine has beyond the physics that the firmware
 // knows. Field by field: docs/scenario.md, section "[plant] tables of the engine file".
 #pragma once
+#include <array>
 #include <filesystem>
 #include <optional>
 #include <vector>
@@ -37,6 +38,8 @@ struct PlantEngine {
 
     Profile intake_pressure_pa; ///< Cylinder pressure when the intake valve closes, over demanded bmep in Pa.
     double exhaust_pressure_pa, crankcase_pressure_pa;
+    /// c_v/R of the working gas over temperature in K: a constant and what each power of T adds. Air unless the file gives gamma.
+    std::array<double, 3> gas_cv_over_r;
     double charge_temperature_k;    ///< Of the trapped charge when the intake valve closes.
     double exhaust_open_rad;        ///< After firing TDC.
     double intake_close_rad;        ///< After firing TDC, beyond one turn: 540 deg is BDC.

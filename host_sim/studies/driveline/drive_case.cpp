@@ -56,8 +56,7 @@ DriveRig::DriveRig(const DriveCase &c)
     : drive_(c), car_(c.real, [this](double, double angle) { return input_nm_ + drive_.ripple_nm * std::sin(2 * angle); }),
       wheel_(crank_wheel(c)), crank_teeth_(wheel_, RandomStream(c.seed, kJitter)),
       wheel_teeth_(road_wheel(c), RandomStream(c.seed, kWheelJitter)),
-      tables_(guard_tables(c.believed, c.belief, wheel_.positions, 1 / kTickHz, c.guard)) {
-    sd_driveline_guard_init(&filter_, &tables_);
+      filter_(guard_tables(c.believed, c.belief, wheel_.positions, 1 / kTickHz, c.guard), c.fixed_point) {
     car_.set_extra_load(c.slope_nm);
 }
 
@@ -82,14 +81,14 @@ void DriveRig::step(const DriverInput &input, double until_s) {
     for (const ToothEdge &edge : edges_) tooth(edge, input);
     for (const ToothEdge &edge : wheel_edges_) {
         const double since = std::max(0.0, edge.time_s - last_edge_s_);
-        sd_driveline_guard_wheel(&filter_, &tables_, std::uint32_t(since * kTickHz), std::uint16_t(edge.advance));
+        filter_.wheel(std::uint32_t(since * kTickHz), std::uint16_t(edge.advance));
     }
 }
 
 void DriveRig::tooth(const ToothEdge &edge, const DriverInput &input) {
     const std::int64_t ticks = std::llround(edge.time_s * kTickHz) - std::llround(last_edge_s_ * kTickHz);
     last_edge_s_ = edge.time_s;
-    sd_driveline_tooth_t tooth{};
+    sd_driveline_tooth_f32_t tooth{};
     tooth.period_ticks = std::uint32_t(ticks);
     tooth.advance = std::uint16_t(edge.advance);
     tooth.health = SD_VALID;
@@ -97,18 +96,19 @@ void DriveRig::tooth(const ToothEdge &edge, const DriverInput &input) {
     tooth.torque_nm = float(torque_sum_ / torque_s_ + drive_.torque_error_nm);
     if (drive_.pattern_known && drive_.pattern_deg > 0) tooth.place_rad = float(wheel_.pattern_rad[std::size_t(edge.position)]);
     torque_sum_ = torque_s_ = 0;
-    sd_driveline_guard_step(&filter_, &tables_, &tooth, &out_);
-    score_.said(edge.time_s, double(ticks) / kTickHz, out_, double(out_.twist_rad) - car_.state().twist_rad,
-                double(out_.shaft_nm) - car_.ratio() * car_.shaft_nm());
+    filter_.step(tooth);
+    const sd_driveline_out_f32_t &out = filter_.out();
+    score_.said(edge.time_s, double(ticks) / kTickHz, out, double(out.twist_rad) - car_.state().twist_rad,
+                double(out.shaft_nm) - car_.ratio() * car_.shaft_nm());
 }
 
 DriveFigures DriveRig::figures() const {
     DriveFigures figures = score_.figures();
-    figures.rejected = filter_.rejected;
+    figures.rejected = filter_.rejected();
     return figures;
 }
 
-DriveFigures run_drive(const DriveCase &drive) {
+DriveFigures run_drive(const DriveCase &drive, const std::function<void(const DriveRig &)> &watch) {
     Driver driver(drive.seed);
     DriveRig rig(drive);
     rig.start(2000 * kRadpsPerRpm, 56);
@@ -116,6 +116,7 @@ DriveFigures run_drive(const DriveCase &drive) {
         DriverInput input;
         input.torque_nm = driver.follow(rig.car().state().time_s, rig.car().state().speed_radps / kRadpsPerRpm);
         rig.step(input, drive.duration_s);
+        if (watch) watch(rig);
     }
     return rig.figures();
 }

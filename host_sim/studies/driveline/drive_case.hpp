@@ -2,12 +2,14 @@
 // The guard filter on a simulated drive: a car, its driver, teeth with faults, and what the filter made of them.
 #pragma once
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "design/driveline/guard_design.hpp"
 #include "plant/vehicle/vehicle_model.hpp"
 #include "plant/vehicle/vehicle_teeth.hpp"
 #include "studies/driveline/drive_score.hpp"
+#include "studies/driveline/guard_filter.hpp"
 
 namespace sixdeg {
 
@@ -16,6 +18,7 @@ struct DriveCase {
     Driveline real, believed;
     GuardBelief belief;
     sd_driveline_guard_by_t guard = SD_GUARD_ANGLE;
+    bool fixed_point = false;    ///< The filter in q31.
     double duration_s = 600;
     double jitter_deg = 0.02;
     double pattern_deg = 0;      ///< Standard deviation of a tooth's place.
@@ -46,12 +49,12 @@ class DriveRig {
     /// A step of the car, 0.1 ms or less.
     void step(const DriverInput &input, double until_s);
     const VehicleModel &car() const { return car_; }
-    const sd_driveline_out_t &out() const { return out_; }
+    const sd_driveline_out_f32_t &out() const { return filter_.out(); }
     const std::vector<ToothEdge> &edges() const { return edges_; } ///< Of the last step.
     /// Of all that came from from_s on.
     DriveFigures figures() const;
     /// A fault: the filter believes in another torsion from now on.
-    void put_twist(double twist_rad) { filter_.x[SD_DRIVELINE_TWIST] = float(twist_rad); }
+    void put_twist(double twist_rad) { filter_.put_twist(twist_rad); }
     void count_from(double from_s) { score_.count_from(from_s); }
 
   private:
@@ -62,15 +65,13 @@ class DriveRig {
     VehicleModel car_;
     ToothedWheel wheel_;
     VehicleTeeth crank_teeth_, wheel_teeth_;
-    sd_driveline_tables_t tables_;
-    sd_driveline_guard_t filter_;
-    sd_driveline_out_t out_{};
+    GuardFilter filter_;
     std::vector<ToothEdge> edges_, wheel_edges_;
     DriveScore score_;
     double last_edge_s_ = 0, torque_sum_ = 0, torque_s_ = 0;
 };
 
-/// A drive in one gear between 1300 and 2900 rpm: tip-ins and tip-outs of random size every 0.6 to 3 s.
-DriveFigures run_drive(const DriveCase &drive);
+/// A drive in one gear between 1300 and 2900 rpm: tip-ins and tip-outs of random size every 0.6 to 3 s. `watch` sees the rig after each step.
+DriveFigures run_drive(const DriveCase &drive, const std::function<void(const DriveRig &)> &watch = {});
 
 } // namespace sixdeg

@@ -36,7 +36,7 @@ void DriveScore::changed(const LocationChange &change) {
     if (told_ && change.time_s > count_from_s_) real_.push_back(change);
 }
 
-void DriveScore::said(double now_s, double weight_s, const sd_driveline_out_t &out, double twist_error_rad, double shaft_error_nm) {
+void DriveScore::said(double now_s, double weight_s, const sd_driveline_out_f32_t &out, double twist_error_rad, double shaft_error_nm) {
     const Location before = estimate_;
     estimate_ = out.location;
     told_ = out.status.health != SD_INVALID;

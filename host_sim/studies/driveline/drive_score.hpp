@@ -29,7 +29,7 @@ class DriveScore {
     void pass(double now_s, double h, Location real);
     void changed(const LocationChange &change);
     /// What is said at a tooth, weight_s after the last one, and how far off it is.
-    void said(double now_s, double weight_s, const sd_driveline_out_t &out, double twist_error_rad, double shaft_error_nm);
+    void said(double now_s, double weight_s, const sd_driveline_out_f32_t &out, double twist_error_rad, double shaft_error_nm);
     DriveFigures figures() const;
 
   private:

@@ -9,6 +9,7 @@
 #include "studies/driveline/damping_case.hpp"
 #include "studies/driveline/engine_tables.hpp"
 #include "studies/driveline/figure_six.hpp"
+#include "studies/driveline/fixed_beside.hpp"
 #include "studies/driveline/manoeuvres.hpp"
 
 namespace sixdeg {
@@ -145,6 +146,12 @@ std::vector<Row> common_rows() {
     return rows;
 }
 
+void with_wheel_teeth(DriveCase &c) {
+    c.wheel_jitter_deg = 0.05;
+    c.belief.wheel_jitter_rad = 0.05 * kRadPerDeg;
+    c.belief.twist_walk_rad = 1e-3;
+}
+
 void drive(const Options &options) {
     std::vector<Row> wheel_faults{{"firing ripple 60 N m", [](DriveCase &c) { c.ripple_nm = 60; }},
                                   {"tooth pattern 0.1 deg, not learned", [](DriveCase &c) { c.pattern_deg = 0.1; }},
@@ -166,11 +173,7 @@ void drive(const Options &options) {
     rows.insert(rows.end(), wheel_faults.begin(), wheel_faults.end());
     table("guard in angle", rows, [](DriveCase &) {});
     table("guard in torque", common_rows(), [](DriveCase &c) { c.guard = SD_GUARD_TORQUE; });
-    table("guard in angle, and 48 wheel teeth of 0.05 deg", common_rows(), [](DriveCase &c) {
-        c.wheel_jitter_deg = 0.05;
-        c.belief.wheel_jitter_rad = 0.05 * kRadPerDeg;
-        c.belief.twist_walk_rad = 1e-3;
-    });
+    table("guard in angle, and 48 wheel teeth of 0.05 deg", common_rows(), with_wheel_teeth);
 }
 
 /// What is missing laid to the road in place of the engine.
@@ -189,6 +192,26 @@ void slope(const Options &options) {
             row.change(c);
             print_drive(fmt::format("{:g} rad/s a second: {}", walk, row.name), run_drive(c));
         }
+    }
+}
+
+/// The same teeth in both arithmetics.
+void fixed_point(const Options &options) {
+    fmt::print("\n{:.0f} s of driving, guard filter in q31 beside f32\n  {:<42}{:>9}{:>10}{:>8}{:>20}{:>24}{:>28}\n", options.seconds, "",
+               "teeth", "location", "health", "apart rms, most", "wrong % f32, q31", "torsion rms f32, q31");
+    std::vector<Row> rows = common_rows();
+    rows.push_back({"firing ripple 60 N m", [](DriveCase &c) { c.ripple_nm = 60; }});
+    rows.push_back({"guard in torque", [](DriveCase &c) { c.guard = SD_GUARD_TORQUE; }});
+    rows.push_back({"48 wheel teeth of 0.05 deg", with_wheel_teeth});
+    for (const Row &row : rows) {
+        DriveCase c = usual_drive();
+        c.duration_s = options.seconds;
+        c.seed = options.seed;
+        row.change(c);
+        const Beside b = fixed_beside(c);
+        fmt::print("  {:<42}{:>9}{:>10}{:>8}{:>11.1e}{:>9.1e}{:>14.4f}{:>10.4f}{:>16.2e}{:>12.2e}\n", row.name, b.teeth, b.other_location,
+                   b.other_health, b.twist_apart_rms_rad, b.twist_apart_most_rad, b.f32.wrong_percent, b.q31.wrong_percent,
+                   b.f32.twist_rms_rad, b.q31.twist_rms_rad);
     }
 }
 
@@ -231,6 +254,7 @@ struct Part {
     void (*print)(const Options &);
 };
 constexpr Part kParts[] = {{"figure-6", figure_6}, {"ambiguity", ambiguity}, {"teeth", teeth}, {"drive", drive}, {"slope", slope},
+                           {"fixed-point", fixed_point},
                            {"manoeuvres", print_manoeuvres}, {"damping", damping},
                            {"own-torque", own_torque}, {"misfire", misfire}};
 

@@ -68,10 +68,10 @@ struct Point {
 
 struct Follower {
     sd_driveline_tables_t tables;
-    sd_driveline_guard_t filter;
-    sd_driveline_out_t out;
+    sd_driveline_guard_f32_t filter;
+    sd_driveline_out_f32_t out;
     DriveScore score;
-    explicit Follower(const sd_driveline_tables_t &t) : tables(t), out{} { sd_driveline_guard_init(&filter, &tables); }
+    explicit Follower(const sd_driveline_tables_t &t) : tables(t), out{} { sd_driveline_guard_init_f32(&filter, &tables); }
 };
 
 class Run {
@@ -135,7 +135,7 @@ class Run {
         const int positions = page_->positions;
         const sd_firings_t &firings = bench_.ecu().firings;
         const bool learned = firings.pattern.sd_rad > 0 && firings.pattern.sd_rad < firings.unlearned_rad;
-        sd_driveline_tooth_t tooth{};
+        sd_driveline_tooth_f32_t tooth{};
         tooth.period_ticks = period_ticks;
         tooth.advance = std::uint16_t((position - position_ + positions) % positions);
         tooth.health = SD_VALID;
@@ -145,11 +145,11 @@ class Run {
         tooth.place_rad = learned ? firings.pattern.late_rad[position] : 0;
         const double weight = period_ticks / double(page_->tick_hz);
         const Point &real = points_.front();
-        const auto note = [&](DriveScore &score, const sd_driveline_out_t &out) {
+        const auto note = [&](DriveScore &score, const sd_driveline_out_f32_t &out) {
             score.said(now_s, weight, out, double(out.twist_rad) - real.twist_rad, double(out.shaft_nm) - real.shaft_nm);
         };
         for (Follower *f : {&same_, &believing_}) {
-            sd_driveline_guard_step(&f->filter, &f->tables, &tooth, &f->out);
+            sd_driveline_guard_step_f32(&f->filter, &f->tables, &tooth, &f->out);
             note(f->score, f->out);
         }
         note(own_, bench_.ecu().driveline.out);

@@ -7,100 +7,38 @@
 
 #include "design/calibration.hpp"
 #include "studies/observers/input_wheel.hpp"
+#include "studies/observers/recorded_run.hpp"
 
 namespace sixdeg {
 namespace {
 
 constexpr double kRampShare = 0.2, kRampS = 4;
 
-/// What the plant did and what the ecu was given, of the run that is repeated.
-class Record : public TruthSink {
-  public:
-    struct Edge {
-        std::uint32_t tick;
-        double crank_deg;
-    };
-    void edge(const EncoderEdge &edge, double crank_deg) override { edges.push_back({edge.tick, crank_deg}); }
-    void cycle(const CycleTruth &cycle) override { cycles.push_back(cycle); }
-    EventListener listener() {
-        return [this](bool out, const sd_event_t &event) {
-            if (!out) events.push_back(event);
-        };
-    }
-    std::vector<Edge> edges;
-    std::vector<CycleTruth> cycles;
-    std::vector<sd_event_t> events;
-};
-
-/// What one method said of each firing, in order.
-struct Verdicts {
-    std::vector<int> verdict;
+/// What one method said of each firing.
+struct Judged {
+    std::vector<FiringVerdict> verdicts;
     MisfireFigures figures;
 };
 
-/// Takes verdicts in the order of their ticks and knows the angle of each.
-class Judge {
-  public:
-    Judge(const EngineFile &engine, const Record &record) : record_(record), score_(engine) {}
-    void said(std::uint32_t tick, int cylinder, int verdict, double index) {
-        while (at_ < record_.edges.size() && record_.edges[at_].tick != tick) ++at_;
-        if (at_ == record_.edges.size()) return;
-        score_.said(record_.edges[at_].crank_deg, cylinder, verdict, index);
-        verdicts_.verdict.push_back(verdict);
-    }
-    Verdicts result() {
-        for (const CycleTruth &cycle : record_.cycles) score_.truth(cycle);
-        verdicts_.figures = score_.result();
-        return verdicts_;
-    }
-
-  private:
-    const Record &record_;
-    MisfireScore score_;
-    Verdicts verdicts_;
-    std::size_t at_ = 0;
-};
-
-/// The method is a parameter alone: no table depends on it.
-sd_calibration_t with_method(sd_calibration_t page, int method, int arithmetic) {
-    page.parameters.misfire_method = float(method);
-    page.parameters.misfire_arithmetic = float(arithmetic);
-    return page;
+Judged judge(const Scenario &scenario, const PlantRecord &record, std::vector<FiringVerdict> verdicts) {
+    const MisfireFigures figures = score_of(verdicts, record, scenario.engine.shared).result();
+    return {std::move(verdicts), figures};
 }
 
-/// Another ecu on the same events. Verdicts are complete when the last signal of a firing's row has come.
-Verdicts repeat(const Scenario &scenario, const sd_calibration_t &page, const Record &record) {
-    Judge judge(scenario.engine.shared, record);
-    EcuBench bench(page);
-    EcuSaid said;
-    std::size_t firings = 0;
-    const std::uint16_t last = sd_rate_infos[SD_RATE_FIRING].channels[sd_rate_infos[SD_RATE_FIRING].count - 1];
-    bench.listen([&](bool out, const sd_event_t &event) {
-        if (!out) return;
-        said.take(event);
-        if (event.kind != SD_EVENT_SIGNAL || event.channel != last || said.firings() == firings) return;
-        firings = said.firings();
-        const sd_signals_t &s = said.signals();
-        judge.said(event.tick, int(s.misfire_cylinder), int(s.misfire_verdict), double(s.misfire_index));
-    });
-    for (const sd_event_t &event : record.events) bench.send(event);
-    return judge.result();
-}
-
-Verdicts observe_inputs(const Scenario &scenario, const sd_calibration_t &page, const Record &record) {
-    Judge judge(scenario.engine.shared, record);
+std::vector<FiringVerdict> observe_inputs(const Scenario &scenario, const sd_calibration_t &page, const PlantRecord &record) {
+    std::vector<FiringVerdict> verdicts;
     InputWheel wheel(scenario.engine.shared, page);
     for (const sd_event_t &event : record.events) {
-        if (const auto firing = wheel.take(event)) judge.said(event.tick, firing->cylinder, firing->verdict, firing->strength);
+        if (const auto firing = wheel.take(event)) verdicts.push_back({event.tick, firing->cylinder, firing->verdict, firing->strength, 0, SD_VALID});
     }
-    return judge.result();
+    return verdicts;
 }
 
-void compare(const Verdicts &a, const Verdicts &b, Detection &detection) {
-    for (std::size_t i = 0; i < std::min(a.verdict.size(), b.verdict.size()); ++i) {
-        if (a.verdict[i] == SD_NOT_JUDGED && b.verdict[i] == SD_NOT_JUDGED) continue;
+void compare(const Judged &a, const Judged &b, Detection &detection) {
+    for (std::size_t i = 0; i < std::min(a.verdicts.size(), b.verdicts.size()); ++i) {
+        if (a.verdicts[i].verdict == SD_NOT_JUDGED && b.verdicts[i].verdict == SD_NOT_JUDGED) continue;
         ++detection.compared;
-        detection.differing += a.verdict[i] != b.verdict[i];
+        detection.differing += a.verdicts[i].verdict != b.verdicts[i].verdict;
     }
 }
 
@@ -137,22 +75,22 @@ Scenario detection_scenario(const DetectionCell &cell, int cycles, std::uint64_t
 
 Detection run_detection(const Scenario &scenario, const std::vector<std::string> &parameters) {
     Detection detection;
-    Record record;
+    PlantRecord record;
     TomlFile tune("tune", "");
     for (const std::string &parameter : parameters) tune.set(parameter);
     const sd_calibration_t page = calibrate(scenario.engine.shared, read_tune(tune), "tune");
     const auto bench = std::make_unique<EcuBench>(page);
-    bench->listen(record.listener());
+    bench->listen([&](bool out, const sd_event_t &event) { record.hear(out, event); });
     detection.run = run_scenario(scenario, page, *bench, nullptr, &record);
     constexpr const char *kNames[] = {"FOLSMO", "FOSMO", "ROO"};
     for (int method = 1; method <= 3; ++method) {
-        const Verdicts f32 = repeat(scenario, with_method(page, method, 0), record);
-        const Verdicts q31 = repeat(scenario, with_method(page, method, 1), record);
+        const Judged f32 = judge(scenario, record, verdicts_on(record, with_method(page, method, 0)));
+        const Judged q31 = judge(scenario, record, verdicts_on(record, with_method(page, method, 1)));
         detection.rows.push_back({kNames[method - 1], f32.figures});
         detection.rows.push_back({std::string(kNames[method - 1]) + " q31", q31.figures});
         compare(f32, q31, detection);
     }
-    detection.rows.push_back({"input observer", observe_inputs(scenario, page, record).figures});
+    detection.rows.push_back({"input observer", judge(scenario, record, observe_inputs(scenario, page, record)).figures});
     detection.rows.push_back({"monitor", detection.run.misfire});
     return detection;
 }

@@ -12,6 +12,11 @@ OTHERS = [
         "innovations and states are clamped or rejected: test_pattern, test_twist; sanitized in each",
     ),
     (
+        "the driveline's guard filter in q31",
+        "no driver yet",
+        "sanitized in its unit test",
+    ),
+    (
         "numbers of float kernels: that they stay finite and in range",
         "not proved: covariances and series are bounded by relations that intervals do not hold; with any bits in the state there is"
         " nothing to start from",
@@ -36,11 +41,7 @@ KEPT = {
     "f32_joint": (1, NO_NUMBER),
     "f32_point": (1, NO_NUMBER),
     "f32_misfire": (1, "a firing's cylinder is set where its index is one of the engine's, and asked for where it is again"),
-    "f32_driveline": (
-        3,
-        "the octave of a step is read from the bits of a float that was clamped to [1, 256); gears are counted before they are looked"
-        " at, in one expression",
-    ),
+    "f32_driveline": (2, "the octave of a step is read from the bits of a float that was clamped to [1, 256)"),
 }
 WHAT = {
     "verbs": "every verb of q31 (sd_num.h) and every function of scaled numbers (sd_scaled.h)",

@@ -3,14 +3,14 @@
 /* options: -eva-precision 0 */
 /* specified: sd_sqrt_by_bits_f32 */
 /* include: contracts_root.h */
-/* kernel: firmware/driveline/sd_driveline_guard.c firmware/driveline/sd_driveline_hybrid.c firmware/driveline/sd_driveline_damping.c */
+/* kernel: firmware/driveline/sd_driveline_guard_f32.c firmware/driveline/sd_driveline_tables.c firmware/driveline/sd_driveline_hybrid.c firmware/driveline/sd_driveline_damping.c */
 #include "any.h"
 #include "sd_driveline_damping.h"
 #include "sd_driveline_guard.h"
 #include "sd_driveline_hybrid.h"
 
 static sd_driveline_tables_t tables;
-static sd_driveline_guard_t guard;
+static sd_driveline_guard_f32_t guard;
 static sd_driveline_hybrid_t hybrid;
 static sd_driveline_damping_t damping;
 
@@ -21,16 +21,16 @@ static void fill_guard(void) {
 }
 
 static void call_guard(void) {
-    sd_driveline_tooth_t tooth;
-    sd_driveline_out_t out;
+    sd_driveline_tooth_f32_t tooth;
+    sd_driveline_out_f32_t out;
     ANY_BYTES(tooth);
     fill_guard();
-    sd_driveline_guard_step(&guard, &tables, &tooth, &out);
+    sd_driveline_guard_step_f32(&guard, &tables, &tooth, &out);
     fill_guard();
-    sd_driveline_guard_wheel(&guard, &tables, any_u32(), any_u16());
-    sd_driveline_guard_restart(&guard);
+    sd_driveline_guard_wheel_f32(&guard, &tables, any_u32(), any_u16());
+    sd_driveline_guard_restart_f32(&guard);
     ANY_BYTES(tables);
-    (void)sd_driveline_guard_init(&guard, &tables);
+    (void)sd_driveline_guard_init_f32(&guard, &tables);
 }
 
 static void call_rest(float any) {

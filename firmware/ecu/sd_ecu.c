@@ -33,7 +33,7 @@ sd_result_t sd_ecu_init(sd_ecu_t *self, const sd_calibration_t *page) {
 
 sd_result_t sd_ecu_resume(sd_ecu_t *self, const sd_calibration_t *page, const sd_pattern_sums_t *learned) {
     if ((self->ready == 0u) || (sd_firings_resume(&self->firings, &page->kalman, learned) != SD_OK)) { return SD_ERR_CONFIG; }
-    sd_say_pattern(&self->say, &self->firings.pattern);
+    sd_say_pattern(&self->say, &self->firings);
     return SD_OK;
 }
 
@@ -107,10 +107,9 @@ static void judge_firing(sd_ecu_t *self, const sd_calibration_t *page, uint32_t 
 }
 
 static void step_driveline(sd_ecu_t *self, const sd_page_driveline_t *driveline, const sd_tooth_t *tooth, const sd_firings_out_t *firings) {
-    const sd_pattern_t *pattern = &self->firings.pattern;
-    const bool learned = (pattern->sd_rad > 0.0f) && (pattern->sd_rad < self->firings.unlearned_rad);
+    const sd_firings_pattern_t pattern = sd_firings_believed(&self->firings);
     const sd_stage_driveline_in_t in = { .engine_nm = firings->waveform_nm - firings->level_nm,
-                                         .late_rad = learned ? pattern->late_rad[tooth->position] : 0.0f,
+                                         .late_rad = (pattern.late_rad != NULL) ? pattern.late_rad[tooth->position] : 0.0f,
                                          .torque = firings->status,
                                          .gear = gear_of(&self->inputs) };
     sd_stage_driveline_tooth(&self->driveline, driveline, tooth, &in);
@@ -129,6 +128,7 @@ static bool step_firings(sd_ecu_t *self, const sd_calibration_t *page, const sd_
                                       .health = tooth->health,
                                       .phase_known = tooth->phase_known,
                                       .intake_known = sd_inputs_fresh(inputs, SD_INPUT_AIR_INTAKE_PRESSURE) ? 1u : 0u,
+                                      .fuel_mg = fuel_mg,
                                       .fuel_cut = (fuel_known && (fuel_mg <= 0.0f)) ? 1u : 0u,
                                       .intake_bar = sd_inputs_value(inputs, SD_INPUT_AIR_INTAKE_PRESSURE),
                                       .driveline = self->driveline_word,
@@ -147,7 +147,7 @@ static bool step_firings(sd_ecu_t *self, const sd_calibration_t *page, const sd_
     }
     const uint32_t read = sd_stage_misfire_tooth(&self->misfire, page, tooth, fuel_mg);
     if (out.restarted != 0u) { sd_misfire_start(&self->misfire.monitor); }
-    if (out.learned != 0u) { sd_say_pattern(&self->say, &self->firings.pattern); }
+    if (out.learned != 0u) { sd_say_pattern(&self->say, &self->firings); }
     if (out.complete != 0u) {
         sd_say_firing(&self->say, page, &out);
         judge_firing(self, page, out.firing.index, tooth->phase_known != 0u, &out);

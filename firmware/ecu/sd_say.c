@@ -63,9 +63,10 @@ void sd_say_firing(sd_publish_t *say, const sd_calibration_t *page, const sd_fir
     s->firing_rough = (float)firings->rough;
 }
 
-void sd_say_pattern(sd_publish_t *say, const sd_pattern_t *pattern) {
-    say->signals.wheel_learned_cycles = pattern->sums.cycles;
-    say->signals.wheel_pattern_sd_deg = pattern->sd_rad / SD_RAD_PER_DEG;
+void sd_say_pattern(sd_publish_t *say, const sd_firings_t *firings) {
+    const sd_firings_pattern_t pattern = sd_firings_believed(firings);
+    say->signals.wheel_learned_cycles = pattern.cycles;
+    say->signals.wheel_pattern_sd_deg = pattern.sd_rad / SD_RAD_PER_DEG;
 }
 
 void sd_say_verdict(sd_publish_t *say, const sd_stage_misfire_out_t *out) {

@@ -19,7 +19,7 @@ void sd_say_tooth(sd_publish_t *say, const sd_calibration_t *page, const sd_toot
 void sd_say_torque(sd_publish_t *say, const sd_torque_out_t *torque);
 void sd_say_cylinders(sd_publish_t *say, const sd_calibration_t *page, const sd_cylinders_out_t *cylinders);
 void sd_say_firing(sd_publish_t *say, const sd_calibration_t *page, const sd_firings_out_t *firings);
-void sd_say_pattern(sd_publish_t *say, const sd_pattern_t *pattern);
+void sd_say_pattern(sd_publish_t *say, const sd_firings_t *firings);
 void sd_say_verdict(sd_publish_t *say, const sd_stage_misfire_out_t *out);
 void sd_say_misfires(sd_publish_t *say, const sd_calibration_t *page, const sd_misfire_t *monitor);
 void sd_say_mixture(sd_publish_t *say, const sd_calibration_t *page, const sd_mixture_out_t *out, const sd_stage_mixture_t *mixture);

@@ -6,7 +6,7 @@
 
 #include "sd_value.h"
 
-#define MAGIC 0x32434453u /* "SDC2" */
+#define MAGIC 0x33434453u /* "SDC3" */
 #define NUMBER_MAX 1e9f
 #define FIXED_BYTES ((uint32_t)offsetof(sd_calibration_t, kalman.pool))
 

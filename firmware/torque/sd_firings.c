@@ -29,6 +29,7 @@ static sd_kalman_choice_t choice_of(const sd_firings_config_t *config) {
 static void take_config(sd_firings_t *self, const sd_firings_config_t *config, const sd_kalman_choice_t *choice) {
     self->kalman.choice = *choice;
     self->unlearned_rad = config->pattern_deg * SD_RAD_PER_DEG;
+    self->fired.unlearned_rad = self->unlearned_rad;
     self->enabled = (config->enabled != 0u) ? 1u : 0u;
 }
 
@@ -40,6 +41,7 @@ sd_result_t sd_firings_init(sd_firings_t *self, const sd_firings_config_t *confi
     if (!present) { return SD_OK; }
     (void)sd_kalman_init(&self->kalman, tables, &choice, tables->sets);
     sd_pattern_init(&self->pattern, tables);
+    sd_fired_init(&self->fired);
     take_config(self, config, &choice);
     return SD_OK;
 }
@@ -73,13 +75,28 @@ static void take_learned(sd_firings_t *self, const sd_kalman_tables_t *tables) {
     sd_motion_set_exponent(&self->kalman.charge, tables, self->pattern.exponent);
 }
 
-/* Returns whether the pattern changed. */
-static bool learn(sd_firings_t *self, const sd_kalman_tables_t *tables, const sd_firings_tooth_t *tooth, const sd_kalman_tooth_t *seen) {
+/* Returns whether the pattern changed. While fuel burns, on a road that lets the load alone, and once the filter has settled. */
+static bool learn_fired(sd_firings_t *self, const sd_kalman_tables_t *tables, const sd_firings_tooth_t *tooth,
+                        const sd_kalman_tooth_t *seen, bool read) {
+    sd_pattern_t *pattern = &self->pattern;
+    const sd_kalman_filter_t *filter = believed(self);
+    const bool known = (tooth->phase_known != 0u) && (tooth->intake_known != 0u) && (tooth->fuel_cut == 0u) && (seen->trusted != 0u);
+    const bool good = known && (self->on_rough == 0u) && (sd_kalman_health(&self->kalman, self->kalman.believed) == (uint8_t)SD_VALID) &&
+        (filter->running != 0u) && (filter->rejected_in_row == 0u) &&
+        (pattern->work.next >= tables->positions);
+    return good ? sd_fired_step(&self->fired, tables, &pattern->sums.fired, pattern->cycle_rad, &self->kalman, seen, tooth->fuel_mg,
+                                sd_firings_believed(self).late_rad != NULL, read || (tooth->advance > 1u))
+                : sd_fired_rest(&self->fired, tables, &pattern->sums.fired, pattern->cycle_rad);
+}
+
+/* The same. */
+static bool learn(sd_firings_t *self, const sd_kalman_tables_t *tables, const sd_firings_tooth_t *tooth, const sd_kalman_tooth_t *seen,
+                  bool read) {
     const bool known = (tooth->phase_known != 0u) && (tooth->intake_known != 0u);
     const bool motored = is_motored(self, tables, tooth) && known;
     const bool changed = motored ? sd_pattern_step(&self->pattern, tables, seen) : sd_pattern_rest(&self->pattern, tables);
     if (changed) { take_learned(self, tables); }
-    return changed;
+    return learn_fired(self, tables, tooth, seen, read) || changed;
 }
 
 /* What cylinders read without fuel is their zero. */
@@ -91,17 +108,36 @@ static void learn_zero(sd_firings_t *self, const sd_kalman_tables_t *tables, con
     }
 }
 
+/* ---- the pattern that is believed --------------------------------------------------------------------------------- */
+
+#define WORTH 0.25f /* of what a wheel has that is not known, or what was found: where firing leaves less of the pattern, it is believed, */
+#define BETTER 0.5f /* or of what fuel cut leaves, which has fewer doubts that it does not state */
+
+sd_firings_pattern_t sd_firings_believed(const sd_firings_t *self) {
+    const sd_pattern_t *cut = &self->pattern;
+    const sd_fired_t *fired = &self->fired;
+    const bool by_cut = (cut->sd_rad > 0.0f) && (cut->sd_rad < self->unlearned_rad);
+    const float wheel = (fired->found_rad > self->unlearned_rad) ? fired->found_rad : self->unlearned_rad;
+    const float least = by_cut ? BETTER * cut->sd_rad : WORTH * wheel;
+    if ((fired->sd_rad > 0.0f) && (fired->sd_rad < least)) {
+        return (sd_firings_pattern_t){ fired->late_rad, cut->sums.fired.cycles, fired->sd_rad, fired->tooth_rad, fired->hidden_share };
+    }
+    if (by_cut) { return (sd_firings_pattern_t){ cut->late_rad, cut->sums.cycles, cut->sd_rad, cut->sd_rad, 0.0f }; }
+    return (sd_firings_pattern_t){ NULL, cut->sums.cycles, cut->sd_rad, self->unlearned_rad, 0.0f };
+}
+
 /* ---- a tooth --------------------------------------------------------------------------------------------------- */
 
 static sd_kalman_tooth_t filter_tooth(const sd_firings_t *self, const sd_kalman_tables_t *tables, const sd_firings_tooth_t *tooth) {
-    const sd_pattern_t *pattern = &self->pattern;
-    const bool learned = (pattern->sd_rad > 0.0f) && (pattern->sd_rad < self->unlearned_rad) && (tooth->position < tables->positions);
+    const sd_firings_pattern_t pattern = sd_firings_believed(self);
+    const bool learned = (pattern.late_rad != NULL) && (tooth->position < tables->positions);
     return (sd_kalman_tooth_t){ .cycle_position = tooth->cycle_position,
                                 .advance = tooth->advance,
                                 .period_ticks = tooth->period_ticks,
                                 .trusted = (tooth->health == (uint8_t)SD_VALID) ? 1u : 0u,
-                                .late_rad = learned ? pattern->late_rad[tooth->position] : 0.0f,
-                                .pattern_rad = learned ? pattern->sd_rad : self->unlearned_rad,
+                                .late_rad = learned ? pattern.late_rad[tooth->position] : 0.0f,
+                                .pattern_rad = pattern.tooth_rad,
+                                .hidden_share = learned ? pattern.hidden_share : 0.0f,
                                 .intake_bar = tooth->intake_bar };
 }
 
@@ -165,7 +201,7 @@ void sd_firings_step(sd_firings_t *self, const sd_kalman_tables_t *tables, const
     out->waveform_nm = runs ? sd_kalman_torque(&self->kalman, tables, self->kalman.believed, tooth->cycle_position) : 0.0f;
     out->level_nm = runs ? filter->motion.coefficient_nm[0] : 0.0f;
     out->energy_j = filter->motion.energy_j;
-    out->learned = learn(self, tables, tooth, &seen) ? 1u : 0u;
+    out->learned = learn(self, tables, tooth, &seen, complete != 0u) ? 1u : 0u;
     out->complete = (uint8_t)((complete >> self->kalman.believed) & 1u);
     if (out->complete == 0u) { return; }
     out->firing = firing[self->kalman.believed];
@@ -179,6 +215,7 @@ void sd_firings_keep(const sd_firings_t *self, const sd_kalman_tables_t *tables,
 
 sd_result_t sd_firings_resume(sd_firings_t *self, const sd_kalman_tables_t *tables, const sd_pattern_sums_t *learned) {
     if ((self->enabled == 0u) || (sd_pattern_resume(&self->pattern, tables, learned) != SD_OK)) { return SD_ERR_CONFIG; }
+    sd_fired_resume(&self->fired, tables, &self->pattern.sums.fired);
     take_zeros(self, tables);
     take_learned(self, tables);
     return SD_OK;

@@ -3,6 +3,7 @@
 ///
 ///   tooth -> two filters on tooth times (sd_kalman.h), one for smooth and one for rough roads -> the road chooses (sd_road.h)
 ///         -> a firing, its deviation, and how far it may be trusted
+///   tooth with fuel -> tooth pattern while the engine fires (sd_fired.h)
 ///   tooth without fuel -> tooth pattern (sd_pattern.h) and frequencies of the crank's twist (sd_twist.h), which correct the
 ///         teeth to come; firings read without fuel -> zero of each cylinder
 ///
@@ -49,6 +50,7 @@ typedef struct sd_firings_tooth {
     uint8_t  intake_known;   ///< 0: intake_bar is a usual value that stands for a sensor that does not speak.
     uint8_t  fuel_cut;       ///< 1: it is known that no cylinder is given fuel now.
     uint8_t  driveline;      ///< sd_driveline_word_t: what is known of the driveline behind the crank.
+    float    fuel_mg;        ///< Fuel commanded for a firing, mg; below 0 where it is not known.
     float    intake_bar;     ///< Intake pressure, [0, 10] bar; anything else, NaN included: the last good one is held.
     float    speed_radps;    ///< Crank speed at the tooth, rad/s; weighs what is learned of the cylinders' zeros.
 } sd_firings_tooth_t;
@@ -58,7 +60,7 @@ typedef struct sd_firings_out {
     uint8_t     complete;    ///< 1: `firing` has just been completed; 0: `firing` is not set.
     uint8_t     rough;       ///< 1: the road is rough, and all that is said comes from the filter for rough roads.
     uint8_t     restarted;   ///< 1: a filter began anew at this tooth, so that what follows has no past.
-    uint8_t     learned;     ///< 1: the tooth pattern changed: sums.cycles and sd_rad of `pattern` have new values.
+    uint8_t     learned;     ///< 1: the tooth pattern changed, and what sd_firings_believed says.
     sd_firing_t firing;      ///< Torque and deviation of one firing.
     sd_status_t status;      ///< Of the block; innovation in rad, test_ratio 0: sd_kalman_status gives it to who asks. Invalid and
                              ///< uncalibrated while it rests.
@@ -73,6 +75,7 @@ typedef struct sd_firings {
     sd_kalman_t  kalman;   ///< Filter 0 for smooth roads, filter 1 for rough ones where the tables have two sets of gains.
     sd_road_t    road;     ///< Which of them to believe.
     sd_pattern_t pattern;  ///< Of the wheel, learned in fuel cut, with the crank's twist and the cylinders' zeros.
+    sd_fired_t   fired;    ///< Pattern of the wheel, learned while the engine fires; its sums stand in `pattern`.
     float        unlearned_rad; ///< Standard deviation of a tooth's place while its pattern is not learned.
     uint16_t     doubt;    ///< Positions until no firing under way holds a tooth that was not trusted.
     uint16_t     motored;  ///< Positions since the fuel was cut, saturating.
@@ -98,6 +101,18 @@ void sd_firings_spurious(sd_firings_t *self, const sd_kalman_tables_t *tables);
 
 /// Takes a placed tooth and fills *out.
 void sd_firings_step(sd_firings_t *self, const sd_kalman_tables_t *tables, const sd_firings_tooth_t *tooth, sd_firings_out_t *out);
+
+/// The tooth pattern as it is believed now.
+typedef struct sd_firings_pattern {
+    const float *late_rad; ///< How late each tooth of a revolution comes, rad; NULL: nothing is believed.
+    float cycles;          ///< That it was learned in; where nothing is believed, cycles without fuel so far.
+    float sd_rad;          ///< Its standard deviation; 0: nothing learned.
+    float tooth_rad;       ///< Of that what teeth have by themselves, or the deviation of a wheel that is not known,
+    float hidden_share;    ///< and what the rest leaves in a firing less the mean of all, over J w^2.
+} sd_firings_pattern_t;
+
+/// The pattern that is known best: from fuel cut, from firing, or none.
+sd_firings_pattern_t sd_firings_believed(const sd_firings_t *self);
 
 /// What to keep when the engine is off. Passes over the whole wheel: not for a tooth. Without tables all is 0.
 void sd_firings_keep(const sd_firings_t *self, const sd_kalman_tables_t *tables, sd_pattern_sums_t *learned);

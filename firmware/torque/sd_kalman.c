@@ -153,17 +153,17 @@ static bool in_range(const sd_kalman_filter_t *f, const sd_kalman_tables_t *t, f
 }
 
 /* Reads the firing that is due at a row, unless the filter began within its pulse. Returns true when it did. */
-static bool read_due(sd_kalman_t *self, const sd_kalman_tables_t *t, uint32_t which, const sd_kalman_word_t *word, float pattern_rad,
-                     sd_firing_t *firing) {
+static bool read_due(sd_kalman_t *self, const sd_kalman_tables_t *t, uint32_t which, const sd_kalman_word_t *word,
+                     const sd_kalman_tooth_t *tooth, sd_firing_t *firing) {
     const uint32_t read = word[SD_ROW_AT].at.read;
     if ((read == 0u) || (self->filter[which].teeth < t->positions)) { return false; }
-    sd_kalman_read_firing(self, t, which, read - 1u, pattern_rad, &firing[which]);
+    sd_kalman_read_firing(self, t, which, read - 1u, tooth, &firing[which]);
     return true;
 }
 
 /* Every running filter over one interval at whose end no tooth came: those that stand still in it stop. Returns those that completed
  * a firing. */
-static uint32_t coast(sd_kalman_t *self, const sd_kalman_tables_t *t, uint32_t k, float pattern_rad, sd_firing_t *firing) {
+static uint32_t coast(sd_kalman_t *self, const sd_kalman_tables_t *t, uint32_t k, const sd_kalman_tooth_t *tooth, sd_firing_t *firing) {
     sd_motion_row_t row;
     uint32_t complete = 0;
     sd_motion_sum_known(t, k, &self->charge, &row);
@@ -173,7 +173,7 @@ static uint32_t coast(sd_kalman_t *self, const sd_kalman_tables_t *t, uint32_t k
         if (f->running == 0u) { continue; }
         if (!sd_motion_predict(&f->motion, t, &row, self->shape, &self->tuning)) {
             restart(f);
-        } else if (read_due(self, t, i, row.word, pattern_rad, firing)) {
+        } else if (read_due(self, t, i, row.word, tooth, firing)) {
             complete |= 1u << i;
         }
     }
@@ -193,7 +193,7 @@ static inline uint32_t take_tooth(sd_kalman_t *self, const sd_kalman_tables_t *t
     sd_kalman_filter_t *f = &self->filter[which];
     bool good = sd_motion_move(&f->motion, t, &at->row, at->shape, &self->tuning);
     uint32_t complete = 0;
-    if (good && read_due(self, t, which, at->row.word, at->tooth->pattern_rad, firing)) { complete = 1u << which; }
+    if (good && read_due(self, t, which, at->row.word, at->tooth, firing)) { complete = 1u << which; }
     f->motion.lateness_s -= at->period_s;
     if (good && (at->tooth->trusted != 0u)) { correct(self, t, which, at->tooth, at->row.word); }
     good = good && in_range(f, t, self->choice.torque_base_nm);
@@ -209,7 +209,7 @@ static uint32_t coast_to(sd_kalman_t *self, const sd_kalman_tables_t *t, const s
     if (k >= cycle) { k -= cycle; }
     for (uint32_t left = tooth->advance; left > 1u; --left) {
         k = (k + 1u < cycle) ? k + 1u : 0u;
-        complete |= coast(self, t, k, tooth->pattern_rad, firing);
+        complete |= coast(self, t, k, tooth, firing);
     }
     return complete;
 }

@@ -60,6 +60,7 @@ typedef struct sd_kalman_tooth {
     uint8_t  trusted;        ///< 0: predict only.
     float    late_rad;       ///< Learned error of this tooth, positive when its edge comes late.
     float    pattern_rad;    ///< Standard deviation of what is not learned of it.
+    float    hidden_share;   ///< Standard deviation of a firing less the mean of all, over J w^2, from patterns that look like torque.
     float    intake_bar;     ///< Intake pressure, [0, 10]; anything else, NaN included: the last good one is held.
 } sd_kalman_tooth_t;
 

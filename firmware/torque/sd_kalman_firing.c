@@ -27,14 +27,14 @@ static float model_variance(const sd_kalman_t *self, const sd_kalman_tables_t *t
     return of_mean * of_mean * mean * mean + of_spread * of_spread * spread + of_charge * of_charge;
 }
 
-void sd_kalman_read_firing(sd_kalman_t *self, const sd_kalman_tables_t *t, uint32_t which, uint32_t i, float pattern_rad,
-                           sd_firing_t *firing) {
+void sd_kalman_read_firing(sd_kalman_t *self, const sd_kalman_tables_t *t, uint32_t which, uint32_t i,
+                           const sd_kalman_tooth_t *tooth, sd_firing_t *firing) {
     sd_kalman_filter_t *f = &self->filter[which];
     const float square = 2.0f * f->motion.energy_j / t->inertia_mean_kgm2;
     const sd_between_t at = sd_kalman_between(t, which, sd_root(square) * self->tuning.gain_speed);
     const float scale = t->inertia_mean_kgm2 * square, design = sd_kalman_blend(t->noise_rad, at);
     /* Noise as met. A tooth's own error shows in the innovation too, but does not average out. */
-    const float total = design * design * f->noise_ratio, fixed = pattern_rad * pattern_rad;
+    const float total = design * design * f->noise_ratio, fixed = tooth->pattern_rad * tooth->pattern_rad;
     const float fresh = (total > fixed) ? total - fixed : 0.0f;
     firing->index = (uint8_t)i;
     firing->raw_nm = f->motion.coefficient_nm[1u + i];
@@ -42,8 +42,8 @@ void sd_kalman_read_firing(sd_kalman_t *self, const sd_kalman_tables_t *t, uint3
     firing->mean_nm = remember(f, i, firing->torque_nm);
     const float single = sd_kalman_blend(t->single_sd, at), mean = sd_kalman_blend(t->mean_sd, at),
         stays = sd_kalman_blend(t->pattern_sd, at);
-    const float model = model_variance(self, t, f, at, i);
     const float shrink = (float)SD_KALMAN_MEAN / (float)f->kept[i]; /* variance, taken as independent until it is full */
+    const float hidden = scale * tooth->hidden_share, model = model_variance(self, t, f, at, i) + hidden * hidden;
     const float load = (which > 0u) ? sd_kalman_blend(t->load_sd_nm, at) : 0.0f;
     firing->noise_nm = scale * single * ((fresh > design * design) ? sd_root(fresh) : design);
     firing->sd_nm = sd_root(scale * scale * single * single * fresh + scale * scale * stays * stays * fixed + model + load * load);

@@ -37,9 +37,9 @@ static inline float sd_kalman_mean_firing(const sd_kalman_filter_t *f, const sd_
     return sum / (float)t->firings;
 }
 
-/* Fills *firing with firing i < firings as filter `which` has it now, and keeps it for the mean. */
-void sd_kalman_read_firing(sd_kalman_t *self, const sd_kalman_tables_t *t, uint32_t which, uint32_t i, float pattern_rad,
-                           sd_firing_t *firing);
+/* Fills *firing with firing i < firings, at a tooth, as filter `which` has it now, and keeps it for the mean. */
+void sd_kalman_read_firing(sd_kalman_t *self, const sd_kalman_tables_t *t, uint32_t which, uint32_t i,
+                           const sd_kalman_tooth_t *tooth, sd_firing_t *firing);
 
 #ifdef __cplusplus
 }

@@ -12,6 +12,8 @@ static bool sizes_ok(const sd_kalman_tables_t *t) {
     if ((t->modes > SD_KALMAN_MODES_MAX) || ((t->modes > 0u) && ((t->firings != t->cylinders) ||
         (t->coefficients != t->cylinders + 1u)))) { return false; }
     if ((t->window >= t->coefficients) || (t->teeth < 4u) || (t->teeth > t->positions)) { return false; }
+    if ((t->parts != 0u) && ((t->firings == 0u) || (t->modes > 0u) || (t->parts != t->firings + 3u))) { return false; }
+    if ((t->hidden > SD_KALMAN_HIDDEN_MAX) || ((t->hidden > 0u) && (t->parts == 0u))) { return false; }
     if ((t->row_words != sd_motion_row_words(t)) || (t->gains_at != sd_motion_gains_at(t))) { return false; }
     return sd_kalman_pool_used(t) <= SD_KALMAN_POOL;
 }
@@ -59,6 +61,9 @@ bool sd_kalman_tables_ok(const sd_kalman_tables_t *t) {
     for (uint32_t k = 0; ok && (k < 2u * t->positions); ++k) {
         ok = row_ok(t, sd_motion_word(t, k));
         teeth += sd_motion_word(t, k)[SD_ROW_AT].at.tooth;
+    }
+    for (uint32_t i = 2u * t->positions * t->row_words; ok && (i < sd_kalman_pool_used(t)); ++i) {
+        ok = sd_within(t->pool[i].value, -1e6f, 1e6f);
     }
     return ok && (teeth == 2u * t->teeth);
 }

@@ -22,6 +22,8 @@ extern "C" {
 #define SD_KALMAN_SETS_MAX         2    ///< Of gains.
 #define SD_KALMAN_GAINS_MAX        (SD_KALMAN_SETS_MAX * SD_KALMAN_SPEEDS_MAX)
 #define SD_KALMAN_MODES_MAX        2
+#define SD_KALMAN_PARTS_MAX        (3 + SD_KALMAN_FIRINGS_MAX)
+#define SD_KALMAN_HIDDEN_MAX       (SD_KALMAN_FIRINGS_MAX / 2)
 #define SD_KALMAN_SCALES           (5 + 2 * SD_KALMAN_MODES_MAX)
 #ifndef SD_KALMAN_POOL
 /// Words for torques and gains: 12 harmonics at 4 speeds take 26,400, 8 cylinders with 2 modes at 12 speeds 17,640. A build for less
@@ -70,7 +72,10 @@ enum {
 /// its bend g_j; pulses that are not in the row are 0 there. A mode: the twist that its mean known torques hold that do not
 /// scale with intake pressure: rad, and rad a w^2 of (rad/s)^2. Gains, as multiples of their scale, 16 bits each: for each
 /// set the columns K_0, K_1, K_x[m], K_s with a shape, and K_q, K_v of each mode, all speeds of a column side by side, so that
-/// the two that a speed lies between are a pair; then one more and up to a whole word.
+/// the two that a speed lies between are a pair; then one more and up to a whole word; then, for sd_fired.h, one column each of
+/// the parts, times 32767. Behind the rows: `restore`, parts by parts, and for each hidden direction its pattern over the
+/// parts, what it reads of the parts and of the firings, the rms of its torque over the firings less their mean over J w^2, the sum
+/// of the sizes of what it reads of the firings, and the share of the mean torque that they may be off by as speed and fuel change.
 typedef struct sd_kalman_tables {
     uint8_t  positions;    ///< Wheel positions a revolution N, even, 12 to 120. 0: there are no tables.
     uint8_t  coefficients; ///< m, 1 to SD_KALMAN_COEFFICIENTS_MAX, x_0 included.
@@ -82,6 +87,8 @@ typedef struct sd_kalman_tables {
     uint8_t  shapes;       ///< 1: the pulses have a shape to learn; 0: none, as with the Fourier basis.
     uint8_t  window;       ///< Pulses of a row, below m; m - 1 with the Fourier basis.
     uint8_t  teeth;        ///< Teeth that are there, a revolution, 4 to N.
+    uint8_t  parts;        ///< 3 + firings: phase, energy, load and firings; 0: nothing is learned while the engine fires.
+    uint8_t  hidden;       ///< Directions of the tooth pattern that look like torque, up to SD_KALMAN_HIDDEN_MAX.
     uint16_t row_words;    ///< Words of a row, as sd_motion_row_words says.
     uint16_t gains_at;     ///< Word of a row where its gains begin, as sd_motion_gains_at says.
     float    tick_hz;          ///< Capture ticks a second, [1e5, 2e8].
@@ -144,6 +151,9 @@ bool sd_kalman_tables_ok(const sd_kalman_tables_t *tables);
 /// Word of a row where the gains begin, and words of a row, for tables with these sizes.
 uint32_t sd_motion_gains_at(const sd_kalman_tables_t *tables);
 uint32_t sd_motion_row_words(const sd_kalman_tables_t *tables);
+
+/// Words of a hidden direction.
+static inline uint32_t sd_motion_hidden_words(const sd_kalman_tables_t *t) { return 2u * t->parts + t->firings + 3u; }
 
 /// Words of `pool` that such tables use.
 uint32_t sd_kalman_pool_used(const sd_kalman_tables_t *tables);

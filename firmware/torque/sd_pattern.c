@@ -16,7 +16,7 @@
 #define PIECE       2u     /* positions of the last cycle that go into the sums at a tooth */
 
 #if SD_CYLINDERS_MAX == 8
-_Static_assert(sizeof(sd_pattern_t) == 3452, "without pointers, the same size on every target");
+_Static_assert(sizeof(sd_pattern_t) == 4772, "without pointers, the same size on every target");
 #endif
 
 /* ---- the last cycle goes into the sums ------------------------------------------------------------------------- */
@@ -330,7 +330,8 @@ void sd_pattern_init(sd_pattern_t *self, const sd_kalman_tables_t *tables) {
 
 static bool sums_ok(const sd_pattern_sums_t *sums, const sd_kalman_tables_t *t) {
     const float *value = (const float *)sums;
-    bool ok = (sums->cycles >= 0.0f) && (sums->uu >= 0.0f) && (sums->square >= 0.0f) && sd_twist_sums_ok(&sums->twist, t);
+    bool ok = (sums->cycles >= 0.0f) && (sums->uu >= 0.0f) && (sums->square >= 0.0f) && sd_twist_sums_ok(&sums->twist, t) &&
+        sd_fired_sums_ok(&sums->fired, t);
     for (uint32_t i = 0; i < sizeof *sums / sizeof *value; ++i) { ok = ok && (value[i] > -1e9f) && (value[i] < 1e9f); }
     for (uint32_t k = 0; k < t->positions; ++k) { ok = ok && (sd_kalman_has_tooth(t, k) || (sums->late[k] == 0.0f)); }
     return ok;

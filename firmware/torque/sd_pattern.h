@@ -25,7 +25,7 @@
 /// Call sd_pattern_step for each placed tooth while fuel is cut, sd_pattern_rest for any other.
 #ifndef SD_PATTERN_H
 #define SD_PATTERN_H
-#include "sd_kalman.h"
+#include "sd_fired.h"
 #include "sd_twist.h"
 
 #ifdef __cplusplus
@@ -47,6 +47,7 @@ typedef struct sd_pattern_sums {
     float zero[SD_KALMAN_FIRINGS_MAX];      ///< Sum of u^2 (reading of cylinder i over its charge), Nm/bar,
     float zero_u2[SD_KALMAN_FIRINGS_MAX];   ///< and of u^2.
     sd_twist_sums_t twist;
+    sd_fired_sums_t fired;                  ///< While the engine fires (sd_fired.h); untouched here.
 } sd_pattern_sums_t;
 
 /// The last cycle's lateness on its way into the sums.

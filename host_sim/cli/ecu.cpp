@@ -23,7 +23,7 @@ struct Options {
 sd_calibration_t read_calibration(const Options &options, nlohmann::ordered_json &about) {
     const std::string content = read_file(options.file);
     about["files"][options.file] = sha256(content);
-    if (content.rfind("SDC2", 0) == 0) {
+    if (content.rfind("SDC3", 0) == 0) {
         const auto page = read_page(content);
         const auto ecu = std::make_unique<sd_ecu_t>();
         if (page && sd_ecu_init(ecu.get(), page.get()) == SD_OK) return *page;

@@ -132,7 +132,7 @@ class Output(Folder):
         done = sixdeg("calibrate", ENGINES / "diesel_22.toml", "--out", self.folder / "page", "--json", self.folder / "f.json")
         self.assertEqual(done.returncode, 0, done.stderr)
         page = (self.folder / "page" / "diesel_22.bin").read_bytes()
-        self.assertEqual(page[:4], b"SDC2")
+        self.assertEqual(page[:4], b"SDC3")
         self.assertEqual(json.loads((self.folder / "f.json").read_text())["sha256"], hashlib.sha256(page).hexdigest())
         source = self.folder / "page" / "diesel_22.c"
         inside = [int(b, 16) for b in source.read_text().split("{")[1].split("}")[0].replace("\n", " ").split(",") if b.strip()]

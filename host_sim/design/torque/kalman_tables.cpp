@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <optional>
 
 #include "design/calibration.hpp"
 #include "design/crank/crank_modes.hpp"
+#include "design/torque/fired_tables.hpp"
 #include "design/torque/late_in_fuel_cut.hpp"
 #include "design/torque/model_error.hpp"
 #include "common/error.hpp"
@@ -23,6 +25,9 @@ constexpr double kRoughChange = 4;
 constexpr double kLearnedRpm = 1500;
 /// Indicated mean effective pressure below which the pulses' shape is not learned.
 constexpr double kShapeFromPa = 0.5e5;
+/// By which the torque of a mg of fuel is another one at another speed and load: of all firings, which efficiency and friction move, and
+/// of one against another, whose injectors differ alike. Judged, not measured; tried on other engines as far as tests have them.
+constexpr double kCommonDoubt = 0.05, kApartDoubt = 0.01;
 
 struct Interval {
     double mean = 0, moment = 0, point = 0;
@@ -199,6 +204,24 @@ void fill_pool(const EngineFile &engine, const KnownTorque &torque, const std::v
     }
 }
 
+/// What the tooth pattern is learned by while the engine fires.
+void fill_fired(const FiredTables &fired, sd_kalman_tables_t &t) {
+    for (int k = 0; k < 2 * t.positions; ++k) {
+        sd_kalman_word_t *word = t.pool + (k + 1) * t.row_words - (t.parts + 1) / 2;
+        for (int j = 0; j < t.parts; ++j) word[j / 2].gain[j % 2] = std::int16_t(std::lround(fired.columns(k, j) * 32767));
+    }
+    sd_kalman_word_t *to = t.pool + 2 * t.positions * t.row_words;
+    const auto put = [&](const Eigen::VectorXd &values) {
+        for (double value : values) (to++)->value = float(value);
+    };
+    for (Eigen::Index j = 0; j < fired.restore.rows(); ++j) put(fired.restore.row(j));
+    for (const HiddenPattern &hidden : fired.hidden) {
+        put(hidden.pattern), put(hidden.from_parts), put(hidden.of_firings);
+        (to++)->value = float(hidden.spread), (to++)->value = float(hidden.of_firings.lpNorm<1>());
+        (to++)->value = float(hidden.common ? kCommonDoubt : kApartDoubt);
+    }
+}
+
 /// Takes over how many words a row has; false when the pool has no room for all rows.
 bool rows_fit(sd_kalman_tables_t &t) {
     t.gains_at = std::uint16_t(sd_motion_gains_at(&t));
@@ -206,7 +229,14 @@ bool rows_fit(sd_kalman_tables_t &t) {
     return sd_kalman_pool_used(&t) <= SD_KALMAN_POOL;
 }
 
-sd_kalman_tables_t sizes(const EngineFile &engine, const KnownTorque &torque, const KalmanTune &tune) {
+/// Nothing where the crank twists, whose modes tooth times show too, and with the Fourier basis.
+std::optional<FiredTables> fired_of(const EngineFile &engine, const KnownTorque &torque) {
+    if (!torque.firings || !modes_of(engine, torque).empty()) return std::nullopt;
+    return fired_tables(engine, torque);
+}
+
+sd_kalman_tables_t sizes(const EngineFile &engine, const KnownTorque &torque, const KalmanTune &tune,
+                         const std::optional<FiredTables> &fired) {
     sd_kalman_tables_t t{};
     t.positions = std::uint8_t(engine.wheel.positions);
     t.coefficients = std::uint8_t(1 + torque.basis.size());
@@ -217,6 +247,7 @@ sd_kalman_tables_t sizes(const EngineFile &engine, const KnownTorque &torque, co
     t.shapes = torque.shape.empty() ? 0 : 1;
     t.shape_min_nm = float(kShapeFromPa * engine.displaced_m3() / M_PI);
     t.teeth = std::uint8_t(engine.wheel.teeth());
+    if (fired) t.parts = std::uint8_t(3 + t.firings), t.hidden = std::uint8_t(fired->hidden.size());
     for (int k = 0; k < 2 * t.positions; ++k) t.window = std::max(t.window, std::uint8_t(lasting(engine, torque, k).count));
     t.tick_hz = float(engine.tick_hz);
     t.pitch_rad = float(2 * M_PI / t.positions);
@@ -379,7 +410,8 @@ ToothNoise tooth_noise(const EngineFile &engine, const KalmanTune &tune, double 
 }
 
 KalmanTables kalman_tables(const EngineFile &engine, const KnownTorque &torque, const KalmanTune &tune) {
-    KalmanTables out{sizes(engine, torque, tune), {}, 0};
+    const std::optional<FiredTables> fired = fired_of(engine, torque);
+    KalmanTables out{sizes(engine, torque, tune, fired), {}, 0};
     sd_kalman_tables_t &t = out.tables;
     const ModelAt model_at(engine, torque);
     add_set(engine, model_at, tune, out);
@@ -391,6 +423,7 @@ KalmanTables kalman_tables(const EngineFile &engine, const KnownTorque &torque, 
     }
     if (t.firings > 0 && !engine.pulses.empty()) state_doubts(engine, torque, model_at, out);
     fill_pool(engine, torque, out.gains, t);
+    if (fired) fill_fired(*fired, t);
     return out;
 }
 

@@ -64,8 +64,9 @@ struct SetRun {
 
 /// `count` engines; engine i has the seed first_seed + i.
 std::vector<SetEngine> draw_engines(EngineKind kind, Physics physics, int count, std::uint64_t first_seed);
-/// Smooth roads with jitter of 0.01 and 0.02 deg and a rough one with 0.01 deg, over 1000 to 6000 rpm (twisting: 4500) and 1 to 9 bar.
-std::vector<SetPoint> set_points(EngineKind kind);
+/// Smooth roads with jitter of 0.01 and 0.02 deg and a rough one with 0.01 deg, over 1000 to 6000 rpm (twisting: 4500) and 1 to 9 bar
+/// (dual-mass with other physics: 5).
+std::vector<SetPoint> set_points(EngineKind kind, Physics physics);
 
 /// The engine file the calibration is made of: the nominal engine.
 EngineFile nominal_engine(EngineKind kind);

@@ -197,7 +197,7 @@ void run_kind(const MisfireStudy &study, EngineKind kind, Physics physics, SetWr
     for (const std::string &assignment : study.set) tune.set(assignment);
     const sd_calibration_t page = calibrate(file, read_tune(tune), "tune");
     const std::size_t first = cells.size();
-    for (const SetPoint &point : set_points(kind)) {
+    for (const SetPoint &point : set_points(kind, physics)) {
         if (wanted(study, point)) cells.push_back({kind, physics, point});
     }
     for (const SetEngine &engine : draw_engines(kind, physics, study.engines, study.seed)) {

@@ -61,60 +61,60 @@ typedef struct sd_driveline_model_q31 {
 } sd_driveline_model_q31_t;
 
 /// Of tooth, out and state the f32 variant has the units of the names. EXTRA: what only one of the two carries.
-#define SD_DRIVELINE_GUARD_DECLARE(N, T, EXTRA)                                                                                             \
-    /* A placed tooth, and what is known of the interval that ends with it. */                                                              \
-    typedef struct sd_driveline_tooth_##N {                                                                                                 \
-        uint32_t period_ticks; /* Time since the last placed tooth. */                                                                      \
-        uint16_t advance;      /* Positions since the last placed tooth, 1 to 120. */                                                       \
-        uint8_t  health;       /* sd_health_t of the tooth; only those that are SD_VALID correct the filter. */                             \
-        uint8_t  gear;         /* 1 to the tables' gears; 0: clutch open, neutral, or not known. */                                         \
+#define SD_DRIVELINE_GUARD_DECLARE(N, T, EXTRA)                                                                                            \
+    /* A placed tooth, and what is known of the interval that ends with it. */                                                             \
+    typedef struct sd_driveline_tooth_##N {                                                                                                \
+        uint32_t period_ticks; /* Time since the last placed tooth. */                                                                     \
+        uint16_t advance;      /* Positions since the last placed tooth, 1 to 120. */                                                      \
+        uint8_t  health;       /* sd_health_t of the tooth; only those that are SD_VALID correct the filter. */                            \
+        uint8_t  gear;         /* 1 to the tables' gears; 0: clutch open, neutral, or not known. */                                        \
         /* Of the engine at the crank, mean over the interval, friction taken off; not finite or beyond 20000: the last good one holds. */ \
-        T torque_nm;                                                                                                                        \
-        T place_rad;           /* How far behind its nominal place the tooth stands on the wheel; 0 where the pattern is not known. */      \
-        /* How far a crank of constant inertia is ahead of the real one at this tooth. It counts for the tooth's place as place_rad does;   \
-         * what is said of torsion and location is that of the real crank. 0 where the inertia does not vary. */                            \
-        T lead_rad;                                                                                                                         \
-    } sd_driveline_tooth_##N##_t;                                                                                                           \
-    /* What is said at a tooth. */                                                                                                          \
-    typedef struct sd_driveline_out_##N {                                                                                                   \
-        T twist_rad;           /* Torsion, at the wheels. */                                                                                \
-        T shaft_nm;            /* Torque of the shaft at the crank: spring and damping, times the ratio. */                                 \
-        T winding_radps;       /* Rate of the torsion. */                                                                                   \
-        T wheel_radps;         /* Speed of the wheels. */                                                                                   \
-        T bias_nm;             /* What the torque told is believed to lack. */                                                              \
-        uint8_t location;      /* 1 to 3; 0: not known. */                                                                                  \
-        uint8_t changed;       /* 1: the location is another than at the last tooth. */                                                     \
-        uint8_t moving;        /* 1: the shaft winds or unwinds faster than the tables' limit, or did within their hold time. */            \
-        sd_status_t status;    /* innovation in rad of the crank. */                                                                        \
-    } sd_driveline_out_##N##_t;                                                                                                             \
-    typedef struct sd_driveline_guard_##N {                                                                                                 \
-        T x[SD_DRIVELINE_STATES];                   /* sd_driveline_state_t. */                                                             \
-        sd_gain_##N##_t gain[SD_DRIVELINE_STATES];  /* Of the last tooth, */                                                                \
-        T gain_s;              /* made for so long a step. */                                                                               \
-        T torque_nm;           /* Last good one. */                                                                                         \
-        T mean_late_rad;       /* Mean lateness of some 16 teeth. */                                                                        \
-        T settled_s;           /* Time that the filter has run in this gear. */                                                             \
-        T still_s;             /* Time since the shaft last moved fast. */                                                                  \
-        EXTRA                                                                                                                               \
-        uint16_t rejected;     /* Teeth left out since init, saturating. */                                                                 \
-        uint8_t gear;          /* Of the last step; 0: it does not run. */                                                                  \
-        uint8_t location;                                                                                                                   \
-        uint8_t by_angle;      /* Location that the torsion stands in. */                                                                   \
-        uint8_t table;         /* From which gains: 1: stiff, and 2: of the start. */                                                       \
-        uint8_t strikes;       /* Teeth left out in a row. */                                                                               \
-    } sd_driveline_guard_##N##_t;                                                                                                           \
-    /* Forgets everything. SD_OK, or SD_ERR_CONFIG with the state untouched: a number of the tables is out of its range, or has no room in  \
-     * its base. Tables without gears are none: the filter rests, and says uncalibrated. */                                                 \
-    sd_result_t sd_driveline_guard_init_##N(sd_driveline_guard_##N##_t *self, const sd_driveline_tables_t *tables);                         \
-    /* The angle was lost, or a time is missing: the filter begins anew at the next tooth, its bias kept. */                                \
-    void sd_driveline_guard_restart_##N(sd_driveline_guard_##N##_t *self);                                                                  \
-    /* Takes a tooth and fills *out. */                                                                                                     \
-    void sd_driveline_guard_step_##N(sd_driveline_guard_##N##_t *self, const sd_driveline_tables_t *tables,                                 \
-                                     const sd_driveline_tooth_##N##_t *tooth, sd_driveline_out_##N##_t *out);                               \
-    /* An edge of the wheels, since_ticks after the last placed tooth, `advance` of their positions after their last edge. Nothing          \
-     * happens while the filter does not run or the tables know no wheel teeth. One that is too far off leaves the wheels' phase to be      \
-     * found anew. */                                                                                                                       \
-    void sd_driveline_guard_wheel_##N(sd_driveline_guard_##N##_t *self, const sd_driveline_tables_t *tables, uint32_t since_ticks,          \
+        T torque_nm;                                                                                                                       \
+        T place_rad;           /* How far behind its nominal place the tooth stands on the wheel; 0 where the pattern is not known. */     \
+        /* How far a crank of constant inertia is ahead of the real one at this tooth. It counts for the tooth's place as place_rad does;  \
+         * what is said of torsion and location is that of the real crank. 0 where the inertia does not vary. */                           \
+        T lead_rad;                                                                                                                        \
+    } sd_driveline_tooth_##N##_t;                                                                                                          \
+    /* What is said at a tooth. */                                                                                                         \
+    typedef struct sd_driveline_out_##N {                                                                                                  \
+        T twist_rad;           /* Torsion, at the wheels. */                                                                               \
+        T shaft_nm;            /* Torque of the shaft at the crank: spring and damping, times the ratio. */                                \
+        T winding_radps;       /* Rate of the torsion. */                                                                                  \
+        T wheel_radps;         /* Speed of the wheels. */                                                                                  \
+        T bias_nm;             /* What the torque told is believed to lack. */                                                             \
+        uint8_t location;      /* 1 to 3; 0: not known. */                                                                                 \
+        uint8_t changed;       /* 1: the location is another than at the last tooth. */                                                    \
+        uint8_t moving;        /* 1: the shaft winds or unwinds faster than the tables' limit, or did within their hold time. */           \
+        sd_status_t status;    /* innovation in rad of the crank. */                                                                       \
+    } sd_driveline_out_##N##_t;                                                                                                            \
+    typedef struct sd_driveline_guard_##N {                                                                                                \
+        T x[SD_DRIVELINE_STATES];                   /* sd_driveline_state_t. */                                                            \
+        sd_gain_##N##_t gain[SD_DRIVELINE_STATES];  /* Of the last tooth, */                                                               \
+        T gain_s;              /* made for so long a step. */                                                                              \
+        T torque_nm;           /* Last good one. */                                                                                        \
+        T mean_late_rad;       /* Mean lateness of some 16 teeth. */                                                                       \
+        T settled_s;           /* Time that the filter has run in this gear. */                                                            \
+        T still_s;             /* Time since the shaft last moved fast. */                                                                 \
+        EXTRA                                                                                                                              \
+        uint16_t rejected;     /* Teeth left out since init, saturating. */                                                                \
+        uint8_t gear;          /* Of the last step; 0: it does not run. */                                                                 \
+        uint8_t location;                                                                                                                  \
+        uint8_t by_angle;      /* Location that the torsion stands in. */                                                                  \
+        uint8_t table;         /* From which gains: 1: stiff, and 2: of the start. */                                                      \
+        uint8_t strikes;       /* Teeth left out in a row. */                                                                              \
+    } sd_driveline_guard_##N##_t;                                                                                                          \
+    /* Forgets everything. SD_OK, or SD_ERR_CONFIG with the state untouched: a number of the tables is out of its range, or has no room in \
+     * its base. Tables without gears are none: the filter rests, and says uncalibrated. */                                                \
+    sd_result_t sd_driveline_guard_init_##N(sd_driveline_guard_##N##_t *self, const sd_driveline_tables_t *tables);                        \
+    /* The angle was lost, or a time is missing: the filter begins anew at the next tooth, its bias kept. */                               \
+    void sd_driveline_guard_restart_##N(sd_driveline_guard_##N##_t *self);                                                                 \
+    /* Takes a tooth and fills *out. */                                                                                                    \
+    void sd_driveline_guard_step_##N(sd_driveline_guard_##N##_t *self, const sd_driveline_tables_t *tables,                                \
+                                     const sd_driveline_tooth_##N##_t *tooth, sd_driveline_out_##N##_t *out);                              \
+    /* An edge of the wheels, since_ticks after the last placed tooth, `advance` of their positions after their last edge. Nothing         \
+     * happens while the filter does not run or the tables know no wheel teeth. One that is too far off leaves the wheels' phase to be     \
+     * found anew. */                                                                                                                      \
+    void sd_driveline_guard_wheel_##N(sd_driveline_guard_##N##_t *self, const sd_driveline_tables_t *tables, uint32_t since_ticks,         \
                                       uint16_t advance);
 
 SD_DRIVELINE_GUARD_DECLARE(f32, float, )

@@ -115,7 +115,8 @@ TEST(Ecu, ParametersSetAtRunTimeGiveThePageOfThoseSetAtTheStart) {
         expect_same_choices(*Ecu(fresh).ecu, *ecu.ecu);
     }
     EXPECT_EQ(SD_PARAMETER_COUNT, unsigned(taken) + refused.size());
-    const std::vector<std::string> tables{"firing.harmonics", "firing.edge_sd", "firing.load_walk", "firing.rough_walk", "firing.change", "firing.shape_walk"};
+    const std::vector<std::string> tables{"firing.harmonics", "firing.edge_sd", "firing.load_walk", "firing.rough_walk", "firing.change", "firing.shape_walk",
+                                          "work.window"};
     EXPECT_EQ(tables, refused);
 }
 

@@ -22,12 +22,28 @@ int edit_distance(const std::string &a, const std::string &b) {
     return steps[a.size()][b.size()];
 }
 
+namespace {
+
+/// How much of both is the name of the same table, the dot at its end included.
+std::size_t same_table(const std::string &a, const std::string &b) {
+    std::size_t shared = 0;
+    for (std::size_t i = 0; i < std::min(a.size(), b.size()) && a[i] == b[i]; ++i) {
+        if (a[i] == '.') shared = i + 1;
+    }
+    return shared;
+}
+
+} // namespace
+
 std::string nearest_hint(const std::string &word, const std::vector<std::string> &names) {
     const std::string *nearest = nullptr;
-    int least = int(word.size()) / 3 + 1;
+    int least = int(word.size());
     for (const std::string &name : names) {
         if (name == word) continue;
-        if (const int distance = edit_distance(word, name); distance < least) least = distance, nearest = &name;
+        const std::size_t shared = same_table(word, name);
+        const std::string part = word.substr(shared);
+        const int distance = edit_distance(part, name.substr(shared));
+        if (distance <= int(part.size()) / 3 && distance < least) least = distance, nearest = &name;
     }
     return nearest ? "; the nearest is '" + *nearest + "'" : "";
 }

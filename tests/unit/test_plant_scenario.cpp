@@ -69,7 +69,7 @@ TEST(Scenario, EveryErrorNamesFieldAndRange) {
         {{"encoder.cam.retard_deg=90"}, "encoder.cam.retard_deg: 90 is outside [-60, 60] deg"},
         {{"encoder.cam.jitter_deg=9"}, "encoder.cam.jitter_deg: 9 is outside [0, 5] deg"},
         {{"encoder.cam.drop_rate=9"}, "encoder.cam.drop_rate: 9 is outside [0, 1]"},
-        {{"encoder.jiter_deg=0.1"}, "encoder.jiter_deg: is not a known field"},
+        {{"encoder.jiter_deg=0.1"}, "encoder.jiter_deg: is not a known field; the nearest is 'encoder.jitter_deg'"},
     };
     for (const Wrong &wrong : all)
         EXPECT_EQ(message([&] { scenario(wrong.changes); }), "s.toml: " + wrong.line);
@@ -119,7 +119,7 @@ TEST(PlantEngineFile, EveryErrorNamesFieldAndRange) {
         {"factor = 1", "factor = 7", "plant.wall.factor: 7 is outside [0, 5]"},
         {"fmep_bar = [0.75, 0.25, 0.04]", "fmep_bar = [0.75]",
          "plant.friction.fmep_bar: has 1 entries, not 3"},
-        {"[plant.wall]", "[plant.walls]", "plant.walls.factor: is not a known field"},
+        {"[plant.wall]", "[plant.walls]", "plant.walls.factor: is not a known field; the nearest is 'plant.wall.factor'"},
         {"[plant.wall]", "[plant.driveline]\ninertia_kgm2 = -1\n[plant.wall]",
          "plant.driveline.inertia_kgm2: -1 is outside [0, 100] kg m2"},
         {"[plant.wall]", "[dual_mass]\n[plant.wall]",

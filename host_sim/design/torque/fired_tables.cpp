@@ -14,6 +14,9 @@ using Eigen::VectorXd;
 
 /// Directions of which less than this is seen count as hidden: what they would be read from is mostly noise.
 constexpr double kHiddenBelow = 0.1;
+/// By which the torque of a mg of fuel is another one at another speed and load: of all firings, which efficiency and friction move, and
+/// of one against another, whose injectors differ alike. Judged, not measured; tried on other engines as far as tests have them.
+constexpr double kCommonDoubt = 0.05, kApartDoubt = 0.01;
 
 /// How late phase, energy and load at the start and each firing, over J_mean w^2, make every tooth: rad, [2 N][3 + firings].
 MatrixXd lateness_of_parts(const EngineFile &engine, const KnownTorque &torque) {
@@ -98,6 +101,23 @@ FiredTables fired_tables(const EngineFile &engine, const KnownTorque &torque) {
         out.hidden.push_back(hides);
     }
     return out;
+}
+
+void put_fired(const FiredTables &fired, sd_kalman_tables_t &t) {
+    for (int k = 0; k < 2 * t.positions; ++k) {
+        sd_kalman_word_t *word = t.pool + (k + 1) * t.row_words - (t.parts + 1) / 2;
+        for (int j = 0; j < t.parts; ++j) word[j / 2].gain[j % 2] = std::int16_t(std::lround(fired.columns(k, j) * 32767));
+    }
+    sd_kalman_word_t *to = t.pool + 2 * t.positions * t.row_words;
+    const auto put = [&](const Eigen::VectorXd &values) {
+        for (double value : values) (to++)->value = float(value);
+    };
+    for (Eigen::Index j = 0; j < fired.restore.rows(); ++j) put(fired.restore.row(j));
+    for (const HiddenPattern &hidden : fired.hidden) {
+        put(hidden.pattern), put(hidden.from_parts), put(hidden.of_firings);
+        (to++)->value = float(hidden.spread), (to++)->value = float(hidden.of_firings.lpNorm<1>());
+        (to++)->value = float(hidden.common ? kCommonDoubt : kApartDoubt);
+    }
 }
 
 } // namespace sixdeg

@@ -25,9 +25,6 @@ constexpr double kRoughChange = 4;
 constexpr double kLearnedRpm = 1500;
 /// Indicated mean effective pressure below which the pulses' shape is not learned.
 constexpr double kShapeFromPa = 0.5e5;
-/// By which the torque of a mg of fuel is another one at another speed and load: of all firings, which efficiency and friction move, and
-/// of one against another, whose injectors differ alike. Judged, not measured; tried on other engines as far as tests have them.
-constexpr double kCommonDoubt = 0.05, kApartDoubt = 0.01;
 
 struct Interval {
     double mean = 0, moment = 0, point = 0;
@@ -204,24 +201,6 @@ void fill_pool(const EngineFile &engine, const KnownTorque &torque, const std::v
     }
 }
 
-/// What the tooth pattern is learned by while the engine fires.
-void fill_fired(const FiredTables &fired, sd_kalman_tables_t &t) {
-    for (int k = 0; k < 2 * t.positions; ++k) {
-        sd_kalman_word_t *word = t.pool + (k + 1) * t.row_words - (t.parts + 1) / 2;
-        for (int j = 0; j < t.parts; ++j) word[j / 2].gain[j % 2] = std::int16_t(std::lround(fired.columns(k, j) * 32767));
-    }
-    sd_kalman_word_t *to = t.pool + 2 * t.positions * t.row_words;
-    const auto put = [&](const Eigen::VectorXd &values) {
-        for (double value : values) (to++)->value = float(value);
-    };
-    for (Eigen::Index j = 0; j < fired.restore.rows(); ++j) put(fired.restore.row(j));
-    for (const HiddenPattern &hidden : fired.hidden) {
-        put(hidden.pattern), put(hidden.from_parts), put(hidden.of_firings);
-        (to++)->value = float(hidden.spread), (to++)->value = float(hidden.of_firings.lpNorm<1>());
-        (to++)->value = float(hidden.common ? kCommonDoubt : kApartDoubt);
-    }
-}
-
 /// Takes over how many words a row has; false when the pool has no room for all rows.
 bool rows_fit(sd_kalman_tables_t &t) {
     t.gains_at = std::uint16_t(sd_motion_gains_at(&t));
@@ -344,15 +323,6 @@ TorqueOverAngle sum_of(const std::vector<TorqueOverAngle> &torques) {
     };
 }
 
-std::vector<TorqueOverAngle> fourier_basis(int harmonics) {
-    std::vector<TorqueOverAngle> basis;
-    for (int h = 1; h <= harmonics; ++h) {
-        basis.push_back([h](double a) { return std::cos(h * a / 2); });
-        basis.push_back([h](double a) { return std::sin(h * a / 2); });
-    }
-    return basis;
-}
-
 std::pair<Eigen::MatrixXd, Eigen::MatrixXd> interval_tables(const EngineFile &engine, const std::vector<TorqueOverAngle> &torques) {
     Eigen::MatrixXd mean(2 * engine.wheel.positions, torques.size()), moment = mean;
     for (int k = 0; k < mean.rows(); ++k) {
@@ -423,7 +393,7 @@ KalmanTables kalman_tables(const EngineFile &engine, const KnownTorque &torque, 
     }
     if (t.firings > 0 && !engine.pulses.empty()) state_doubts(engine, torque, model_at, out);
     fill_pool(engine, torque, out.gains, t);
-    if (fired) fill_fired(*fired, t);
+    if (fired) put_fired(*fired, t);
     return out;
 }
 

@@ -61,7 +61,4 @@ KalmanTables kalman_tables(const EngineFile &engine, const KnownTorque &torque, 
 /// All of them together.
 TorqueOverAngle sum_of(const std::vector<TorqueOverAngle> &torques);
 
-/// cos and sin of harmonics 1 to n of the cycle: the Fourier basis.
-std::vector<TorqueOverAngle> fourier_basis(int harmonics);
-
 } // namespace sixdeg

@@ -9,6 +9,15 @@
 
 namespace sixdeg {
 
+std::vector<TorqueOverAngle> fourier_basis(int harmonics) {
+    std::vector<TorqueOverAngle> basis;
+    for (int h = 1; h <= harmonics; ++h) {
+        basis.push_back([h](double a) { return std::cos(h * a / 2); });
+        basis.push_back([h](double a) { return std::sin(h * a / 2); });
+    }
+    return basis;
+}
+
 std::optional<KnownTorque> known_torque(const EngineFile &engine, const sd_parameters_t &parameters) {
     if (engine.pulses.empty()) return std::nullopt;
     struct Tables : CylinderPulse {

@@ -6,7 +6,7 @@
 ///
 /// The chain has no covariance. What it says of its own scatter is measured: cylinders' deviations from the mean change
 /// from cycle to cycle, and three times the mean square of that, over some 8 cycles, stands for their variance. It holds
-/// noise and whatever still moves; of a bias only what is usual beside such noise (docs/afr.md).
+/// noise and whatever still moves; of a bias only what is usual beside such noise (docs/theory/afr.md).
 ///
 /// B and C are stepped by the caller, as for the joint filter (sd_afr_joint.h), and so serve whoever else reads them; their
 /// delay includes SD_UEGO_LEAD. Two variants from one body: _f32 and _q31. Real-time contract: no heap, no globals, no libm;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /// sd_afr_joint.h - composition of every cylinder's gas from the wideband sensor, in one periodic Kalman filter: ours,
-/// in place of blocks A and D of document 004 (docs/afr.md).
+/// in place of blocks A and D of document 004 (docs/theory/afr.md).
 ///
 /// State: x air fraction in the manifold as it reaches the sensor, a_i of every cylinder's gas, s2 and s1 the two lags of
 /// the sensor. Once a wheel position, with M and D_i as the sensor meets them (sd_afr_inflow.h, delay included):
@@ -11,7 +11,7 @@
 /// K is either given (fixed gains, one column a position, and a correction at each) or found on the way from the filter's own
 /// covariance, which moves by three positions at a time: the lags follow the x before them, and what a cylinder lets in within
 /// them is mixed in at once. The sensor's lags are tens of positions, so this K is as good as one found at every position
-/// (docs/afr.md). Each line above touches one row of the covariance. a_i gains variance q^2 once a cycle, where its
+/// (docs/theory/afr.md). Each line above touches one row of the covariance. a_i gains variance q^2 once a cycle, where its
 /// exhaust begins. Where innovations keep to one side
 /// by more than 5 of their standard deviations, every state gains jump^2: a small drift for quiet estimates and yet a step
 /// is followed as fast as the noise allows. Covariance comes with what the estimate may be trusted for: sd of a cylinder's

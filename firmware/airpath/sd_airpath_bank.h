@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /// sd_airpath_bank.h - which actuator of the air path is faulty: two unknown-input observers, one blind to each actuator's fault, the
-/// offsets of their residuals, and the multi-CUSUM that decides (document 001; docs/airpath.md).
+/// offsets of their residuals, and the multi-CUSUM that decides (document 001; docs/theory/airpath.md).
 ///
 ///     state 0 waits  -> 1 settles -> 2 learns -> 3 decides        a sensor that is silent or stuck, or a restart: back to 0
 /// While the engine moves from one operating point to another nothing is decided; at another point than that where offsets were learned

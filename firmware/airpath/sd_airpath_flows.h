@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/// sd_airpath_flows.h - the air path as document 001 models it: four states, three flows (docs/airpath.md).
+/// sd_airpath_flows.h - the air path as document 001 models it: four states, three flows (docs/theory/airpath.md).
 ///
 ///     p'   = kappa (-k p + R_air T_charge W_air / V_in + R_exhaust T_egr W_egr / V_in)     intake pressure, kPa
 ///     ma'  = -k ma + W_air                                                             air in the intake, g

@@ -14,7 +14,8 @@
 /// for calm_s, or hold_s have gone by. Locations 1 and 3 obey the same matrices and differ by a constant, so that their residuals are the
 /// same in the end: from 2 the torsion of the continuous observer says which.
 ///
-/// It is here as the reference: it wants a speed without noise, and tooth times are not that (docs/driveline.md). Use sd_driveline_guard.h.
+/// It is here as the reference: it wants a speed without noise, and tooth times are not that
+/// (docs/theory/driveline.md). Use sd_driveline_guard.h.
 ///
 /// Real-time contract: no heap, no globals, no I/O, no libm; constant time. One writer per state, plain data without pointers; tables are
 /// read only. Call order: init; step every tables.period_s.

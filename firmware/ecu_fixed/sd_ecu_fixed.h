@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /// sd_ecu_fixed.h - an ecu of fixed point, for cores without a floating-point unit: the interface of sd_ecu.h, and no floating-point
-/// arithmetic in it (docs/fixed.md).
+/// arithmetic in it (docs/theory/fixed.md).
 ///
 ///   crank edge -> decoder -> course of the cycle -> torque (Fourier), misfires (document 000), mixture (document 004's chain)
 ///                 and one piece of the work that the end of a cycle left: cylinders, mixture, trims, the cycle's signals, the

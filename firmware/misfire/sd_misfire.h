@@ -21,7 +21,7 @@
 /// A partial burn is a firing below `partial` and below 1 - z_false sd_0 that is no misfire.
 ///
 /// Windows of 200 and 1000 revolutions follow one another and count monitored firings only; the shape of the decision is
-/// that of OBD II as recalled, not verified against the regulation (docs/misfire.md).
+/// that of OBD II as recalled, not verified against the regulation (docs/theory/misfire.md).
 ///
 /// Real-time contract: no heap, no globals, no libm; one call a firing, loops over cylinders only. One writer per state.
 /// Call order: init; start whenever the engine or the estimator started; firing for each; read.

@@ -4,7 +4,7 @@
 /// Over crank angle a, with v1 = w^2/2 less its mean (w crank speed), the second state is the acceleration itself, dv1/da = dw/dt,
 /// and the document's equations (3), (4) read
 ///     dv1/da = v2,   dv2/da = -k2 v2 - k1 v1 + C Q_n
-/// with numbers that are those of the engine and not of its speed (docs/observers.md derives them; the host puts them into the
+/// with numbers that are those of the engine and not of its speed (docs/theory/observers.md derives them; the host puts them into the
 /// page). A step is a tooth. Q_n is a pulse that begins at the TDC of the active cylinder n, of the work that its commanded
 /// fuel should give. Where teeth are missing or doubtful the observer coasts.
 ///

@@ -3,7 +3,7 @@
 ///
 /// The coefficients at the end of a cycle are a linear image of what each cylinder did: of its combustion torque, of
 /// the intake pressure, which is measured, and of the load, through pulse shapes that the calibration knows. The map
-/// here undoes it by weighted least squares, what truncation leaves of the pulses included, and leaves the load out (docs/torque.md,
+/// here undoes it by weighted least squares, what truncation leaves of the pulses included, and leaves the load out (docs/theory/torque.md,
 /// "Torque of each cylinder"; `sixdeg calibrate` computes it). Integrating the truncated torque would not do.
 ///
 /// The map belongs to the gains it was computed for. No state, no libm; n_cylinders (2 n_h + 1)

@@ -5,16 +5,16 @@
 ///     dphi/dalpha = T_mass(alpha) = T_combustion - T_load*,
 /// and T_mass repeats every cycle, so it is a Fourier series in alpha / 2 with n_h harmonics:
 ///     T_mass = a_0 + sum over i of a_i cos(i alpha / 2) + b_i sin(i alpha / 2) = sum over j of c_j f_j(alpha).
-/// At each tooth the observer corrects, then predicts with the corrected coefficients (form B of docs/torque.md):
+/// At each tooth the observer corrects, then predicts with the corrected coefficients (form B of docs/theory/torque.md):
 ///     e      = phi - E,  E = J(alpha_k - d/2) omega^2 / 2     omega from the last tooth period, so it belongs
 ///     phi   -= d L_ke e                                       to the middle of that interval
 ///     c_j   -= d l_j f_j(alpha_k) e,  l_0 = L_a0,  l of a_i and b_i = i L_ref
 ///     phi   += d sum of c_j f_j(alpha_k)                      from alpha_k - d/2 to alpha_k + d/2
 /// d is the tooth pitch. It is stable for L_ref < 2 / (n_h (n_h + 1)) ((2/d)(2/d - L_ke) - L_a0) (the document's
-/// equation (5) is a misprint; derivation in docs/torque.md). Where teeth are missing it only predicts.
+/// equation (5) is a misprint; derivation in docs/theory/torque.md). Where teeth are missing it only predicts.
 ///
 /// Two variants from one body: _f32 and _q31. Real-time contract: no heap, no globals, no libm; one step costs n_h passes of a
-/// loop per tooth position passed, instructions in docs/torque.md; one writer per state. Call order: init; step for every placed
+/// loop per tooth position passed, instructions in docs/theory/torque.md; one writer per state. Call order: init; step for every placed
 /// tooth; restart after lost sync or a stall; read whenever wanted.
 #ifndef SD_FOURIER_H
 #define SD_FOURIER_H
@@ -107,7 +107,7 @@ typedef struct sd_fourier_estimate {
 SD_FOURIER_DECLARE(f32, float)
 SD_FOURIER_DECLARE(q31, sd_q31_t)
 
-/// The stability limit of gain_reference for the other gains of *config (docs/torque.md, rule B), 1/rad^2.
+/// The stability limit of gain_reference for the other gains of *config (docs/theory/torque.md, rule B), 1/rad^2.
 float sd_fourier_gain_limit(const sd_fourier_config_t *config);
 
 #ifdef __cplusplus

@@ -9,7 +9,7 @@
 /// With the pulse basis f_j is the combustion torque of firing j, mean 1 over the 180 deg after its TDC, so that x_j is
 /// that cylinder's mean combustion torque; with the Fourier basis it is cos and sin of harmonics. The kernel knows only
 /// tables. Pulses may have a shape to learn: f_j + shape g_j in place of f_j, one number for all cylinders; what their mean
-/// torque's share of the gain K_s says of it. One tooth position, d the pitch (derivation: docs/firing.md):
+/// torque's share of the gain K_s says of it. One tooth position, d the pitch (derivation: docs/theory/firing.md):
 ///     dt   = d sqrt(J_interval / (2 (e + d (moment of T))))      time over the interval, by its mean energy
 ///     e   += d (mean of T),  tau += dt
 /// and at a tooth that is there, w = sqrt(2 e / J_tooth), s = J_mean w^2, r its lateness in rad against the prediction:
@@ -30,7 +30,7 @@
 ///
 /// Real-time contract: no heap, no globals, no libm. The known torque of a position is summed once for all filters. One
 /// writer per state. Tables are read only, may be shared and may stand in flash. Call order: init; step for every placed
-/// tooth; restart after lost sync or a stall. Instructions on a Cortex-M7: docs/firing.md.
+/// tooth; restart after lost sync or a stall. Instructions on a Cortex-M7: docs/theory/firing.md.
 #ifndef SD_KALMAN_H
 #define SD_KALMAN_H
 #include "sd_motion.h"

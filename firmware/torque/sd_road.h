@@ -7,7 +7,7 @@
 /// difference from one cycle to the next, D, of the same firing:
 ///     evidence += (min(D^2 / limit^2, 4) - evidence) / 32,   limit^2 = (3.5 noise)^2 + (0.04 mean torque)^2
 /// The road is rough from evidence 1 on, and smooth again below 0.5. On a smooth road D is 1.1 to 1.4 times the noise. A
-/// misfire changes D of a few firings, and of each counts no more than 4: alone it cannot reach 1 (docs/firing.md).
+/// misfire changes D of a few firings, and of each counts no more than 4: alone it cannot reach 1 (docs/theory/firing.md).
 ///
 /// Both filters run always, so that there is nothing to settle when the choice changes.
 ///

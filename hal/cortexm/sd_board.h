@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /// sd_board.h - the emulated boards, QEMU's mps2 family: addresses, interrupts, and the way out by semihosting.
 ///
-/// This header, start.c and mps2.ld are what another board replaces (docs/porting.md).
+/// This header, start.c and mps2.ld are what another board replaces (docs/start/porting.md).
 #ifndef SD_BOARD_H
 #define SD_BOARD_H
 #include <stdint.h>

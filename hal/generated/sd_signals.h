@@ -11,7 +11,7 @@ extern "C" {
 #endif
 
 /// Changes whenever the table does; calibration pages and logs carry it.
-#define SD_SIGNALS_SIGNATURE 0x839c7e78u
+#define SD_SIGNALS_SIGNATURE 0x5cf19b39u
 
 /// Channel of an SD_EVENT_SAMPLE.
 typedef enum sd_input {
@@ -252,7 +252,7 @@ typedef struct sd_parameters {
     float balance_limit; ///< Largest trim.
     float balance_sd_max; ///< Stated standard deviation of a deviation above which nothing is learned.
     float balance_hold_cycles; ///< How long trims hold after a transient or an estimate that is not valid.
-    float airpath_detect; ///< Threshold of detection; what it means in false alarms: docs/airpath.md.
+    float airpath_detect; ///< Threshold of detection; what it means in false alarms: docs/theory/airpath.md.
     float airpath_isolate; ///< Threshold by which the named fault must be ahead of any other.
     float airpath_settle_s; ///< Time for which the observers settle after a start, or after an input was missing.
     float airpath_window_s; ///< Time in which the residuals' offsets are learned after a start; 0: they are taken to be 0.

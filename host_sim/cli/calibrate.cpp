@@ -47,7 +47,7 @@ void add_calibrate(Command &app) {
     auto options = std::make_shared<Options>();
     Command command = app.add("calibrate", "engine file to the firmware's calibration page");
     command.task("Your own engine", "calibrate ENGINE.toml --out DIR");
-    command.option("ENGINE", options->engine, "engine file (docs/files.md)").required();
+    command.option("ENGINE", options->engine, "engine file (docs/reference/files.md)").required();
     command.option("TUNE", options->tune, "tune file; defaults where it is missing");
     command.settings(options->set, "key=value, over the tune file");
     command.output_folder(options->out, "folder for NAME.bin and NAME.c, default here");

@@ -3,7 +3,7 @@
 // compiler 10 s in each file that includes them.
 //
 //     Command command = parent.add("calibrate", "engine file to the firmware's calibration page");
-//     command.option("ENGINE", options->engine, "engine file (docs/files.md)").required();
+//     command.option("ENGINE", options->engine, "engine file (docs/reference/files.md)").required();
 //     command.option("--jobs", options->jobs, "runs at a time").within(1, 256).shows_default();
 //     command.runs([options] { run(*options); });
 #pragma once

@@ -59,11 +59,11 @@ void add_ecu(Command &app) {
     Command command = app.add("ecu", "the firmware as a process of its own on a bus");
     command.task("Over a bus", "ecu ENGINE.toml --transport lcm");
     command.option("ENGINE", options->file, "engine file, or a calibration page").required();
-    command.option("--transport", options->transport, "can:IFACE, lcm or lcm:URL (docs/bus.md)").required();
+    command.option("--transport", options->transport, "can:IFACE, lcm or lcm:URL (docs/reference/bus.md)").required();
     command.option("--tune", options->tune, "tune file");
     command.settings(options->set, "key=value, over the tune file");
     command.number(options->number);
-    command.option("--record", options->record, "event log of all that goes in and out (docs/log.md)");
+    command.option("--record", options->record, "event log of all that goes in and out (docs/reference/log.md)");
     command.runs([options] { run(*options); });
 }
 

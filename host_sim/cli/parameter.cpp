@@ -20,7 +20,7 @@ std::uint16_t index_of(const std::string &name) {
     for (std::uint16_t i = 0; i < SD_PARAMETER_COUNT; ++i) {
         if (name == sd_parameter_infos[i].name) return i;
     }
-    throw InputError("parameter", name, "not a parameter; docs/signals.md lists them");
+    throw InputError("parameter", name, "not a parameter; docs/reference/signals.md lists them");
 }
 
 /// The page as a tune file: `sixdeg ecu ENGINE.toml --tune FILE` starts with it.
@@ -141,7 +141,7 @@ void add_parameter(Command &app) {
     command.task("Over a bus", "parameter get torque.harmonics --transport lcm");
     command.option("ACTION", options->action, "get, set, dump (as a tune file), diff (against the reference page) or restore").required().one_of({"get", "set", "dump", "diff", "restore"});
     command.option("NAME", options->names, "names, or NAME=VALUE to set; all when none is given");
-    command.option("--transport", options->transport, "can:IFACE, lcm or lcm:URL (docs/bus.md)").required();
+    command.option("--transport", options->transport, "can:IFACE, lcm or lcm:URL (docs/reference/bus.md)").required();
     command.runs([options] { run(*options); });
 }
 

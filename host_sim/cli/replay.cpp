@@ -254,7 +254,8 @@ void add_replay(Command &app) {
     auto options = std::make_shared<ReplayOptions>();
     Command command = app.add("replay", "a recording of crank edges, or an event log, through the firmware");
     command.task("A recording", "replay FILE --out DIR");
-    command.option("FILE", options->file, "edge list, sampled voltages or edge times (docs/recordings.md), or an event log (docs/log.md)")
+    command.option("FILE", options->file,
+                   "edge list, sampled voltages or edge times (docs/start/recordings.md), or an event log (docs/reference/log.md)")
         .required();
     command.option("--wheel", options->wheel, "like 60-2, 36-2-1 or 24+1; guessed otherwise");
     command.option("--edge", options->edge, "falling or rising; guessed otherwise");
@@ -269,7 +270,7 @@ void add_replay(Command &app) {
     command.option("--fuel", options->fuel, "injected fuel, mg a stroke and cylinder; as --intake");
     command.option("--lambda", options->lambda, "air to fuel over stoichiometric; as --intake");
     command.option("--load", options->load, "torque that the engine works against, N m, added to the work of a cycle; as --intake");
-    command.option("--engine", options->engine, "engine file (docs/files.md)");
+    command.option("--engine", options->engine, "engine file (docs/reference/files.md)");
     command.option("--tune", options->tune, "tune file");
     command.settings(options->set, "key=value, over the tune file");
     command.number(options->number);

@@ -269,7 +269,7 @@ void run(const Options &options) {
 }
 
 void add_options(Command &command, const std::shared_ptr<Options> &options) {
-    command.option("SCENARIO", options->scenario, "scenario file (docs/scenario.md)").required();
+    command.option("SCENARIO", options->scenario, "scenario file (docs/reference/scenario.md)").required();
     command.option("--tune", options->tune, "tune file");
     command.settings(options->set, "key=value, a tune parameter or a scenario field, over the files");
     command.number(options->number);
@@ -279,9 +279,10 @@ void add_options(Command &command, const std::shared_ptr<Options> &options) {
     command.option("--learned", options->learned, "what was learned before, or a scenario whose fuel cut is learned from first (by each calibration for itself); not over a bus");
     command.option("--learn", options->learn, "where the tooth pattern goes at the end of the run; not over a bus");
     command.flag("--nominal", options->nominal, "skip the second run, whose calibration is wrong on purpose; over a bus there is none");
-    const Option cache = command.option("--cache", options->cache, "folder of pages seen before, in place of ~/.cache/sixdeg (docs/files.md)");
+    const Option cache = command.option("--cache", options->cache,
+                                        "folder of pages seen before, in place of ~/.cache/sixdeg (docs/reference/files.md)");
     command.flag("--no-cache", options->no_cache, "design the page anew, and keep it nowhere").excludes(cache);
-    command.option("--record", options->record, "event log of all that goes in and out (docs/log.md)");
+    command.option("--record", options->record, "event log of all that goes in and out (docs/reference/log.md)");
     const Option real_time = command.flag("--real-time", options->pace.real_time,
                                           "at the pace of the clock; without it plant and ecu wait for each other");
     command.option("--pace", options->pace.at_most, "waiting for each other, at most so many times real time: for slow listeners")
@@ -297,7 +298,8 @@ void add_run(Command &app) {
     Command command = app.add("run", "a scenario's engine and the firmware, in one process or as two over a bus");
     command.task("A simulated engine", "run host_sim/data/scenarios/balance_1000rpm_5bar.toml");
     add_options(command, options);
-    command.option("--transport", options->transport, "inproc, can:IFACE, lcm or lcm:URL (docs/bus.md); qemu:CORE, an emulated controller (docs/porting.md)");
+    command.option("--transport", options->transport,
+                   "inproc, can:IFACE, lcm or lcm:URL (docs/reference/bus.md); qemu:CORE, an emulated controller (docs/start/porting.md)");
     command.option("--restart", options->restart_s, "the ecu begins anew at this second; not over a bus").within(0.0, 1e6);
 }
 
@@ -307,7 +309,7 @@ void add_plant(Command &app) {
     Command command = app.add("plant", "a scenario's engine on a bus, for an ecu that is there");
     command.task("Over a bus", "plant SCENARIO.toml --transport lcm");
     add_options(command, options);
-    command.option("--transport", options->transport, "can:IFACE, lcm or lcm:URL (docs/bus.md)").required();
+    command.option("--transport", options->transport, "can:IFACE, lcm or lcm:URL (docs/reference/bus.md)").required();
 }
 
 } // namespace sixdeg

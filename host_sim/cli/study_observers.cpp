@@ -191,7 +191,8 @@ void run(const Options &o) {
 
 void add_study_observers(Command &study) {
     auto o = std::make_shared<Options>();
-    Command command = study.add("observers", "document 000's observers: its benchmark, and misfires found in the ecu (docs/observers.md)");
+    Command command = study.add("observers",
+                                "document 000's observers: its benchmark, and misfires found in the ecu (docs/theory/observers.md)");
     command.option("PART", o->part, "table2: the benchmark; detection: misfires nobody told of, on the simulated engine")
         .one_of({"table2", "detection"});
     command.option("--json", o->json, "figures as JSON");

@@ -168,7 +168,7 @@ void add_sweep(Command &app) {
     auto options = std::make_shared<Options>();
     Command command = app.add("sweep", "a grid over scenario fields, many runs side by side");
     command.task("A simulated engine", "sweep host_sim/data/scenarios/balance_1000rpm_5bar.toml --over load.bmep_bar=2,5 --out DIR");
-    command.option("SCENARIO", options->scenario, "scenario file (docs/scenario.md)").required();
+    command.option("SCENARIO", options->scenario, "scenario file (docs/reference/scenario.md)").required();
     command.option("--over", options->over, "field=value,value,... an axis of the grid; give it once for each axis").required().one_at_a_time();
     command.output_folder(options->out, "folder for sweep.csv, map.svg and the cells").required();
     command.option("--figure", options->figure, "what map.svg shows over speed.rpm and load.bmep_bar").shows_default();

@@ -71,7 +71,7 @@ void add_watch(Command &app) {
     auto options = std::make_shared<Options>();
     Command command = app.add("watch", "what an ecu on a bus says, live");
     command.task("Over a bus", "watch --transport lcm");
-    command.option("--transport", options->transport, "can:IFACE, lcm or lcm:URL (docs/bus.md)").required();
+    command.option("--transport", options->transport, "can:IFACE, lcm or lcm:URL (docs/reference/bus.md)").required();
     command.output_folder(options->out, "folder for teeth.csv and cycles.csv, written when the plant's run is over");
     command.option("--engine", options->engine, "engine file, for --out");
     command.runs([options] { run(*options); });

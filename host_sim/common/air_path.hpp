@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // [airpath] of ENGINE.toml: what plant and design both know of a diesel's air path with exhaust gas recirculation (EGR) and a
-// variable turbine (VGT). Field by field: docs/files.md. The laws that areas and efficiency belong to: docs/airpath.md.
+// variable turbine (VGT). Field by field: docs/reference/files.md. The laws that areas and efficiency belong to: docs/theory/airpath.md.
 #pragma once
 #include <optional>
 #include <string>

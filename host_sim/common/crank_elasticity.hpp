@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// [dual_mass] and [torsion] of ENGINE.toml: what plant and calibration both know. Field by field: docs/files.md.
+// [dual_mass] and [torsion] of ENGINE.toml: what plant and calibration both know. Field by field: docs/reference/files.md.
 #pragma once
 #include <optional>
 

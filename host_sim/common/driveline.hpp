@@ -48,7 +48,7 @@ struct Driveline {
     }
 };
 
-/// [driveline] of ENGINE.toml: the car behind the engine, and what is said of its observers. Field by field: docs/files.md.
+/// [driveline] of ENGINE.toml: the car behind the engine, and what is said of its observers. Field by field: docs/reference/files.md.
 struct DrivelineFile {
     Driveline car;                 ///< engine_inertia_kgm2 is the crank's mean, and no field.
     double drag_nm = 0;            ///< Torque that friction takes at no speed; what it takes more with speed is car.engine_viscous_nms.

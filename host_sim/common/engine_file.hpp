@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// ENGINE.toml: the physics that plant, gain design and firmware calibration share. Field by field: docs/files.md.
+// ENGINE.toml: the physics that plant, gain design and firmware calibration share. Field by field: docs/reference/files.md.
 #pragma once
 #include <string>
 #include <vector>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// [exhaust] and [uego] of ENGINE.toml: what plant and calibration both know. Field by field: docs/files.md.
+// [exhaust] and [uego] of ENGINE.toml: what plant and calibration both know. Field by field: docs/reference/files.md.
 #pragma once
 #include <optional>
 #include <vector>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// teeth.csv, cycles.csv, firings.csv and work.csv of `sixdeg replay`, written row by row. Columns: docs/files.md.
+// teeth.csv, cycles.csv, firings.csv and work.csv of `sixdeg replay`, written row by row. Columns: docs/reference/files.md.
 #pragma once
 #include <array>
 #include <ostream>

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Instructions and bytes of the firmware on an emulated core (docs/budget.md).
+"""Instructions and bytes of the firmware on an emulated core (docs/results/budget.md).
 
     tests/budget/budget.py                 builds, replays the golden runs on a Cortex-M7, prints the figures beside the kept ones
     tests/budget/budget.py --update        and keeps them

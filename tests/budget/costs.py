@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""docs/costs.md: what the firmware costs on the controllers of IMAGES below, from figures that are kept in costs.toml.
+"""docs/results/costs.md: what the firmware costs on the controllers of IMAGES below, from figures that are kept in costs.toml.
 
-    tests/budget/costs.py                     writes docs/costs.md from the kept figures
+    tests/budget/costs.py                     writes docs/results/costs.md from the kept figures
     tests/budget/costs.py --measure           builds, runs every run on every image (some minutes), keeps the figures, writes the page
     tests/budget/costs.py --check             ends with 1 when the page is not of the kept figures, or a measured one is 2 % off
     tests/budget/costs.py --check --quick     the same of a few runs; of all with SD_FULL=1
@@ -25,7 +25,7 @@ import budget  # noqa: E402  the path comes first
 import costs_page  # noqa: E402
 
 KEPT = budget.HERE / "costs.toml"
-PAGE = budget.ROOT / "docs" / "costs.md"
+PAGE = budget.ROOT / "docs" / "results" / "costs.md"
 COMPILER = "12.2.1 20221205"  # gcc-arm-none-eabi 15:12.2.rel1-1, Debian 12's
 RUNS = [
     "smooth",
@@ -239,8 +239,8 @@ def main():
         return print("\n".join(wrong)) or (1 if wrong else 0)
     wrong += compare(measured, kept)
     if page != PAGE.read_text():
-        wrong.append("docs/costs.md is not what the kept figures say; tests/budget/costs.py writes it")
-    print("\n".join(wrong) or f"costs: {len(measured)} figures are within 2 % of the kept ones, and docs/costs.md is of these")
+        wrong.append("docs/results/costs.md is not what the kept figures say; tests/budget/costs.py writes it")
+    print("\n".join(wrong) or f"costs: {len(measured)} figures are within 2 % of the kept ones, and docs/results/costs.md is of these")
     return 1 if wrong else 0
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""docs/costs.md as text, from the figures that costs.py keeps. A figure has events; mean and worst instructions, cycles slow and
+"""docs/results/costs.md as text, from the figures that costs.py keeps. A figure has events; mean and worst instructions, cycles slow and
 quick."""
 
 import textwrap

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* A QEMU plugin that counts the instructions of every function, callees included, by class of event (docs/budget.md).
+/* A QEMU plugin that counts the instructions of every function, callees included, by class of event (docs/results/budget.md).
  *
  *   -plugin libbudget_plugin.so,symbols=NM.txt,groups=GROUPS.txt,cycles=CYCLES.txt,out=FILE.csv
  *

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""The ecu of fixed point (docs/fixed.md): its linked image has no floating-point arithmetic; it says the same bits on the target as on
+"""The ecu of fixed point (docs/theory/fixed.md): its linked image has no floating-point arithmetic; it says the same bits on the target as on
 the host, and what the usual ecu says in q31 within the bounds below; and what a tooth costs."""
 import pathlib
 import re

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A golden run as its file tells it: an engine, a tune and what went into the ecu, all by name (docs/golden.md).
+// A golden run as its file tells it: an engine, a tune and what went into the ecu, all by name (docs/results/golden.md).
 #pragma once
 #include <filesystem>
 #include <string>

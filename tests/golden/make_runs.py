@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Makes the golden runs again: tests/golden/make_runs.py [NAME...]    (docs/golden.md)
+"""Makes the golden runs again: tests/golden/make_runs.py [NAME...]    (docs/results/golden.md)
 
 Each is recorded with `sixdeg run --record`; of the log only what went into the ecu is kept, by name. A new recording has
 other inputs wherever the simulated engine has changed, so its hashes are new too: make one again only on purpose, with

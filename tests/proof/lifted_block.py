@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Compiles the examples of docs/lifting-a-block.md and of README against copies of firmware/num and their block, and runs them."""
+"""Compiles the examples of docs/start/lifting-a-block.md and of README against copies of firmware/num and their block, and runs them."""
 import pathlib
 import re
 import shutil
@@ -53,7 +53,7 @@ def said_by(page, main, block, *more):
         return float(subprocess.run([folder / "example"], capture_output=True, text=True, check=True).stdout)
 
 
-torque = said_by(ROOT / "docs" / "lifting-a-block.md", TORQUE_MAIN, "torque", "-lm")
+torque = said_by(ROOT / "docs" / "start" / "lifting-a-block.md", TORQUE_MAIN, "torque", "-lm")
 if abs(torque - 10) > 0.5:
     sys.exit(f"the lifted observer says {torque} Nm, not 10")
 teeth = said_by(ROOT / "README.md", CRANK_MAIN, "crank")

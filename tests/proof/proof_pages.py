@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""docs/proofs.md and docs/misra.md as text, from what prove.py keeps."""
+"""docs/results/proofs.md and docs/results/misra.md as text, from what prove.py keeps."""
 
 import textwrap
 import tomllib

@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""What a tool can say of every input (docs/proofs.md). Not part of tools/check, which compares what is kept:
+"""What a tool can say of every input (docs/results/proofs.md). Not part of tools/check, which compares what is kept:
 
     tests/proof/prove.py eva [DRIVER...]      Frama-C's Eva on the fixed-point kernels; needs Debian's frama-c-base (700 MB with OCaml)
     tests/proof/prove.py numbers              a few functions with every number that there is (every_number.c), under a sanitizer
     tests/proof/prove.py misra                cppcheck's MISRA addon on the firmware; needs Debian's cppcheck
     tests/proof/prove.py tidy                 clang-tidy's checks for bugs; needs Debian's clang-tidy
-    tests/proof/prove.py eva misra tidy --keep   keeps what was found in tests/proof/proved.toml, and writes docs/proofs.md and docs/misra.md
+    tests/proof/prove.py eva misra tidy --keep   keeps what was found in tests/proof/proved.toml, and writes the pages of docs/results
     tests/proof/prove.py --pages              writes these two from what is kept;  --check: compares them
 
 Ends with 1 when there is an alarm, when the broken kernel has none, or when a rule is broken that has no deviation.
@@ -230,9 +230,9 @@ def main():
         for name, page in PAGES.items():
             text = page(kept, ROOT)
             if not arguments.check:
-                (ROOT / "docs" / name).write_text(text)
-            elif text != (ROOT / "docs" / name).read_text():
-                wrong.append(f"docs/{name} is not of what is kept; tests/proof/prove.py --pages writes it")
+                (ROOT / "docs" / "results" / name).write_text(text)
+            elif text != (ROOT / "docs" / "results" / name).read_text():
+                wrong.append(f"docs/results/{name} is not of what is kept; tests/proof/prove.py --pages writes it")
     print("\n".join(wrong) or "prove: nothing is wrong")
     return 1 if wrong else 0
 

@@ -130,7 +130,7 @@ class Docs(Folder):
     def test_every_command_runs_as_the_docs_write_it(self):
         run = set()
         done = []
-        for page in [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]:
+        for page in [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]:
             for words in commands_in(page.read_text()):
                 if words in done:
                     continue

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Cylinder pressure into work and torque (tools/pressure), and the page of tools/evidence: docs/evidence.md is what it says today."""
+"""Cylinder pressure into work and torque (tools/pressure), and the page of tools/evidence: docs/results/evidence.md."""
 import json
 import os
 import pathlib
@@ -111,8 +111,8 @@ class Page(Folder):
 
     def test_docs_say_what_the_command_says(self):
         text, figures = self.evidence("--bar", "51.95")
-        docs = (ROOT / "docs/evidence.md").read_text()
-        self.assertEqual(text.replace(f"--out {self.folder}", "--out docs"), docs, "run the command of docs/evidence.md")
+        docs = (ROOT / "docs/results/evidence.md").read_text()
+        self.assertEqual(text.replace(f"--out {self.folder}", "--out docs"), docs, "run the command of docs/results/evidence.md")
         same = figures["work"]["0"]["energy at the same teeth (`work.cycle`)"]
         self.assertGreaterEqual(same["correlation"], page.GOALS["correlation"])
         self.assertLessEqual(same["rms_percent"], page.GOALS["rms"])

@@ -3,7 +3,7 @@
 """The simulated engine against tools that share nothing with it.
 
 Cylinder pressure, motored and fired, against Cantera's NASA polynomials of air in a reactor with a moving piston;
-heat release and wall loss are computed here from the equations of docs/plant.md. Crank torque against an energy
+heat release and wall loss are computed here from the equations of docs/theory/plant.md. Crank torque against an energy
 balance with geometry, inertia and friction computed here from the engine file.
 """
 import csv

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""The speed at which the first tooth comes before the one ahead has been handled, of each image (docs/porting.md).
+"""The speed at which the first tooth comes before the one ahead has been handled, of each image (docs/start/porting.md).
 
     tests/target/first_overrun.py                     on every image, golden run smooth
     tests/target/first_overrun.py --on cortex-m3 --run fuel_cut

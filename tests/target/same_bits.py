@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""The golden runs on every processor, one hash of all outputs each (docs/porting.md).
+"""The golden runs on every processor, one hash of all outputs each (docs/start/porting.md).
 
     tests/target/same_bits.py                     every golden run once, on every processor
     tests/target/same_bits.py --teeth 1000000     again and again with crank edges moved by up to a tick, until so many teeth have passed

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Whole scenarios in closed loop with an emulated controller, each the same to the byte as in one process (docs/porting.md).
+"""Whole scenarios in closed loop with an emulated controller, each the same to the byte as in one process (docs/start/porting.md).
 
     tests/target/whole_runs.py                        figure16, misfires, air path on every core with a floating-point unit or without
     tests/target/whole_runs.py --on cortex-m7 --run figure16

@@ -18,7 +18,7 @@ namespace {
 
 using Random = std::mt19937_64;
 
-// Pieces of every form that docs/recordings.md lists.
+// Pieces of every form that docs/start/recordings.md lists.
 const char *const kSeeds[] = {
     "0,1\n0.5,0\n0.75,1\n", "Time [s];Channel 0\n-0,0010000;1\n0,0000000;0\n0,0003333;1\n", "-0,0010000,1\n0,0000000,0\n0,0003333,1\n",
     "\"Time\",\"crank\"\n\"-0.001\",\"1\"\n\"0.0\",\"0\"\n", "Time [s],Channel 0,Channel 1\n-0.001,1,X\n0,0,X\n0.1,1,X\n",

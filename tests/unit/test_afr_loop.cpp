@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The closed loop: plant, firmware, trims, with calibrations whose delay is wrong, and with speed and load that move. Figures
-// of many seeds: sixdeg study loop, docs/afr.md.
+// of many seeds: sixdeg study loop, docs/theory/afr.md.
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -178,7 +178,7 @@ TEST(AfrLoop, BalancesFromTheDocumentsChain) {
         EXPECT_LT(b.residual_percent, 2);
         EXPECT_EQ(b.gave_up_cycles, -1);
     }
-    // At 120 deg it is on the edge: some seeds settle, others give up after 180 cycles (docs/afr.md).
+    // At 120 deg it is on the edge: some seeds settle, others give up after 180 cycles (docs/theory/afr.md).
     EXPECT_GE(chain("afr.method=3", 135).gave_up_cycles, 4);
     // Where the sensor is too slow it says so, and nothing is learned from it.
     const BalanceFigures slow = balanced({{"run.duration_s=6", "control.balance_on_s=[2,1000]"}, {"afr.method=3"}, 0, false, 1, "slow_3500rpm_12bar.toml"});

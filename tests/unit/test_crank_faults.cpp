@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Fault rates of the crank decoder against an oracle that knows every edge. Prints a table with 95 % intervals; docs/crank.md
+// Fault rates of the crank decoder against an oracle that knows every edge. Prints a table with 95 % intervals; docs/theory/crank.md
 // quotes it. SD_FULL=1 runs ten times as many teeth.
 #include <cmath>
 #include <cstdio>

@@ -48,7 +48,7 @@ using Histogram = std::map<int, int>;
 using Names = std::vector<std::string>;
 
 // The counts below were found by an independent exact computation before this tool was written
-// (docs/sensors.md, "Results").
+// (docs/theory/sensors.md, "Results").
 TEST(TurboSi, HistogramsOfTriples) {
     const auto model = load("turbo_si_13.toml");
     EXPECT_EQ(histogram(model, 0, 3, 3), (Histogram{{2, 1}, {3, 6}, {4, 3}, {5, 606}, {6, 49}, {7, 15}}));

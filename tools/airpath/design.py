@@ -94,7 +94,7 @@ def text(value):
 
 def write(file, engine, out):
     lines = ["# SPDX-License-Identifier: MIT",
-            f"# Made by tools/airpath/design.py from {Path(engine).name}; do not edit. docs/airpath.md says what it holds.",
+            f"# Made by tools/airpath/design.py from {Path(engine).name}; do not edit. docs/theory/airpath.md says what it holds.",
              "# Units: kPa, g, s. Rows of matrices are states: intake pressure, air, recirculated gas, exhaust gas."]
     for name in ("design", "decision"):
         lines += ["", f"[{name}]"] + [f"{k} = {text(v)}" for k, v in file[name].items()]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Reads an event log, .sdlog (docs/log.md), into arrays, and writes one from arrays."""
+"""Reads an event log, .sdlog (docs/reference/log.md), into arrays, and writes one from arrays."""
 import hashlib
 import json
 import struct

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What a run says of the emulated controller that its firmware ran on (docs/porting.md)."""
+"""What a run says of the emulated controller that its firmware ran on (docs/start/porting.md)."""
 CLOCK_HZ = {"cortex-m7": 216e6, "cortex-m4f": 168e6, "cortex-m3": 120e6, "cortex-m3-fixed": 120e6}  # of usual parts with such a core
 SPEEDS_RPM = (1000, 3000, 6000, 8000)
 

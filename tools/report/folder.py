@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What folders of `sixdeg replay` and `sixdeg run` have in common. Fields: docs/files.md."""
+"""What folders of `sixdeg replay` and `sixdeg run` have in common. Fields: docs/reference/files.md."""
 import csv
 import json
 import math

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Reads what `sixdeg run` wrote of mixture and fuel trims: summary.json, cycles.csv, the scenario. Fields: docs/files.md."""
+"""Reads what `sixdeg run` wrote of mixture and fuel trims: summary.json, cycles.csv, the scenario. Fields: docs/reference/files.md."""
 import numpy as np
 
 from folder import BadFolder, Table, read_summary

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Reads what `sixdeg replay` wrote: summary.json, teeth.csv, cycles.csv. Fields: docs/files.md."""
+"""Reads what `sixdeg replay` wrote: summary.json, teeth.csv, cycles.csv. Fields: docs/reference/files.md."""
 import os
 
 import numpy as np

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Reads what `sixdeg run` wrote: summary.json, teeth.csv. Fields: docs/files.md."""
+"""Reads what `sixdeg run` wrote: summary.json, teeth.csv. Fields: docs/reference/files.md."""
 import hashlib
 import tomllib
 

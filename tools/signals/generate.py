@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Makes hal/generated/sd_signals.{h,c}, the bus files of bus.py and docs/signals.md from hal/signals.toml.
+"""Makes hal/generated/sd_signals.{h,c}, the bus files of bus.py and docs/reference/signals.md from hal/signals.toml.
 
 Without arguments it rewrites the files that differ, and has bus_code.py do the same; with --check it only compares and
 fails on a difference.
@@ -245,7 +245,7 @@ def generated(path):
 
 def main():
     files = {ROOT / "hal/generated" / name: text for name, text in generated(TABLE).items()}
-    files[ROOT / "docs/signals.md"] = page(load())
+    files[ROOT / "docs/reference/signals.md"] = page(load())
     stale = [path for path, text in files.items() if not path.exists() or path.read_text() != text]
     if "--check" in sys.argv[1:]:
         for path in stale:

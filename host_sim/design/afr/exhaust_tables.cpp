@@ -240,7 +240,7 @@ sd_afr_node_t page_node(const ExhaustPoint &point, int open_position, double cha
 }
 
 /// Drift of a coefficient in a cycle beside the noise of a position at 1500 rpm, of lambda: as fast as the document's law,
-/// docs/afr.md.
+/// docs/theory/afr.md.
 constexpr double kInversionDrift = 0.005, kInversionNoisePerRthz = 1.83e-4;
 
 sd_uego_gains_t inversion_gains(const EngineFile &engine, double rpm) {

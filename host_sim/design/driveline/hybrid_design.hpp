@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Gains of document 003's hybrid observer (firmware/driveline/sd_driveline_hybrid.h) from a driveline, and what its propositions say
-// of them, as corrected in docs/driveline.md.
+// of them, as corrected in docs/theory/driveline.md.
 #pragma once
 #include <Eigen/Core>
 #include <optional>

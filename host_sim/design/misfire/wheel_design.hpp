@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Document 000's observers on the toothed wheel: k1, k2, C and the gains from the engine file, into the page. docs/observers.md
+// Document 000's observers on the toothed wheel: k1, k2, C and the gains from the engine file, into the page. docs/theory/observers.md
 // has the derivation.
 #pragma once
 #include "common/engine_file.hpp"

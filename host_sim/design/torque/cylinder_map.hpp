@@ -13,7 +13,7 @@ extern "C" {
 namespace sixdeg {
 
 /// torque = map (coefficients) + offset + per_bar (intake pressure), by entry of firing_order;
-/// docs/torque.md, "Torque of each cylinder".
+/// docs/theory/torque.md, "Torque of each cylinder".
 struct CylinderMap {
     Eigen::MatrixXd map;     ///< [cylinder][a_0, a_1, b_1, a_2 ...].
     Eigen::VectorXd offset;  ///< N m.

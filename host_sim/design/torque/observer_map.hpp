@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The adaptive Fourier observer as a linear map over one cycle, in double precision: what its gains make of errors, of
-// known torques and of noise. docs/torque.md, form B; missing teeth included.
+// known torques and of noise. docs/theory/torque.md, form B; missing teeth included.
 #pragma once
 #include <Eigen/Core>
 #include <vector>

@@ -5,7 +5,7 @@
 //   closed:  dp/da = ((gamma - 1) (Q' - Qw') - gamma p V') / V
 //   open:    p goes to the manifold's pressure at a fixed rate
 // once with heat and once without; torque is (p - p_crankcase) V'. gamma from the vibration of N2 and O2 (Einstein's
-// function), wall loss after Hohenberg (SAE 790825). docs/torque.md says how far that is from the simulated engine.
+// function), wall loss after Hohenberg (SAE 790825). docs/theory/torque.md says how far that is from the simulated engine.
 #pragma once
 #include <functional>
 #include <vector>

@@ -8,7 +8,7 @@
 //
 //     const EventLog log = read_log("run.sdlog");     // or one line that says what is wrong with it
 //
-// The format, field by field: docs/log.md.
+// The format, field by field: docs/reference/log.md.
 #pragma once
 #include <filesystem>
 #include <memory>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A stretch of a recording of crank (and cam) signals, in memory. Formats: docs/recordings.md.
+// A stretch of a recording of crank (and cam) signals, in memory. Formats: docs/start/recordings.md.
 #pragma once
 #include <filesystem>
 #include <functional>

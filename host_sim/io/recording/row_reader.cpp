@@ -91,7 +91,7 @@ void RowReader::open(std::unique_ptr<std::istream> in) {
         from = end == std::string_view::npos ? text.size() : end + 1;
     }
     if (lines.size() > 1 && text.find('\0') != std::string_view::npos)
-        fail("", "is no text; binary logs are converted first (docs/recordings.md)");
+        fail("", "is no text; binary logs are converted first (docs/start/recordings.md)");
     layout_ = layout_of(name_, lines);
     wanted_ = layout_.is_number;
     values_.assign(wanted_.size(), std::numeric_limits<double>::quiet_NaN());

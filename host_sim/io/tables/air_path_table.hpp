@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // airpath.csv of `sixdeg run`: what is true in the air path, what the ecu reads of it, and what it says, every 10 ms. Columns:
-// docs/airpath.md.
+// docs/theory/airpath.md.
 #pragma once
 #include <string>
 #include <vector>

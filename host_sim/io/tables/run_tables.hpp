@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// teeth.csv and cycles.csv of `sixdeg run`: truth and firmware side by side. Columns: docs/files.md.
+// teeth.csv and cycles.csv of `sixdeg run`: truth and firmware side by side. Columns: docs/reference/files.md.
 #pragma once
 #include <cstdint>
 #include <map>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// [plant.airpath] of ENGINE.toml: what the simulated air path has beyond the shared [airpath]. Field by field: docs/airpath.md.
+// [plant.airpath] of ENGINE.toml: what the simulated air path has beyond the shared [airpath]. Field by field: docs/theory/airpath.md.
 #pragma once
 #include <optional>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The simulated air path of a diesel with exhaust gas recirculation and a variable turbine, as mean values over a cycle: fourteen
 // states of gas, wall and shaft with the two actuators beside them, against the four of document 001's model. It shares no law and
-// no line with an observer. Equations: docs/airpath.md, section Plant.
+// no line with an observer. Equations: docs/theory/airpath.md, section Plant.
 #pragma once
 #include "plant/airpath/full_data.hpp"
 

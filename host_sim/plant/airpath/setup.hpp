@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // [airpath] of SCENARIO.toml: commands of valve and vanes, what the sensors add, how far the engine is from what the ecu
-// believes, and faults. Field by field: docs/airpath.md.
+// believes, and faults. Field by field: docs/theory/airpath.md.
 #pragma once
 #include <optional>
 #include <vector>

@@ -2,14 +2,14 @@
 // The simulated engine: pressures of up to 8 cylinders and the crank, integrated over crank angle in fixed
 // steps.
 //
-// Per cylinder, with p in Pa, over crank angle a in rad (docs/plant.md, section Cylinder):
+// Per cylinder, with p in Pa, over crank angle a in rad (docs/theory/plant.md, section Cylinder):
 //   valves closed:  dp/da = ((Q' - Qw') - (c_v/R + 1) p V') / (c_v/R V),  T = p V/(m R)
 //   a valve open:   dp/da = exchange_per_rad (p_manifold - p)
 // Each cylinder has a motored twin with the same trapped mass and no fuel; the difference of their torques is
 // the combustion torque. Crank, in the form of kinetic energy E = J(a) w^2 / 2, which holds J' w^2/2 + J w'
 // exactly:
 //   dE/da = sum (p - p_crankcase) V' - T_friction(w) - T_load(t),   dt/da = 1/w
-// Valve events fall on steps. How a step is made: docs/plant.md, section Integration, and engine_step.cpp.
+// Valve events fall on steps. How a step is made: docs/theory/plant.md, section Integration, and engine_step.cpp.
 #pragma once
 #include <array>
 #include <climits>

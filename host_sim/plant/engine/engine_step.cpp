@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // One step of the simulated engine: pressures of all cylinders first, then the crank they turn, then what the pressures' next
-// change will be, which depends on the speed reached (docs/plant.md, section Integration).
+// change will be, which depends on the speed reached (docs/theory/plant.md, section Integration).
 #include <algorithm>
 #include <cmath>
 

@@ -7,7 +7,7 @@
 
 namespace sixdeg {
 
-/// One cylinder's kinematics, derived in docs/plant.md, section Geometry. Pin offset zero.
+/// One cylinder's kinematics, derived in docs/theory/plant.md, section Geometry. Pin offset zero.
 struct CrankSlider {
     double bore_m, stroke_m, rod_m, compression_ratio;
 

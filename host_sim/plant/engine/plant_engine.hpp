@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The [plant] tables of ENGINE.toml: what the simulated engine has beyond the physics that the firmware
-// knows. Field by field: docs/scenario.md, section "[plant] tables of the engine file".
+// knows. Field by field: docs/reference/scenario.md, section "[plant] tables of the engine file".
 #pragma once
 #include <array>
 #include <filesystem>

@@ -9,7 +9,7 @@ namespace sixdeg {
 
 /// Integrates over time, since the crank may turn back. Cylinders closed at the stall are gas springs
 /// (polytropic, exponent 1.3) that leak to crankcase pressure within 0.15 s; open ones push nothing; friction
-/// is Coulomb's; the load is gone. docs/plant.md, section Stopping.
+/// is Coulomb's; the load is gone. docs/theory/plant.md, section Stopping.
 class StopMotion {
   public:
     /// Takes over where `model` refused its next step.

@@ -10,7 +10,7 @@ namespace sixdeg {
 /// The first elastic modes of a free chain (front end, throws in physical order, flywheel), driven by each
 /// cylinder's gas torque, the torque of its reciprocating mass (-J_i' w^2/2) and the load at the flywheel.
 /// One way: the twist moves the wheel but not the pistons, whose angle it would change by less than a degree
-/// (docs/plant.md, section Torsion).
+/// (docs/theory/plant.md, section Torsion).
 class CrankElasticity {
   public:
     explicit CrankElasticity(const PlantEngine &engine);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The exhaust's gas and the one law by which it passes a hole. docs/plant.md, section Exhaust.
+// The exhaust's gas and the one law by which it passes a hole. docs/theory/plant.md, section Exhaust.
 #pragma once
 #include <cmath>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// SCENARIO.toml: what happens to the engine in one run. Field by field: docs/scenario.md.
+// SCENARIO.toml: what happens to the engine in one run. Field by field: docs/reference/scenario.md.
 #pragma once
 #include <cstdint>
 #include <filesystem>

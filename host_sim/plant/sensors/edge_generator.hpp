@@ -7,7 +7,7 @@
 namespace sixdeg {
 
 /// Crank angle over time as the speed profile says, piecewise quadratic, so every crossing time is a closed
-/// form (docs/plant.md, section Encoder). Speed may be negative (the crank turns back) or zero.
+/// form (docs/theory/plant.md, section Encoder). Speed may be negative (the crank turns back) or zero.
 class EdgeGenerator {
   public:
     /// `speed_rpm` over time in s; the crank stands at `start_deg` (as ENGINE.toml counts) at time 0.

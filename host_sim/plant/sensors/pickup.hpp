@@ -9,7 +9,7 @@
 
 namespace sixdeg {
 
-/// Imperfections of sensor, wheel and timer; all zero is an ideal sensor. Field by field: docs/scenario.md,
+/// Imperfections of sensor, wheel and timer; all zero is an ideal sensor. Field by field: docs/reference/scenario.md,
 /// [encoder].
 struct EncoderFaults {
     double offset_deg = 0; ///< Wheel turned on the shaft; edges come at larger crank angles when positive.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The document's chain (docs/afr.md), its blocks and gains one by one.
+// The document's chain (docs/theory/afr.md), its blocks and gains one by one.
 #include <algorithm>
 #include <cmath>
 #include <complex>

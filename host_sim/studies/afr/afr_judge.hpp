@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The AFR blocks on a trace of the plant, away from the rest of the firmware: many seeds in little time.
-// Definitions: docs/afr.md.
+// Definitions: docs/theory/afr.md.
 #pragma once
 #include <array>
 #include <cstdint>

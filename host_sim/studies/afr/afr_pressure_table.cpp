@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The document's chain with and without a pressure sensor in the exhaust manifold, and a calibration that is wrong about the
-// turbine's area (docs/afr.md).
+// turbine's area (docs/theory/afr.md).
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Six detectors of misfires on the made set, at their own limits and at equal false alarms: the table of docs/misfire-study.md.
+// Six detectors of misfires on the made set, at their own limits and at equal false alarms: the table of docs/results/misfire-study.md.
 #pragma once
 #include <string>
 #include <vector>

@@ -20,7 +20,7 @@ struct AngleWindow {
     double from, to;
 };
 
-/// What did best for both of six windows tried on seeds 101 and 102 (docs/misfire-study.md).
+/// What did best for both of six windows tried on seeds 101 and 102 (docs/results/misfire-study.md).
 constexpr AngleWindow kOpenEcuWindow{0.75, 1.25};
 
 /// A score for each firing of the run, lower where a misfire is likelier: of the speed delta rpm, of the running mean usual distances.

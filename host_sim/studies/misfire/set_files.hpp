@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The made set as files, so that anybody's detector can be scored on it (docs/misfire-study.md, section Files).
+// The made set as files, so that anybody's detector can be scored on it (docs/results/misfire-study.md, section Files).
 #pragma once
 #include <string>
 

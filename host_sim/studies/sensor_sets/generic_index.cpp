@@ -111,7 +111,7 @@ template <class Field> class Walk {
 
     // Level rho holds y and its first rho - 1 derivatives. The state of a lag is known from y itself, so the
     // k-th derivative of a lagged signal adds to the plant what the (k - lags)-th of the signal would:
-    // docs/sensors.md.
+    // docs/theory/sensors.md.
     void add_sensor(Echelon<Field> &echelon, std::size_t sensor, int level) {
         const int usable = level - int(model_.sensors[sensor].lags_s.size());
         for (int k = 0; k < usable && !echelon.determines_wanted(); ++k) {

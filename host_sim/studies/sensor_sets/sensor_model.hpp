@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // MODEL.toml: which state depends on which, what each sensor sees, and how that changes with the operating
-// regime. Field by field: docs/sensors.md.
+// regime. Field by field: docs/theory/sensors.md.
 #pragma once
 #include <cstdint>
 #include <string>

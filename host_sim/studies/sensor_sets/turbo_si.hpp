@@ -4,7 +4,7 @@
 // turbocharger speed. Volumes are open, adiabatic, of ideal gas; between them stand restrictions that store
 // nothing. Parameters: the published VEP engine of the fault diagnosis toolbox
 // (faultdiagnosistoolbox/pyfaultdiagnosistoolbox, Engine/VEP_par.py); what we left out is listed in
-// docs/sensors.md.
+// docs/theory/sensors.md.
 #pragma once
 #include <array>
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* One whole step of the torque observer with five harmonics, in several ways that give the same torque: sd_fourier in both number
  * types, C that CasADi generated from the same equations, and a dense matrix of the position times the state, in the shapes that
- * two libraries give that product (docs/costs.md). And that product for the sizes of other blocks. */
+ * two libraries give that product (docs/results/costs.md). And that product for the sizes of other blocks. */
 #include <stddef.h>
 
 #include "board.h"

@@ -155,6 +155,18 @@ static bool take_over(sd_stage_mixture_t *self, const sd_parameters_t *p, float 
     return true;
 }
 
+sd_result_t sd_stage_mixture_resume(sd_stage_mixture_t *self, const sd_calibration_t *page, const sd_parameters_t *p, const sd_afr_kept_t *kept) {
+    if (!ready(self) || (self->delay.config.cylinders == 0u)) { return SD_OK; }
+    if (sd_afr_delay_resume(&self->delay, page->afr.dead_s, kept) != SD_OK) { return SD_ERR_CONFIG; }
+    if (p->afr_identify >= 0.5f) { (void)take_over(self, p, 0.0f, &self->delay.learned); } /* at rest nothing is under way */
+    return SD_OK;
+}
+
+void sd_stage_mixture_keep(const sd_stage_mixture_t *self, const sd_calibration_t *page, sd_afr_kept_t *kept) {
+    memset(kept, 0, sizeof *kept);
+    if (self->delay.config.cylinders != 0u) { sd_afr_delay_keep(&self->delay, page->afr.dead_s, kept); }
+}
+
 static bool wants_probe(const sd_stage_mixture_t *self, const sd_parameters_t *p, const sd_mixture_cycle_t *cycle) {
     return (p->afr_identify > 1.5f) && (self->probe_done == 0u) && (self->afr.slow == 0u) &&
            (cycle->diverged ||

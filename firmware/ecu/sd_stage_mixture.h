@@ -52,6 +52,11 @@ typedef struct sd_mixture_out {
 
 /// SD_OK, or SD_ERR_CONFIG with the state untouched.
 sd_result_t sd_stage_mixture_init(sd_stage_mixture_t *self, const sd_calibration_t *page, const sd_parameters_t *p);
+/// Goes on with what was kept of delay and lags; nothing to do without an exhaust in the page. SD_OK, or SD_ERR_CONFIG with the state
+/// untouched: it is of another sensor (sd_afr_delay_resume).
+sd_result_t sd_stage_mixture_resume(sd_stage_mixture_t *self, const sd_calibration_t *page, const sd_parameters_t *p, const sd_afr_kept_t *kept);
+/// What to keep; all 0 without an exhaust in the page.
+void sd_stage_mixture_keep(const sd_stage_mixture_t *self, const sd_calibration_t *page, sd_afr_kept_t *kept);
 /// Other parameters: the filter begins anew, what was learned of the delay stays. SD_OK, or SD_ERR_CONFIG with the state untouched.
 sd_result_t sd_stage_mixture_configure(sd_stage_mixture_t *self, const sd_calibration_t *page, const sd_parameters_t *p);
 /// The angle is lost, or moved.

@@ -283,12 +283,12 @@ RunResult run_scenario(const Scenario &scenario, const sd_calibration_t &calibra
 }
 
 RunResult run_on_bench(const Scenario &scenario, const sd_calibration_t &calibration, RunTables *tables,
-                       const sd_pattern_sums_t *learned, const EventListener &listener, std::optional<double> restart_s) {
+                       const sd_kept_t *learned, const EventListener &listener, std::optional<double> restart_s) {
     const auto bench = std::make_unique<EcuBench>(calibration);
     if (restart_s) bench->restart_at(*restart_s);
     if (listener) bench->listen(listener);
     if (learned && !bench->resume(*learned))
-        throw InputError("learned page", "pattern", "it is of another wheel, or the engine file has no heat release");
+        throw InputError("learned page", "", "it is of another wheel or another lambda sensor, or the engine file has neither heat release nor exhaust");
     RunResult result = run_scenario(scenario, calibration, *bench, tables);
     result.learned = bench->learned();
     result.pattern_sd_deg = double(bench->pattern().sd_rad) * kDegPerRad;

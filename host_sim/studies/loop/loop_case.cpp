@@ -33,7 +33,7 @@ RunResult run_loop(const LoopCase &loop, RunTables *tables) {
     (late_s > 0 ? belief : scenario.engine.shared).exhaust->dead_time_s += std::abs(late_s);
     TomlFile tune("tune", "");
     for (const std::string &parameter : loop.tune) tune.set(parameter);
-    return run_on_bench(scenario, calibrate(belief, read_tune(tune), "tune"), tables);
+    return run_on_bench(scenario, calibrate(belief, read_tune(tune), "tune"), tables, loop.kept);
 }
 
 } // namespace sixdeg

@@ -16,6 +16,7 @@ struct LoopCase {
     bool perturbed = false;            ///< All else of the calibration wrong too, drawn from the seed.
     std::uint64_t seed = 1;
     std::string file = {};             ///< Of host_sim/data/scenarios, in place of the base below.
+    const sd_kept_t *kept = nullptr;   ///< What an earlier start learned; nullptr: nothing.
 };
 
 /// The base with changes: diesel_22.toml, 1500 rpm, 9 bar, injectors +6, +9, -3, -8 %, 1 % cyclic variation, sensor noise 0.5 % a

@@ -158,7 +158,7 @@ static bool take_over(sd_stage_mixture_t *self, const sd_parameters_t *p, float 
 sd_result_t sd_stage_mixture_resume(sd_stage_mixture_t *self, const sd_calibration_t *page, const sd_parameters_t *p, const sd_afr_kept_t *kept) {
     if (!ready(self) || (self->delay.config.cylinders == 0u)) { return SD_OK; }
     if (sd_afr_delay_resume(&self->delay, page->afr.dead_s, kept) != SD_OK) { return SD_ERR_CONFIG; }
-    if (p->afr_identify >= 0.5f) { (void)take_over(self, p, 0.0f, &self->delay.learned); } /* at rest nothing is under way */
+    if (p->afr_delay_learning >= 0.5f) { (void)take_over(self, p, 0.0f, &self->delay.learned); } /* at rest nothing is under way */
     return SD_OK;
 }
 

@@ -17,9 +17,11 @@
 #define LEARN_FIRINGS  64u  /* factors are means of so many firings, fewer after init */
 #define LEARN_SCATTER  128u /* the scatter too */
 #define SCATTER_MARGIN 1.05f /* that its deviation, learned, may be short of the true one */
+#define SCATTER_CHANCE 0.17f /* of r: a mean over LEARN_SCATTER squares, both sides of 1, is off by so much by chance, two deviations */
 #define LEARNED_ENOUGH 16u /* firings of a cylinder before its scatter says anything */
 
 static float larger(float a, float b) { return (a > b) ? a : b; }
+static float smaller(float a, float b) { return (a < b) ? a : b; }
 static uint32_t count_up(uint32_t x) { return (x < UINT32_MAX) ? x + 1u : x; }
 
 /* ---- what is not judged ------------------------------------------------------------------------------------------ */
@@ -78,13 +80,15 @@ typedef struct sd_spread { float healthy, missed; } sd_spread_t; /* sd_0, sd_1 *
 
 static sd_spread_t spread_of(const sd_misfire_t *self, float relative_sd) {
     const float cyclic = self->config.cyclic * self->config.cyclic, noise = relative_sd * relative_sd;
-    return (sd_spread_t){ sd_root(self->scatter * cyclic + noise), sd_root(larger(self->scatter - 1.0f, 0.0f) * cyclic + noise) };
+    const float disturbed = larger(self->scatter - 1.0f - SCATTER_CHANCE, 0.0f), r = smaller(self->scatter, 1.0f) + disturbed;
+    return (sd_spread_t){ sd_root(r * cyclic + noise), sd_root(disturbed * cyclic + noise) };
 }
 
 static float limit_of(sd_misfire_t *self, sd_spread_t spread) {
-    const float low = self->config.z_missed * spread.missed, gap = SCATTER_MARGIN * self->config.z_false * spread.healthy;
-    self->test_ratio = low + gap;
-    if (self->test_ratio > 1.0f) { return low / (low + gap); }
+    const float low = self->config.z_missed * spread.missed, wanted = self->config.z_false * spread.healthy;
+    const float gap = SCATTER_MARGIN * wanted;
+    self->test_ratio = low + wanted; /* the margin chooses the limit; it is no shortage */
+    if (low + gap > 1.0f) { return low / (low + gap); }
     return sd_clamp(self->config.definition, low, 1.0f - gap);
 }
 

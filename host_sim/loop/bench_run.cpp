@@ -98,6 +98,9 @@ class Run {
     }
 
     void show_exhaust() {
+        // Without an air path of its own the valve is an opening of one size, or none.
+        const bool recirculates = plant_.exhaust() && scenario_.engine.exhaust.egr_area_m2 > 0;
+        if (recirculates && !scenario_.air_path) ecu_.show(SD_INPUT_EGR_POSITION, 1);
         if (!scenario_.exhaust_sensors) return;
         const exhaust::ExhaustModel &e = *plant_.exhaust();
         if (scenario_.exhaust_sensors->temperature) ecu_.show(SD_INPUT_EXHAUST_TEMPERATURE, e.manifold().temperature_k());

@@ -128,19 +128,23 @@ class Deaf : public EcuBench {
 
 /// Some 20 % of what leaves the manifold goes back into the intake.
 TEST(AfrEcu, RecirculatedGasIsNoMixtureOfTheCylinders) {
-    Scenario scenario = step_scenario(1500, 9);
+    TomlFile file("s", "engine = \"diesel_22.toml\"\n[run]\ncycles = 70\n[speed]\nmode = \"prescribed\"\nrpm = 1500\n[uego]\n[load]\nbmep_bar = 9\n"
+                       "[cylinders]\nfuel_percent = [15, -5, -5, -5]\n");
+    Scenario scenario = read_scenario(file, SD_ENGINES);
     scenario.engine.intake_pressure_pa = Profile(1.3e5);
     scenario.engine.exhaust.egr_area_m2 = 2e-4;
+    const double share = afr_trace(scenario).egr_share;
+    EXPECT_NEAR(share, 0.2, 0.03);
     const sd_calibration_t page = calibrate(scenario.engine.shared, default_tune(), "t");
     EcuBench told(page);
     Deaf deaf(page);
     const auto with = run_scenario(scenario, page, told, nullptr).afr, without = run_scenario(scenario, page, deaf, nullptr).afr;
     ASSERT_TRUE(with && without);
-    std::printf("20 %% recirculated: error of a cylinder's mixture %.2f points, %.2f where the ecu knows the valve; share found %.3f\n", without->rms_points,
-                with->rms_points, double(told.ecu().mixture.egr_share));
+    std::printf("20 %% recirculated: error of a cylinder's mixture %.2f points, %.2f where the ecu knows the valve; share %.3f, found %.3f\n", without->rms_points,
+                with->rms_points, share, double(told.ecu().mixture.egr_share));
     EXPECT_GT(without->rms_points, 1);
     EXPECT_LT(with->rms_points, 0.5 * without->rms_points);
-    EXPECT_NEAR(told.ecu().mixture.egr_share, 0.2f, 0.04f);
+    EXPECT_NEAR(double(told.ecu().mixture.egr_share), share, 0.03);
     EXPECT_EQ(deaf.ecu().mixture.egr_share, 0);
 }
 
@@ -163,7 +167,7 @@ TEST(AfrEcu, TheRecirculatedShareIsABalanceOfMasses) {
     EXPECT_EQ(share(0, 1), 0) << "neither air nor mixture is known";
     mixture.afr.cycles = 20, mixture.afr.mean_lambda = float((1 + s) * fuel_mg / fresh_mg);
     EXPECT_NEAR(share(0, 1), 0.25, 1e-3) << "by what the exhaust has left";
-    EXPECT_EQ(share(2 * all_mg, 1), 0) << "more air than the cylinders take";
+    EXPECT_NEAR(share(2 * all_mg, 1), 0, 1e-4) << "more air than the cylinders take";
     at.intake_bar = NAN;
     EXPECT_EQ(share(0, 1), 0);
 }

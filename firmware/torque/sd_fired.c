@@ -268,7 +268,7 @@ static void end_cycle(sd_fired_t *self) {
 
 void sd_fired_step(sd_fired_t *self, const sd_kalman_tables_t *t, sd_kalman_t *kalman, uint32_t cycle_position, float fuel_mg,
                    bool corrected) {
-    if (t->parts == 0u) { return; }
+    if ((t->parts == 0u) || (cycle_position >= 2u * t->positions)) { return; }
     if (!corrected) { self->steady = 0; }
     if (kalman->free_runs == 0u) { self->following = 0; }
     if (self->following != 0u) { follow(self, t, kalman, cycle_position); }

@@ -105,7 +105,7 @@ static inline const sd_fired_pattern_t *sd_fired_used(const sd_fired_t *self) { 
 
 /// A trusted tooth while fuel burns, after the settled filter has taken it; at tooth 0 it lets the filter's free estimate begin anew.
 /// fuel_mg: commanded, below 0 where it is not known. corrected: the filter has the teeth corrected by a learned pattern; what it reads
-/// without is too far off to tell of hidden directions.
+/// without is too far off to tell of hidden directions. A tooth out of range changes nothing.
 void sd_fired_step(sd_fired_t *self, const sd_kalman_tables_t *tables, sd_kalman_t *kalman, uint32_t cycle_position, float fuel_mg,
                    bool corrected);
 /// Any other tooth: the cycle under way is dropped.

@@ -29,8 +29,8 @@ std::string row(const Plant &plant) {
     const exhaust::ExhaustModel &gas = *plant.exhaust();
     return fmt::format("{:.6f},{:.2f},{:.5f},{:.4f},{:.6f},{:.7f},{:.4f},{:.1f},{:.6f},{:.6f},{:.6f},{:.6f}\n", now.time_s,
                        now.angle_rad * kDegPerRad, plant.model().pressure_pa(0) / kPaPerBar, kGramPerKg * gas.flows().valve[0],
-                       gas.pressure_pa() / kPaPerBar, gas.manifold().kg, kGramPerKg * gas.flows().turbine, gas.turbine_radps() * kRpmPerRadps,
-                       gas.downstream_pa() / kPaPerBar, 1 - gas.manifold().air_fraction(), 1 - gas.at_sensor(), plant.uego_lambda());
+                       gas.pressure_pa() / kPaPerBar, gas.manifold().kg, kGramPerKg * gas.flows().turbine,
+                       gas.turbine_radps() * kRpmPerRadps, gas.downstream_pa() / kPaPerBar, 1 - gas.manifold().air_fraction(), 1 - gas.at_sensor(), plant.uego_lambda());
 }
 
 void run(const Options &options) {
@@ -54,7 +54,8 @@ void run(const Options &options) {
     OutputFolder out(options.folder);
     out.add("gas.csv", csv);
     out.commit();
-    fmt::print("{}: the last {} cycles, IMEP {:.2f} bar, in {}/gas.csv\n", scenario.name, options.cycles, imep_pa / kPaPerBar, options.folder);
+    fmt::print("{}: the last {} cycles, IMEP {:.2f} bar, in {}/gas.csv\n", scenario.name, options.cycles, imep_pa / kPaPerBar,
+               options.folder);
 }
 
 } // namespace

@@ -33,8 +33,8 @@ class Browser:
 
         self.process = subprocess.Popen(
             [program(), "--headless", "--no-sandbox", "--disable-gpu", "--remote-debugging-pipe", "--no-first-run", "--hide-scrollbars",
-             "--disable-background-networking", "--disable-component-update", "--disable-sync", "--disable-quic", "--force-color-profile=srgb",
-             f"--user-data-dir={self.folder.name}", f"--window-size={width},{height}", "about:blank"],
+             "--disable-background-networking", "--disable-component-update", "--disable-sync", "--disable-quic",
+             "--force-color-profile=srgb", f"--user-data-dir={self.folder.name}", f"--window-size={width},{height}", "about:blank"],
             stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, close_fds=False, preexec_fn=plumb)
         os.close(to_browser)
         os.close(from_browser)

@@ -82,7 +82,8 @@ class TwelveQuestions(unittest.TestCase):
 
     @staticmethod
     def links(page):
-        return [(page.parent / target).resolve() for target in re.findall(r"\]\(([^)#\s]+)[^)]*\)", page.read_text()) if "://" not in target]
+        return [(page.parent / target).resolve() for target in re.findall(r"\]\(([^)#\s]+)[^)]*\)",
+                                                                          page.read_text()) if "://" not in target]
 
     def rows(self):
         for line in self.PAGE.read_text().splitlines():

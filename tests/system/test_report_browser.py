@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""The report in a real browser without a network: every picture holds its traces, nothing is logged as an error, dark mode, paper, zoom."""
+"""The report in a real browser without a network: every picture holds its traces, nothing is logged as an error, dark mode, paper, zoom.
+
+Of made folders; SD_REPORT=out/demo/report.html names another report to be looked at, which tools/demo has made."""
 import io
 import os
 import pathlib
-import subprocess
 import unittest
 
 import numpy as np
@@ -12,13 +13,14 @@ from PIL import Image
 
 from browser import Browser, program
 from sixdeg_test import ReportFolder, charts
+from test_report_mixture import write_run as write_mixture
+from test_report_run import write_misfires, write_run
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
-SCENARIOS = ROOT / "host_sim/data/scenarios"
 MOST_BYTES = 8_000_000  # of the whole report
-# A picture's traces that are drawn: a line with a path, points, or bars.
+# A picture's traces that are drawn: lines or points that are somewhere, bars that have their value beside them.
 DRAWN = """[...document.querySelectorAll('figure.chart')].map((figure) => {
-    const shown = (trace) => [...trace.querySelectorAll('path')].some((p) => p.getTotalLength() > 0);
+    const shown = (trace) => trace.matches('.bars') ? trace.querySelector('.bartext') :
+        [...trace.querySelectorAll('path')].some((p) => p.getTotalLength() > 0);
     return {name: figure.getAttribute('aria-label'), asked: figure.querySelector('.plot').data.length,
             drawn: [...figure.querySelectorAll('.trace')].filter(shown).length,
             height: figure.querySelector('.main-svg').getBoundingClientRect().height};
@@ -28,20 +30,20 @@ PLACE = """(() => { const r = document.querySelectorAll('figure.chart')[%d].getB
 SCREENS = {"light": (255, 255, 255), "dark": (0x16, 0x18, 0x1c)}  # paper of page.css
 
 
-def run(scenario, out, *options):
-    subprocess.run([os.environ["SIXDEG"], "run", SCENARIOS / scenario, "--nominal", "--out", out, *options], check=True, capture_output=True)
-
-
 @unittest.skipIf(program() is None, "no Chromium here; tools/setup --browser installs one")
 class ReportInABrowser(ReportFolder):
     def setUp(self):
         super().setUp()
-        wheel = ("--set", "misfires.one_in=10", "--set", "run.cycles=60")
-        for name, method in (("monitor", 0), ("folsmo", 1)):
-            run("balance_1000rpm_5bar.toml", self.folder / name, *wheel, "--set", f"misfire.method={method}")
-        run("trajectory_1500rpm_9bar.toml", self.folder / "mixture", "--set", "run.duration_s=5")
-        page = self.drawn("--misfire", self.folder / "monitor", self.folder / "folsmo", "--figure-6", self.folder / "monitor", "--figure-14",
-                          self.folder / "mixture")
+        if "SD_REPORT" in os.environ:
+            self.page = pathlib.Path(os.environ["SD_REPORT"])
+            page = self.page.read_text()
+        else:
+            write_misfires(self.folder / "monitor")
+            write_misfires(self.folder / "other", "FOLSMO, f32")
+            write_run(self.folder / "run")
+            write_mixture(self.folder / "mixture")
+            page = self.drawn("--misfire", self.folder / "monitor", self.folder / "other", "--figure-6", self.folder / "run", "--figure-16",
+                              self.folder / "mixture")
         self.asked = charts(page)
         self.browser = Browser()
         self.addCleanup(self.browser.close)
@@ -66,10 +68,10 @@ class ReportInABrowser(ReportFolder):
         self.assertEqual(self.browser.faults, [])
 
     def looked_at(self, number, paper):
-        """Most of a picture is paper, and what is written on it stands out."""
+        """Much of a picture is paper, and what is written on it stands out."""
         pixels = self.picture(number)
         off = np.abs(pixels - paper).max(axis=2)
-        self.assertGreater((off < 8).mean(), 0.5)
+        self.assertGreater((off < 8).mean(), 0.3)
         self.assertGreater((off > 60).mean(), 0.005)
         left = off[:, :60]  # numbers and name of the vertical axis
         self.assertGreater(left.max(), 120, "words that cannot be read on this paper")
@@ -79,7 +81,8 @@ class ReportInABrowser(ReportFolder):
         first = "document.querySelector('.plot')"
         before = self.browser.ask(f"{first}._fullLayout.xaxis.range.slice()")
         place = self.browser.ask(f"(() => {{ const plot = {first}; plot.scrollIntoView(); "
-                                 "const r = plot.querySelector('.nsewdrag').getBoundingClientRect(); return [r.x, r.y, r.width, r.height]; })()")
+                                 "const r = plot.querySelector('.nsewdrag').getBoundingClientRect(); return [r.x, r.y, r.width, "
+                                 "r.height]; })()")
         self.browser.drag(place[0] + 0.3 * place[2], place[1] + 20, place[0] + 0.6 * place[2], place[1] + place[3] - 20)
         after = self.browser.ask(f"{first}._fullLayout.xaxis.range.slice()")
         self.assertAlmostEqual((after[1] - after[0]) / (before[1] - before[0]), 0.3, delta=0.02)

@@ -193,7 +193,8 @@ def write_misfires(folder, method="monitor", firings=400, columns=MISFIRE_COLUMN
     the first five cycles are not judged."""
     folder.mkdir()
     rate = {"hits": 8, "of": 9, "percent": 88.89, "bounds_95_percent": [51.75, 99.72]}
-    summary = {"scenario": "made misfires", "misfires_true": 10, "engine": {"name": "test engine", "guessed": []}, "set": ["misfire.method=1"],
+    summary = {"scenario": "made misfires", "misfires_true": 10, "engine": {"name": "test "
+                                                                                    "engine", "guessed": []}, "set": ["misfire.method=1"],
                "seed": 7, "number": "f32", "parameters": {},
                "misfire": {"detected": rate, "false_alarms": {**rate, "hits": 1, "of": 371}, "method": method, "separation": 12.34}}
     (folder / "summary.json").write_text(json.dumps(summary))
@@ -219,7 +220,8 @@ class MisfireReport(ReportFolder):
             self.says(page, row)
         index, counts, acceleration = charts(page)
         of_panel = {trace["name"]: len(values(trace["y"])) for trace in index["data"] if trace["yaxis"] == "y"}
-        self.assertEqual(of_panel, {"healthy, judged so": 370, "misfire, found": 8, "misfire, overlooked": 1, "healthy, called a misfire": 1,
+        self.assertEqual(of_panel, {"healthy, judged so": 370, "misfire, found": 8, "misfire, overlooked": 1, "healthy, called a "
+                                                                                                              "misfire": 1,
                                     "limit, below which a firing is a misfire": 380})
         self.assertEqual(len({trace["yaxis"] for trace in index["data"]}), 2, "a panel a method")
         self.assertEqual([values(t["y"]) for t in counts["data"]], [(0, 0, 9, 0), (0, 0, 8, 0), (0, 0, 1, 0), (1, 0, 0, 0)])

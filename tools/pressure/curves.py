@@ -21,7 +21,7 @@ def torque_rows(pattern, replayed, cycles):
 
 
 def write(folder, results):
-    """torque.csv, of recordings of a single cylinder; work.csv, the work of every cycle and what the energy at the same teeth says of it."""
+    """torque.csv, of recordings of a single cylinder; work.csv, of every cycle by pressure and by the energy at the same teeth."""
     folder = pathlib.Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
     with (folder / "torque.csv").open("w", newline="", encoding="utf-8") as file:
@@ -29,10 +29,12 @@ def write(folder, results):
         table.writerow(("recording", *COLUMNS))
         for result in results:
             for pattern, replayed in result["replayed"].items():
-                table.writerows([result["name"], *row] for row in torque_rows(pattern, replayed, result["cycles"][len(result["cycles"]) // 2:]))
+                table.writerows([result["name"], *row] for row in torque_rows(pattern, replayed,
+                                                                              result["cycles"][len(result["cycles"]) // 2:]))
     with (folder / "work.csv").open("w", newline="", encoding="utf-8") as file:
         table = csv.writer(file)
         table.writerow(("recording", "cycle", "pressure_j", "same_teeth_j"))
         for result in results:
             said = result["told"].get(obs.SAME_TEETH, {})
-            table.writerows([result["name"], i, f"{c.work_j:.4f}", f"{said[i]:.4f}" if i in said else ""] for i, c in enumerate(result["cycles"]))
+            table.writerows([result["name"], i, f"{c.work_j:.4f}", f"{said[i]:.4f}" if i in said else ""] for i,
+                            c in enumerate(result["cycles"]))

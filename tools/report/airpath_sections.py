@@ -3,8 +3,8 @@
 import airpath_pictures as pictures
 from page import picture, table, text
 
-MODEL_WORDS = ("The true ones are of the full air path of the simulated engine; nothing was fitted to this drive. The model is the four-state "
-               "one that the firmware's observers use.")
+MODEL_WORDS = ("The true ones are of the full air path of the simulated engine; nothing was fitted to this drive. The model is the "
+               "four-state one that the firmware's observers use.")
 
 
 def figure_4_section(model):
@@ -30,6 +30,6 @@ def faults_section(run):
 
 
 def said(run):
-    return "Air path, section 7 of document 001: " + "; ".join(
-        f"a fault of the {what} from {start} on is named {named} after {delay}" if delay != "not found" else f"a fault of the {what} is not found"
-        for what, start, named, delay in run.figures()) + "."
+    faults = [f"a fault of the {what} from {start} on is " + ("not found" if delay == "not found" else f"named {named} after {delay}")
+              for what, start, named, delay in run.figures()]
+    return "Air path, section 7 of document 001: " + "; ".join(faults) + "."

@@ -143,7 +143,8 @@ class Chart:
         """A vertical line through all panels of the first column, and words at one end of it."""
         self._line_shape("dash", xref="x", yref="paper", x0=plain(x), x1=plain(x), y0=0, y1=1)
         if text:
-            self._note(text, x=plain(x), y=1 if at_top else 0, xref="x", yref="paper", xanchor="left", yanchor="top" if at_top else "bottom")
+            self._note(text, x=plain(x), y=1 if at_top else 0, xref="x", yref="paper", xanchor="left",
+                       yanchor="top" if at_top else "bottom")
 
     def shade(self, start, end, text=""):
         """A stretch of the horizontal axis, in grey."""

@@ -20,7 +20,8 @@ def as_png(chart):
     by_name = {"y" if panel == 0 else f"y{panel + 1}": axes for panel, axes in enumerate(all_axes)}
     for trace in chart.traces:
         line, marker = trace.get("line", {}), trace.get("marker", {})
-        by_name[trace["yaxis"]].plot(decoded(trace["x"]), decoded(trace["y"]), DASHES[line.get("dash")] if line else "o", label=trace["name"],
+        by_name[trace["yaxis"]].plot(decoded(trace["x"]), decoded(trace["y"]), DASHES[line.get("dash")] if line else "o",
+                                     label=trace["name"],
                                      color=(line or marker)["color"], linewidth=line.get("width", 1), alpha=trace["opacity"],
                                      drawstyle="steps-post" if line.get("shape") == "hv" else "default")
     for shape in layout["shapes"]:

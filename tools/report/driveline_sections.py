@@ -5,8 +5,8 @@ from page import picture, table, text
 
 
 def figure_2_section(_):
-    return [text("The shaft is soft within the kinks, 2400 N m/rad, and stiff beyond, 8000 N m/rad. Its location is 1 wound back beyond the kink, 2 "
-                 "between the kinks, 3 wound forward beyond it. A formula, drawn with the parameters of Figure 6.", "lead"),
+    return [text("The shaft is soft within the kinks, 2400 N m/rad, and stiff beyond, 8000 N m/rad. Its location is 1 wound back beyond "
+                 "the kink, 2 between the kinks, 3 wound forward beyond it. A formula, drawn with the parameters of Figure 6.", "lead"),
             picture(pictures.figure_2(), "torque of the shaft over its torsion")]
 
 

@@ -65,7 +65,8 @@ def figure_10(several):
     chart = Chart("gas in the manifold, over the mean of the first curve", "flow through the turbine, g/s", height=420)
     unit_kg = several[0].columns["manifold_kg"].mean()
     for gas, color in zip(several, (BLUE, GREEN, ORANGE, RED)):
-        chart.points(gas.columns["manifold_kg"] / unit_kg, gas.columns["turbine_gps"], f"{gas.columns['turbine_rpm'].mean():.0f} rpm", color, size=3)
+        chart.points(gas.columns["manifold_kg"] / unit_kg, gas.columns["turbine_gps"], f"{gas.columns['turbine_rpm'].mean():.0f} rpm",
+                     color, size=3)
     return chart
 
 
@@ -80,8 +81,8 @@ def figure_11(gas):
 
 
 def figure_2_section(gas):
-    return [text("Pressure in a cylinder at IMEP 6 bar. The document shows its engine model beside its test bench; here the model alone, since there is "
-                 "no such bench. Without recirculated exhaust, which the document has at 35 %.", "lead"),
+    return [text("Pressure in a cylinder at IMEP 6 bar. The document shows its engine model beside its test bench; here the model alone, "
+                 "since there is no such bench. Without recirculated exhaust, which the document has at 35 %.", "lead"),
             picture(figure_2(gas), "cylinder pressure over crank angle"), text(NO_ESTIMATOR)]
 
 
@@ -91,9 +92,9 @@ def figure_9_section(gas):
 
 
 def figure_10_section(several):
-    return [text("Flow through the turbine over the gas in the manifold, at several speeds of the turbine (1500 rpm, several loads): every half degree of "
-                 "two cycles. The document's is a look-up table; the simulated turbine is a nozzle, so a curve is as wide as the temperature "
-                 "swings within a cycle.", "lead"),
+    return [text("Flow through the turbine over the gas in the manifold, at several speeds of the turbine (1500 rpm, several loads): "
+                 "every half degree of two cycles. The document's is a look-up table; the simulated turbine is a nozzle, so a curve is as "
+                 "wide as the temperature swings within a cycle.", "lead"),
             picture(figure_10(several), "flow through the turbine over gas in the manifold"), text(NO_ESTIMATOR)]
 
 

@@ -14,7 +14,8 @@ def index(runs):
             color, symbol, size = LOOK[what]
             if rows.any():
                 chart.points(run.t_s[rows], run.index[rows], what, color, panel, symbol=symbol, size=size)
-        chart.line(run.t_s[run.judged], run.limit[run.judged], "limit, below which a firing is a misfire", GREY, panel, dash="dash", step=True)
+        chart.line(run.t_s[run.judged], run.limit[run.judged], "limit, below which a firing is a misfire", GREY, panel, dash="dash",
+                   step=True)
     return chart
 
 

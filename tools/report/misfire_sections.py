@@ -16,7 +16,8 @@ def rate(of):
 def said(run):
     score = run.score
     return (f"Misfire, judged by {run.method()}: {rate(score['detected'])} misfires were found, and {rate(score['false_alarms'])} healthy "
-            f"firings were called one. The index of healthy firings and that of misfires lie {score['separation']:.1f} standard deviations apart.")
+            f"firings were called one. The index of healthy firings and that of misfires lie {score['separation']:.1f} standard "
+            "deviations apart.")
 
 
 def section(runs):
@@ -33,7 +34,7 @@ def section(runs):
         score = other.score
         parts += [text(f"The same teeth, judged by {score['method']} of document 000 ({settings.words(other.summary)}): "
                        f"{rate(score['detected'])} found, {rate(score['false_alarms'])} healthy firings called misfires, "
-                       f"{score['separation']:.1f} standard deviations apart (the monitor: {first.score['separation']:.1f}). Its estimate of "
-                       "the crank's acceleration, a mean over each firing:"),
+                       f"{score['separation']:.1f} standard deviations apart (the monitor: {first.score['separation']:.1f}). Its estimate "
+                       "of the crank's acceleration, a mean over each firing:"),
                   picture(pictures.acceleration(other), f"acceleration by {score['method']}")]
     return parts

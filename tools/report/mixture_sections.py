@@ -16,12 +16,13 @@ def method(run):
 
 def mixture_words(run):
     s = run.summary
-    return text(f"Simulated, so the truth is known: {s['engine']['name']}; seed {s['seed']}. The mixture is drawn as the document's lambda, "
-                "1 - air/gas of what a cylinder lets out: its burned share.", "lead")
+    return text(f"Simulated, so the truth is known: {s['engine']['name']}; seed {s['seed']}. The mixture is drawn as the document's "
+                "lambda, 1 - air/gas of what a cylinder lets out: its burned share.", "lead")
 
 
 def estimators(runs):
-    return text(" ".join(f"Estimator{' of ' + run.title() if len(runs) > 1 else ''}: {method(run)}. {settings.words(run.summary)}" for run in runs))
+    return text(" ".join(f"Estimator{' of ' + run.title() if len(runs) > 1 else ''}: {method(run)}. "
+                         f"{settings.words(run.summary)}" for run in runs))
 
 
 def said(run):
@@ -30,12 +31,12 @@ def said(run):
     if balance:
         cycles = balance["cycles_to_3_percent"]
         reached = f"within 3 % after {cycles:.0f} cycles" if cycles >= 0 else "not within 3 % by the end"
-        return (f"Fuel trims, {run.title()}: cylinders that were {balance['spread_before_percent']:.1f} % apart in mixture are {reached}, and "
-                f"a cylinder's mean distance from the mean of all is {balance['residual_percent']:.2f} % at the end.")
+        return (f"Fuel trims, {run.title()}: cylinders that were {balance['spread_before_percent']:.1f} % apart in mixture are {reached}, "
+                f"and a cylinder's mean distance from the mean of all is {balance['residual_percent']:.2f} % at the end.")
     afr = run.summary["afr"]
     stated = f"; the firmware states {afr['stated_points']:.2f} %" if "stated_points" in afr else ""
-    return (f"Mixture of each cylinder from one lambda sensor, {run.title()}: wrong by {afr['rms_points']:.2f} % of the mean (rms{stated}). "
-            f"A change is followed, to 80 %, after: {run.convergence()}.")
+    return (f"Mixture of each cylinder from one lambda sensor, {run.title()}: wrong by {afr['rms_points']:.2f} % of the mean "
+            f"(rms{stated}). A change is followed, to 80 %, after: {run.convergence()}.")
 
 
 def figure_16_section(runs):
@@ -47,13 +48,14 @@ def figure_16_section(runs):
 
     on = run.switched_on()
     before, last = slice(on - 20, on), slice(-20, None)
-    claims = [("torque of the cylinders, spread before the control is on", "to be seen in the figure", *(spread(of, before) for of in runs)),
+    claims = [("torque of the cylinders, spread before the control is on", "to be seen in the figure",
+               *(spread(of, before) for of in runs)),
               ("the same, last 20 cycles", "\"able to balance the torque\"", *(spread(of, last) for of in runs))]
     for rows in zip(*(of.figures() for of in runs)):
         claims.append((rows[0][0], "", *(" / ".join(values) for _, *values in rows)))
     return [mixture_words(run), picture(pictures.figure_16(run), "balance from lambda over time"),
-            text("The document shows IMEP above and the estimated AFR below, for the same sequence on a test bench. IMEP: mean of 10 cycles. "
-                 "Grey: trims off. The last row is the largest cylinder less the smallest, of the mean."),
+            text("The document shows IMEP above and the estimated AFR below, for the same sequence on a test bench. IMEP: mean of 10 "
+                 "cycles. Grey: trims off. The last row is the largest cylinder less the smallest, of the mean."),
             picture(pictures.switched_on(runs), "spread after switching on, by source of the trims"),
             table(claims, ("claim, nominal / perturbed", "document 004", *(of.source() for of in runs))),
             estimators(runs),
@@ -65,7 +67,8 @@ def figure_16_section(runs):
 def trajectory_section(runs, figure):
     """Document 004, figures 12, 14 and 15: the estimate while injectors are moved one by one; a panel an estimator."""
     rows = [("convergence", "within 4 engine cycles", *(run.convergence() for run in runs)),
-            ("error of a cylinder, rms of the last cycles", "none printed", *(f"{run.summary['afr']['rms_points']:.2f} % of the mean" for run in runs))]
+            ("error of a cylinder, rms of the last cycles", "none printed",
+             *(f"{run.summary['afr']['rms_points']:.2f} % of the mean" for run in runs))]
     return [mixture_words(runs[0]), picture(pictures.trajectory(runs), "mixture while injectors move"),
             table(rows, ("claim", "document 004", *(run.source_of_estimate() for run in runs))),
             estimators(runs),

@@ -7,8 +7,10 @@ from chart import BLUE, GREY, ORANGE, Chart
 from folder import BadFolder, Table, read_file
 from page import picture, table, text
 
-FIGURES = {"figure_1.csv": ("t_s", "speed_mps", "estimate_mps", "estimate_not_told_mps"), "figure_2.csv": ("t_s", "error_mps", "error_not_told_mps"),
-           "figure_3.csv": ("t_s", "accel_mps2", "estimate_mps2"), "figure_4.csv": ("t_s", "accel_mps2", "estimate_mps2", "estimate_not_told_mps2")}
+FIGURES = {"figure_1.csv": ("t_s", "speed_mps", "estimate_mps", "estimate_not_told_mps"),
+           "figure_2.csv": ("t_s", "error_mps", "error_not_told_mps"),
+           "figure_3.csv": ("t_s", "accel_mps2", "estimate_mps2"),
+           "figure_4.csv": ("t_s", "accel_mps2", "estimate_mps2", "estimate_not_told_mps2")}
 # Printed in document 000's Table 2: band without a fault, with a misfire (%), convergence.
 PRINTED = {"ROO": ("0.5 .. 5.2", "-0.9 .. 7.8", "0.12 s"), "FOSMO": ("-1 .. 0.3", "-1.1 .. 0.8", "0.4 s"),
            "FOLSMO": ("-0.2 .. 0.8", "-0.6 .. 0.7", "0.3 s"), "ours": ("", "", "")}
@@ -50,9 +52,9 @@ class Observers:
 
     def words(self):
         gains = self.gains
-        return text(f"{self.case}; the document prints none of its gains. Here L {gains['luenberger']:g}, rho {gains['sliding']:g}, l of ROO "
-                    f"{gains['roo']:.3g}. One cylinder fails from time 0 on. An observer's input either knows that (told) or not; the document "
-                    "does not say which it shows.")
+        return text(f"{self.case}; the document prints none of its gains. Here L {gains['luenberger']:g}, rho {gains['sliding']:g}, l of "
+                    f"ROO {gains['roo']:.3g}. One cylinder fails from time 0 on. An observer's input either knows that (told) or not; the "
+                    "document does not say which it shows.")
 
 
 def figures_1_and_2(observers):
@@ -78,7 +80,8 @@ def figures_3_and_4(observers):
 
 
 def figures_1_and_2_section(observers):
-    return [text("Speed of the crank's pin and its estimate by FOLSMO, and the error between them. The estimate starts 0.3 m/s off.", "lead"),
+    return [text("Speed of the crank's pin and its estimate by FOLSMO, and the error between them. The estimate starts 0.3 m/s "
+                 "off.", "lead"),
             picture(figures_1_and_2(observers), "speed, its estimate and error"), observers.words()]
 
 
@@ -89,9 +92,10 @@ def figures_3_and_4_section(observers):
 
 def table_2_section(observers):
     rows = [(name, *PRINTED[name], *here) for name, *here in observers.figures()]
-    header = ("observer", "document: no fault", "misfire", "convergence", "here: no fault", "misfire known", "misfire unknown", "within 2 %")
-    return [text("Error of the acceleration in percent of its largest value: lowest and highest from 0.6 s on. \"ours\" is the project's observer "
-                 "of every cylinder's input, for this benchmark alone.", "lead"),
+    header = ("observer", "document: no fault", "misfire", "convergence", "here: no fault", "misfire known", "misfire unknown",
+              "within 2 %")
+    return [text("Error of the acceleration in percent of its largest value: lowest and highest from 0.6 s on. \"ours\" is the project's "
+                 "observer of every cylinder's input, for this benchmark alone.", "lead"),
             table(rows, header), observers.words(),
-            text("The document's band with a misfire is reached only by observers that are told of it. Why, and with which gains its order of "
-                 "FOLSMO before FOSMO comes out: docs/theory/observers.md.")]
+            text("The document's band with a misfire is reached only by observers that are told of it. Why, and with which gains its "
+                 "order of FOLSMO before FOSMO comes out: docs/theory/observers.md.")]

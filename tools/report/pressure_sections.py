@@ -24,7 +24,8 @@ class PressureBeside:
         self.name = str(names[0])
         first, pattern = names == self.name, torque.texts("pattern")
         columns = {name: torque.numbers(name) for name in ("angle_deg", "pressure_nm", "filter", "fourier")}
-        self.curves = {str(p): {name: values[first & (pattern == p)] for name, values in columns.items()} for p in dict.fromkeys(pattern[first])}
+        self.curves = {str(p): {name: values[first & (pattern == p)] for name, values in columns.items()}
+                       for p in dict.fromkeys(pattern[first])}
         work = Table(folder, "work.csv", ("recording", "cycle", "pressure_j", "same_teeth_j"))
         first = work.texts("recording") == self.name
         self.work = {name: work.numbers(name)[first] for name in ("cycle", "pressure_j", "same_teeth_j")}
@@ -65,25 +66,26 @@ def work(beside):
     data = beside.work
     told = np.isfinite(data["same_teeth_j"])
     chart = Chart("cycle", "work less its mean, J", height=300)
-    for name, what, color in (("pressure_j", "by cylinder pressure", GREY), ("same_teeth_j", "energy at the same teeth (work.cycle)", GREEN)):
+    for name, what, color in (("pressure_j", "by cylinder pressure", GREY),
+                              ("same_teeth_j", "energy at the same teeth (work.cycle)", GREEN)):
         chart.line(data["cycle"][told], data[name][told] - data[name][told].mean(), what, color, width=2)
     return chart
 
 
 def section(beside):
     by_work = beside.by_work
-    return [text(f"A real engine at full load: torque from cylinder pressure, (p - 1 bar) dV/da, beside what the firmware makes of the teeth alone. "
-                 f"Recording {beside.name}, the last cycle of its second half.", "lead"),
+    return [text("A real engine at full load: torque from cylinder pressure, (p - 1 bar) dV/da, beside what the firmware makes of the "
+                 f"teeth alone. Recording {beside.name}, the last cycle of its second half.", "lead"),
             picture(torque(beside), "torque over the angle, by pressure and by observers"), table(beside.figures(), beside.HEADER),
-            text("R2 is the share of the torque's variance that an estimate explains, over the second half of the recording; below 0 a flat line is "
-                 "nearer. What decides is the pattern of the wheel's own errors. \"From the gas exchange\": learned outside the firmware, from "
-                 "the revolution in which the cylinder does not fire. All parameters are at their defaults."),
+            text("R2 is the share of the torque's variance that an estimate explains, over the second half of the recording; below 0 a "
+                 "flat line is nearer. What decides is the pattern of the wheel's own errors. \"From the gas exchange\": learned outside "
+                 "the firmware, from the revolution in which the cylinder does not fire. All parameters are at their defaults."),
             picture(work(beside), "work of each cycle"),
-            text(f"How the work of cycles differs, by the teeth: correlation {by_work['correlation']:.3f}, rms {by_work['rms_percent']:.2f} % of "
-                 f"the mean work, over {by_work['count']} cycles. More: docs/results/evidence.md.")]
+            text(f"How the work of cycles differs, by the teeth: correlation {by_work['correlation']:.3f}, rms "
+                 f"{by_work['rms_percent']:.2f} % of the mean work, over {by_work['count']} cycles. More: docs/results/evidence.md.")]
 
 
 def said(beside):
     by_work = beside.by_work
-    return (f"Real engine with cylinder pressure, {beside.name}: how the work of {by_work['count']} cycles differs is known from teeth alone, "
-            f"correlation {by_work['correlation']:.3f}, rms {by_work['rms_percent']:.2f} % of the mean work.")
+    return (f"Real engine with cylinder pressure, {beside.name}: how the work of {by_work['count']} cycles differs is known from teeth "
+            f"alone, correlation {by_work['correlation']:.3f}, rms {by_work['rms_percent']:.2f} % of the mean work.")

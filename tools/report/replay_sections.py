@@ -36,7 +36,8 @@ def differences(replay):
 
 def said(replay):
     s = replay.summary
-    synced = "the crank angle was never found" if s["first_sync_edge"] is None else f"the crank angle is known from edge {s['first_sync_edge']} on"
+    first = s["first_sync_edge"]
+    synced = "the crank angle was never found" if first is None else f"the crank angle is known from edge {first} on"
     words = (f"Recording {replay.title()}: wheel {s['guess'].get('wheel', '?')}, {s['edges']} edges, {s['revolutions']:.0f} revolutions; "
              f"{synced} and was lost {s['sync_losses']} times.")
     guessed = s["engine"].get("guessed")

@@ -52,44 +52,48 @@ class Kind(NamedTuple):
 
 
 def trajectory(figure, conditions, said=None):
-    return Kind(f"figure-{figure}", "RUN", "+", f"document 004: injectors moved at {conditions}; by the firmware's method, then by others", MixtureRun,
+    return Kind(f"figure-{figure}", "RUN", "+", f"document 004: injectors moved at {conditions}; by one method, then by others", MixtureRun,
                 ((f"figure-004-{figure}", f"Document 004, Figure {figure}: mixture of every cylinder, {conditions}",
                   functools.partial(mixture_sections.trajectory_section, figure=figure)),), said)
+
+
+def gas(figure, conditions, title, build, count=1):
+    return Kind(f"figure-{figure}", "FOLDER", count, f"document 004: of sixdeg study gas, {conditions}", Gas,
+                ((f"figure-004-{figure}", f"Document 004, Figure {figure}: {title}", build),))
 
 
 KINDS = (
     Kind("misfire", "RUN", "+", "runs with misfires, of one scenario and seed: by the monitor, then by observers of document 000", MisfireRun,
          (("misfire", "Misfire", misfire_sections.section),), misfire_sections.said),
-    Kind("figure-6", "RUN", 1, "document 004, section 3.3.3: 1000 rpm, 5 bar", Run,
-         (("figure-004-6", "Document 004, Figure 6: torque at 1000 rpm and 5 bar", torque_sections.figure_6_section),), torque_sections.said),
+    Kind("observers", "FOLDER", 1, "document 000: of sixdeg study observers --out FOLDER --json FOLDER/table2.json", Observers,
+         (("figure-000-1", "Document 000, Figures 1 and 2: speed by FOLSMO, and its error", observer_sections.figures_1_and_2_section),
+          ("figure-000-3", "Document 000, Figures 3 and 4: acceleration by FOLSMO", observer_sections.figures_3_and_4_section),
+          ("table-000-2", "Document 000, Table 2: error and convergence", observer_sections.table_2_section))),
+    gas("2", "6 bar", "cylinder pressure", gas_sections.figure_2_section),
     Kind("figure-5", "RUN", 1, "document 004, section 3.3.1: 1500 rpm, 2 bar", Run,
          (("figure-004-5", "Document 004, Figure 5: harmonics of the torque", torque_sections.figure_5_section),)),
+    Kind("figure-6", "RUN", 1, "document 004, section 3.3.3: 1000 rpm, 5 bar", Run,
+         (("figure-004-6", "Document 004, Figure 6: torque at 1000 rpm and 5 bar", torque_sections.figure_6_section),), torque_sections.said),
+    Kind("figure-7", "FOLDER", 1, "document 004, a real engine: of tools/evidence --curves FOLDER --json FOLDER/figures.json", PressureBeside,
+         (("figure-004-7", "Document 004, Figure 7: torque of a real engine", pressure_sections.section),), pressure_sections.said),
+    gas("9", "11 bar", "flow from a cylinder", gas_sections.figure_9_section),
+    gas("10", "at several loads", "flow through the turbine", gas_sections.figure_10_section, "+"),
+    gas("11", "20 percent more fuel on cylinder 1", "lambda sensor with one injector off", gas_sections.figure_11_section),
+    trajectory("14", "1500 rpm, 9 bar", mixture_sections.said), trajectory("15", "1500 rpm, 6 bar"), trajectory("12", "3500 rpm, no noise"),
     Kind("figure-16", "RUN", "+", "document 004: trims from lambda, from torque, and by other methods", MixtureRun,
          (("figure-004-16", "Document 004, Figure 16: torque balancing", mixture_sections.figure_16_section),), mixture_sections.said),
-    trajectory("14", "1500 rpm, 9 bar", mixture_sections.said), trajectory("15", "1500 rpm, 6 bar"), trajectory("12", "3500 rpm, no noise"),
     Kind("air-path-model", "FOLDER", 1, "document 001: of sixdeg study airpath model", AirPathModel,
          (("figure-001-4", "Document 001, Figure 4: inputs of the air path", airpath_sections.figure_4_section),
           ("figure-001-5", "Document 001, Figures 5 and 6: pressures of the manifolds", airpath_sections.figures_5_and_6_section),
           ("figure-001-7", "Document 001, Figure 7: gas of the cylinders", airpath_sections.figure_7_section))),
     Kind("air-path", "RUN", 1, "document 001: of sixdeg run airpath_section7.toml", AirPathRun,
-         (("figure-001-9", "Document 001, Figure 9 and Table 2: faults of valve and vanes", airpath_sections.faults_section),), airpath_sections.said),
+         (("figure-001-9", "Document 001, Figure 9 and Table 2: faults of valve and vanes", airpath_sections.faults_section),),
+         airpath_sections.said),
     Kind("driveline", "FOLDER", 1, "document 003: of sixdeg study driveline figure-6", Driveline,
-         (("figure-003-6", "Document 003, Figure 6: torsion of the driveline", driveline_sections.figure_6_section),
-          ("figure-003-2", "Document 003, Figure 2: torque of the shaft", driveline_sections.figure_2_section)), driveline_sections.said),
-    Kind("observers", "FOLDER", 1, "document 000: of sixdeg study observers --out FOLDER --json FOLDER/table2.json", Observers,
-         (("figure-000-1", "Document 000, Figures 1 and 2: speed by FOLSMO, and its error", observer_sections.figures_1_and_2_section),
-          ("figure-000-3", "Document 000, Figures 3 and 4: acceleration by FOLSMO", observer_sections.figures_3_and_4_section),
-          ("table-000-2", "Document 000, Table 2: error and convergence", observer_sections.table_2_section))),
+         (("figure-003-2", "Document 003, Figure 2: torque of the shaft", driveline_sections.figure_2_section),
+          ("figure-003-6", "Document 003, Figure 6: torsion of the driveline", driveline_sections.figure_6_section)), driveline_sections.said),
     Kind("sensors", "FILE", 1, "document 002: of sixdeg sensors host_sim/data/models/turbo_si_13.toml --json FILE", SensorSets,
          (("table-002-1", "Document 002, Table 1: choice of three sensors", sensor_sections.section),)),
-    Kind("figure-7", "FOLDER", 1, "document 004, on a recording with cylinder pressure: of tools/evidence --curves FOLDER --json FOLDER/figures.json",
-         PressureBeside, (("figure-004-7", "Document 004, Figure 7: torque of a real engine", pressure_sections.section),), pressure_sections.said),
-    *(Kind(f"figure-{number}", "FOLDER", count, f"document 004: of sixdeg study gas, {what}", Gas,
-           ((f"figure-004-{number}", f"Document 004, Figure {number}: {title}", build),))
-      for number, count, what, title, build in (
-          ("2", 1, "6 bar", "cylinder pressure", gas_sections.figure_2_section), ("9", 1, "11 bar", "flow from a cylinder", gas_sections.figure_9_section),
-          ("10", "+", "at several loads", "flow through the turbine", gas_sections.figure_10_section),
-          ("11", 1, "+20 % fuel on cylinder 1", "lambda sensor with one injector off", gas_sections.figure_11_section))),
     Kind("bench", "FILE", 1, "document 004, table 2: of sixdeg bench blocks --json FILE", Bench,
          (("table-004-2", "Document 004, Table 2: time of each block", cost_sections.section),)),
 )
@@ -158,9 +162,10 @@ def summary(read, said):
     parts = ["<h2>Summary</h2>"]
     if of:
         parts.append("<p>Engines: " + "; ".join(of) + ".</p>")
-    parts.append("<ul class=\"first\">" + "".join(f'<li>{html.escape(words)} <a href="#{anchor}">Pictures</a></li>' for words, anchor in said) + "</ul>")
-    parts.append(page.text("A simulated engine has a known truth, and errors are against it. Every picture can be zoomed by drawing a rectangle, reset "
-                           "by a double click, and a click on a name in its legend switches that trace off."))
+    points = [f'<li>{html.escape(words)} <a href="#{anchor}">Pictures</a></li>' for words, anchor in said]
+    parts.append('<ul class="first">' + "".join(points) + "</ul>")
+    parts.append(page.text("A simulated engine has a known truth, and errors are against it. Every picture can be zoomed by drawing a "
+                           "rectangle, reset by a double click, and a click on a name in its legend switches that trace off."))
     return parts
 
 

@@ -37,16 +37,19 @@ def histogram(sets):
     indices = sorted({int(index) for regime in regimes for index in regime["histogram"]})
     chart = Chart("observability index", "sets of three sensors", height=340)
     for regime, color in zip(regimes, (BLUE, ORANGE)):
-        chart.bars([str(i) for i in indices], [regime["histogram"].get(str(i), 0) for i in indices], f"throttle {regime['name']}", color, form="{:.0f}")
+        chart.bars([str(i) for i in indices], [regime["histogram"].get(str(i), 0) for i in indices], f"throttle {regime['name']}", color,
+                   form="{:.0f}")
     return chart
 
 
 def section(sets):
     count = sum(sets.found["regimes"][0]["histogram"].values())
-    return [text(f"How many derivatives of three sensors' signals tell {', '.join(sets.found['targets'])}: the smaller the index, the sooner the "
-                 f"states are known. All {count} sets of three are ranked, exactly, with random numbers for the model's coefficients.", "lead"),
+    return [text(f"How many derivatives of three sensors' signals tell {', '.join(sets.found['targets'])}: the smaller the index, the "
+                 f"sooner the states are known. All {count} sets of three are ranked, exactly, with random numbers for the model's "
+                 "coefficients.", "lead"),
             table(sets.figures(), sets.HEADER),
             picture(histogram(sets), "how many sets have which index"),
             text(f"The {BEST} best, and what they cost by the prices in the model's file:"),
             table(sets.best(), ("sensors", "unchoked", "choked", "cost")),
-            text("By structure alone: no estimator, and no setting but the model's. Where the document's figure differs: docs/theory/sensors.md.")]
+            text("By structure alone: no estimator, and no setting but the model's. Where the document's figure differs: "
+                 "docs/theory/sensors.md.")]

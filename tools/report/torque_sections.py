@@ -25,8 +25,8 @@ def contributions(run):
     if not nominal:
         return [text("No torque of single cylinders to compare.", "none")]
     return [picture(pictures.contributions(nominal, perturbed), "cylinder contributions"),
-            text("By the adaptive Fourier observer. The short lines on the bars are the standard deviation that the firmware itself states; "
-                 "it covers the noise of tooth times, not an error of the calibration.")]
+            text("By the adaptive Fourier observer. The short lines on the bars are the standard deviation that the firmware itself "
+                 "states; it covers the noise of tooth times, not an error of the calibration.")]
 
 
 def accuracy(run):
@@ -85,9 +85,9 @@ def figure_6_section(run):
                   (f"largest torque, of that of the best {waves.n_h} harmonics", "almost reached",
                    f"{waves.peak_percent:.1f} %")]
         parts += [table(claims, ("claim", "document 004", "here")),
-                  text("Estimators: the document's adaptive Fourier observer in the firmware (torque.mass), the project's filter on tooth times "
-                       "(firing.waveform), and pole placement, which the document compares with, in Python. All get the same tooth times. "
-                       "Torque less load and friction, which move all of a curve alike. Shifts are where a curve correlates "
+                  text("Estimators: the document's adaptive Fourier observer in the firmware (torque.mass), the project's filter on tooth "
+                       "times (firing.waveform), and pole placement, which the document compares with, in Python. All get the same tooth "
+                       "times. Torque less load and friction, which move all of a curve alike. Shifts are where a curve correlates "
                        f"best with the truth, or with its first {waves.n_h} harmonics: more an estimate of {waves.n_h} "
                        "cannot show, and where these peak later than the truth, so does the estimate. The document "
                        "does not print the poles of pole placement; here both are at -6/rad, to settle within a firing interval.")]

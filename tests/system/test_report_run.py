@@ -243,5 +243,45 @@ class MisfireReport(ReportFolder):
             shutil.rmtree(self.folder / "run")
 
 
+class PaperFigures(ReportFolder):
+    """Figures of the papers from commands of sixdeg that are no run: each is drawn, and the index at the end leads to it."""
+
+    def made(self, *words):
+        subprocess.run([os.environ["SIXDEG"], *map(str, words)], check=True, capture_output=True, cwd=ROOT)
+
+    def test_studies_are_drawn(self):
+        observers, sensors, bench, gas = (self.folder / name for name in ("observers", "sensors.json", "bench.json", "gas"))
+        self.made("study", "observers", "--k1", "900", "--k2", "20", "--out", observers, "--json", observers / "table2.json")
+        self.made("sensors", "host_sim/data/models/turbo_si_13.toml", "--json", sensors)
+        self.made("bench", "blocks", "--seconds", "0.0005", "--repetitions", "1", "--json", bench)
+        self.made("study", "gas", "host_sim/data/scenarios/trajectory_1500rpm_9bar.toml", "--set", "run.duration_s=0.4", "--out", gas)
+        page = self.drawn("--observers", observers, "--sensors", sensors, "--bench", bench, "--figure-2", gas, "--figure-9", gas, "--figure-10", gas,
+                          gas, "--figure-11", gas)
+        self.assertEqual(len(charts(page)), 8)
+        for anchor in ("figure-000-1", "figure-000-3", "table-000-2", "table-002-1", "table-004-2", "figure-004-2", "figure-004-9",
+                       "figure-004-10", "figure-004-11"):
+            self.assertEqual(len(re.findall(f'<section id="{anchor}">|<td><a href="#{anchor}">drawn</a></td>', page)), 2, anchor)
+        self.says(page, "<td>pim, Tim, pem</td><td>2</td><td>2</td><td>2</td>")  # as document 002's Table 1 has it
+        self.says(page, "<td>A, observer of cylinders</td><td>2.70 us</td>")  # as document 004's Table 2 has it
+        self.says(page, "<td>ROO</td><td>0.5 .. 5.2</td><td>-0.9 .. 7.8</td><td>0.12 s</td><td>-0.04 .. 0.03</td>")
+        self.gas_is_of_an_engine(charts(page))
+
+    def gas_is_of_an_engine(self, drawn):
+        by_name = {trace["name"]: trace for chart in drawn for trace in chart["data"]}
+        angle, bar = values(by_name["simulated engine"]["x"]), values(by_name["simulated engine"]["y"])
+        self.assertTrue(0 <= angle[bar.index(max(bar))] < 25, "the peak of a diesel lies behind TDC")
+        self.assertTrue(80 < max(bar) < 160)
+        out = values(by_name["out of cylinder 1"]["y"])
+        angle = values(by_name["out of cylinder 1"]["x"])
+        self.assertTrue(100 < angle[out.index(max(out))] < 220, "blow-down begins when the exhaust valve opens")
+
+    def test_what_is_no_such_folder_is_refused(self):
+        (self.folder / "none.json").write_text("{}")
+        for option, place in (("observers", self.folder), ("sensors", self.folder / "none.json"), ("bench", self.folder / "none.json"),
+                              ("figure-2", self.folder), ("figure-7", self.folder), ("misfire", self.folder)):
+            done = self.report(f"--{option}", place)
+            self.assertEqual((done.returncode, self.page.exists(), done.stderr.count("\n")), (2, False, 1), done.stderr)
+
+
 if __name__ == "__main__":
     unittest.main()

@@ -25,6 +25,11 @@ def estimators(runs):
                          f"{settings.words(run.summary)}" for run in runs))
 
 
+def error(run):
+    afr = run.summary["afr"]
+    return f"{afr['rms_points']:.2f} % of the mean" if afr else "not scored: never valid in these cycles"
+
+
 def said(run):
     """What the mixture's estimate, or the trims, came to."""
     balance = run.summary["balance"]
@@ -34,6 +39,8 @@ def said(run):
         return (f"Fuel trims, {run.title()}: cylinders that were {balance['spread_before_percent']:.1f} % apart in mixture are {reached}, "
                 f"and a cylinder's mean distance from the mean of all is {balance['residual_percent']:.2f} % at the end.")
     afr = run.summary["afr"]
+    if not afr:
+        return f"Mixture of each cylinder from one lambda sensor, {run.title()}: no valid estimate."
     stated = f"; the firmware states {afr['stated_points']:.2f} %" if "stated_points" in afr else ""
     return (f"Mixture of each cylinder from one lambda sensor, {run.title()}: wrong by {afr['rms_points']:.2f} % of the mean "
             f"(rms{stated}). A change is followed, to 80 %, after: {run.convergence()}.")
@@ -68,7 +75,7 @@ def trajectory_section(runs, figure):
     """Document 004, figures 12, 14 and 15: the estimate while injectors are moved one by one; a panel an estimator."""
     rows = [("convergence", "within 4 engine cycles", *(run.convergence() for run in runs)),
             ("error of a cylinder, rms of the last cycles", "none printed",
-             *(f"{run.summary['afr']['rms_points']:.2f} % of the mean" for run in runs))]
+             *(error(run) for run in runs))]
     return [mixture_words(runs[0]), picture(pictures.trajectory(runs), "mixture while injectors move"),
             table(rows, ("claim", "document 004", *(run.source_of_estimate() for run in runs))),
             estimators(runs),

@@ -270,7 +270,7 @@ class PaperFigures(ReportFolder):
         by_name = {trace["name"]: trace for chart in drawn for trace in chart["data"]}
         angle, bar = values(by_name["simulated engine"]["x"]), values(by_name["simulated engine"]["y"])
         self.assertTrue(0 <= angle[bar.index(max(bar))] < 25, "the peak of a diesel lies behind TDC")
-        self.assertTrue(80 < max(bar) < 160)
+        self.assertTrue(50 < max(bar) < 90, "IMEP 10 bar, compression 14 to 1")
         out = values(by_name["out of cylinder 1"]["y"])
         angle = values(by_name["out of cylinder 1"]["x"])
         self.assertTrue(100 < angle[out.index(max(out))] < 220, "blow-down begins when the exhaust valve opens")

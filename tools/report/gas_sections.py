@@ -87,7 +87,7 @@ def figure_2_section(gas):
 
 
 def figure_9_section(gas):
-    return [text("Flow from one cylinder into the exhaust manifold over a cycle, 1500 rpm, 11 bar.", "lead"),
+    return [text("Flow from one cylinder into the exhaust manifold over a cycle, 1500 rpm, IMEP 11 bar.", "lead"),
             picture(figure_9(gas), "flow out of cylinder 1"), text(NO_ESTIMATOR)]
 
 

@@ -11,7 +11,7 @@
 extern "C" {
 #endif
 
-#define SD_LEARNED_MAGIC 0x354c4453u ///< "SDL5"; SDL4 held no mixture.
+#define SD_LEARNED_MAGIC 0x364c4453u ///< "SDL6"; SDL5 held no mixture.
 
 /// All that is kept.
 typedef struct sd_kept {

@@ -110,7 +110,7 @@ TEST(LearnedPage, ComesBackAsItWasAndIsRefusedWhenTouchedOrOlder) {
         reinterpret_cast<std::uint8_t *>(&page)[i] ^= 0x10;
     }
     EXPECT_EQ(nullptr, sd_learned_view(&page, sizeof page - 4));
-    sd_page_seal(&page.head, 0x344c4453u, sizeof page); // SDL4
+    sd_page_seal(&page.head, 0x354c4453u, sizeof page); // SDL5
     EXPECT_EQ(nullptr, sd_learned_view(&page, sizeof page));
 }
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Pieces of a cycle's work in the ecu of fixed point: each of them, and the begin of a cycle's work upon each of them; any state in the
- * ranges of fixed_state.h, which a piece leaves behind again. Kernels are what contracts_fixed.h says of them. */
+/* Pieces of a cycle's work in the ecu of fixed point, and its begin; any state in the ranges of fixed_state.h, which both leave behind
+ * again. Where the last cycle's work is not done yet, the begin does it piece by piece, so that this is shown by the pieces. Kernels are what contracts_fixed.h says of them. */
 /* options: -eva-precision 0 -eva-slevel 12 -eva-min-loop-unroll 26 -eva-slevel-function sd_fixed_begin_work:100 */
 /* include: contracts_fixed.h */
 /* kernel: firmware/ecu_fixed/sd_fixed_cycle.c firmware/ecu_fixed/sd_fixed_say.c firmware/ecu_fixed/sd_fixed_mixture.c firmware/ecu_fixed/sd_fixed_trims.c firmware/ecu/sd_inputs.c firmware/ecu/sd_publish.c hal/generated/sd_signals.c */
@@ -22,17 +22,15 @@ static void begin_of(uint8_t piece, uint16_t said, uint8_t shed) {
     //@ assert rest: at_rest(&self);
 }
 
-static void both(uint8_t piece, uint16_t said) {
-    piece_of(piece, said);
-    begin_of(piece, said, 0);
-    begin_of(piece, said, (uint8_t)any_of(1, 255));
-}
-
 int main(void) {
     fill_page(true);
     for (uint8_t piece = 0; piece <= (uint8_t)SD_FIXED_NONE; piece++) {
-        if (piece != (uint8_t)SD_FIXED_SAY) { both(piece, 0); }
+        const uint16_t most = (piece == (uint8_t)SD_FIXED_SAY) ? 64u : 0u;
+        for (uint16_t said = 0; said <= most; said += SD_PUBLISH_PART) {
+            piece_of(piece, said);
+            begin_of(piece, said, (uint8_t)any_of(SD_SHED_CYCLE, 255));
+        }
     }
-    for (uint16_t said = 0; said < 69u; said += 16u) { both(SD_FIXED_SAY, said); }
+    begin_of(SD_FIXED_NONE, 0, SD_SHED_NONE);
     return 0;
 }

@@ -26,7 +26,6 @@ static void check_state(void) {
     //@ assert ticks: self.energy.ticks <= TICKS_MOST && self.energy.last_ticks <= TICKS_MOST;
     //@ assert first: self.mixture.waiting_first < SD_MIXTURE_WAITING;
     //@ assert waiting: self.mixture.waiting_count <= SD_MIXTURE_WAITING;
-    //@ assert cycle: 24 <= self.mixture.cycle_positions <= SD_AFR_POSITIONS_MAX;
 }
 
 static void event_of(uint16_t of, bool windows) {
@@ -38,6 +37,7 @@ static void event_of(uint16_t of, bool windows) {
 }
 
 int main(void) {
+    //@ widen_hints global:"all", 32;
     event_of(SD_EVENT_CRANK_EDGE, false);
     for (uint16_t of = 0; of <= SD_EVENT_TASK + 1; of++) { event_of(of, true); }
     fill_state(true, SD_FIXED_NONE, 0);

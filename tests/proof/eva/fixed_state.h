@@ -56,7 +56,7 @@ static void fill_state(bool windows, uint8_t piece, uint16_t said) {
     for (uint32_t i = 0; i < SD_WORK_WINDOWS_MAX; i++) { self.energy.passed_ticks[i] = any_upto(TICKS_MOST); }
     if (!windows) { self.energy.waits = UINT16_MAX; } /* sd_work_restart says so */
     self.energy.ticks = any_upto(TICKS_MOST), self.energy.last_ticks = any_upto(TICKS_MOST);
-    self.mixture.cycle_positions = (uint16_t)any_of(24, SD_AFR_POSITIONS_MAX);
+    self.mixture.cycle_positions = (uint16_t)any_of(24, SD_AFR_POSITIONS_MAX); /* read where it runs, and set there by init */
     self.mixture.waiting_first = (uint8_t)any_upto(SD_MIXTURE_WAITING - 1u), self.mixture.waiting_count = (uint8_t)any_upto(SD_MIXTURE_WAITING);
     self.mixture.air.sum = Frama_C_long_long_interval(-most, most), self.mixture.pressure.sum = Frama_C_long_long_interval(-most, most);
 }

@@ -25,8 +25,10 @@ static void call_all(const engine_t *engine) {
     sd_firing_t firing[SD_KALMAN_SETS_MAX];
     sd_kalman_choice_t choice;
     ANY_BYTES(tooth), ANY_BYTES(firing), ANY_BYTES(choice);
+    firing[0].index = (uint8_t)any_upto(SD_KALMAN_FIRINGS_MAX - 1u), firing[1].index = (uint8_t)any_upto(SD_KALMAN_FIRINGS_MAX - 1u);
     fill_state();
     (void)sd_kalman_step(&self, &tables, &tooth, firing);
+    //@ assert index: firing[0].index < SD_KALMAN_FIRINGS_MAX && firing[1].index < SD_KALMAN_FIRINGS_MAX;
     fill_state();
     (void)sd_kalman_torque(&self, &tables, any_upto(SD_KALMAN_SETS_MAX - 1u), any_upto(2u * tables.positions - 1u));
     (void)sd_kalman_status(&self, &tables, any_upto(SD_KALMAN_SETS_MAX - 1u));

@@ -13,6 +13,7 @@ typedef struct engine {
 static sd_kalman_tables_t tables;
 
 static void fill_rows(const engine_t *e) {
+    //@ loop unroll 120;
     for (uint32_t k = 0; k < 2u * e->positions; k++) {
         sd_kalman_word_t *word = &tables.pool[k * tables.row_words];
         word->at.first = (uint8_t)any_upto(e->coefficients - 2u), word->at.close = (uint8_t)any_upto((1u << tables.cylinders) - 1u);

@@ -6,7 +6,7 @@
 #include "any.h"
 #include "sd_firings.h"
 
-/*@ assigns self->charge, self->shape, self->filter[0 .. 1], firing[0 .. 1], \result \from *self, *tables, *tooth;
+/*@ assigns self->charge, self->shape, self->free, self->free_runs, self->filter[0 .. 1], firing[0 .. 1], \result \from *self, *tables, *tooth;
     ensures index: \initialized(&firing[0]) && \initialized(&firing[1]) && firing[0].index < SD_KALMAN_FIRINGS_MAX &&
                    firing[1].index < SD_KALMAN_FIRINGS_MAX; */
 uint32_t sd_kalman_step(sd_kalman_t *self, const sd_kalman_tables_t *tables, const sd_kalman_tooth_t *tooth, sd_firing_t *firing);
@@ -41,15 +41,27 @@ bool sd_pattern_take_zero(sd_pattern_t *self, const sd_kalman_tables_t *tables, 
                           float speed_radps);
 /*@ assigns zero_nm_per_bar[0 .. SD_KALMAN_FIRINGS_MAX - 1] \from *self, *tables; */
 void sd_pattern_zeros(const sd_pattern_t *self, const sd_kalman_tables_t *tables, float *zero_nm_per_bar);
-/*@ assigns *self, *sums, cycle_rad[0 .. 2 * SD_KALMAN_POSITIONS_MAX - 1], \result \from *self, *tables, *kalman, *tooth, fuel_mg;
-    ensures flag: 0 <= \result <= 1; */
-bool sd_fired_step(sd_fired_t *self, const sd_kalman_tables_t *tables, sd_fired_sums_t *sums, float *cycle_rad, const sd_kalman_t *kalman,
-                   const sd_kalman_tooth_t *tooth, float fuel_mg, bool corrected, bool burdened);
-/*@ assigns *self, *sums, \result \from *self, *tables, cycle_rad[0]; ensures flag: 0 <= \result <= 1; */
-bool sd_fired_rest(sd_fired_t *self, const sd_kalman_tables_t *tables, sd_fired_sums_t *sums, const float *cycle_rad);
-/*@ assigns *self \from \nothing; */
+/*@ assigns *self, kalman->free, kalman->free_runs \from *self, *tables, *kalman, cycle_position, fuel_mg, corrected;
+    ensures used: self->used <= 1; */
+void sd_fired_step(sd_fired_t *self, const sd_kalman_tables_t *tables, sd_kalman_t *kalman, uint32_t cycle_position, float fuel_mg,
+                   bool corrected);
+/*@ assigns *self, kalman->free_runs \from *self;
+    ensures used: self->used <= 1; */
+void sd_fired_rest(sd_fired_t *self, sd_kalman_t *kalman);
+/*@ assigns *self \from *self;
+    ensures used: self->used <= 1; */
+void sd_fired_hand_over(sd_fired_t *self);
+/*@ assigns *self, *sums \from *self, *sums, *tables;
+    ensures used: self->used <= 1; */
+void sd_fired_work(sd_fired_t *self, const sd_kalman_tables_t *tables, sd_fired_sums_t *sums);
+/*@ assigns *self, \result \from *self; ensures flag: 0 <= \result <= 1;
+    ensures used: self->used <= 1; */
+bool sd_fired_take_over(sd_fired_t *self);
+/*@ assigns *self \from \nothing;
+    ensures used: self->used <= 1; */
 void sd_fired_init(sd_fired_t *self);
-/*@ assigns *self \from *self, *tables, *sums; */
+/*@ assigns *self \from *self, *tables, *sums;
+    ensures used: self->used <= 1; */
 void sd_fired_resume(sd_fired_t *self, const sd_kalman_tables_t *tables, const sd_fired_sums_t *sums);
 
 #endif

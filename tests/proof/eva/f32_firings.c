@@ -16,7 +16,7 @@ static void fill(void) {
     tables.positions = (uint8_t)any_of(12, SD_KALMAN_POSITIONS_MAX), tables.cylinders = (uint8_t)any_of(1, SD_KALMAN_FIRINGS_MAX);
     tables.firings = (uint8_t)any_upto(SD_KALMAN_FIRINGS_MAX), tables.modes = (uint8_t)any_upto(SD_KALMAN_MODES_MAX);
     tables.sets = (uint8_t)any_of(1, SD_KALMAN_SETS_MAX);
-    self.kalman.believed = (uint8_t)any_upto(SD_KALMAN_SETS_MAX - 1u);
+    self.kalman.believed = (uint8_t)any_upto(SD_KALMAN_SETS_MAX - 1u), self.fired.used = (uint8_t)any_upto(1u);
 }
 
 int main(void) {
@@ -27,6 +27,10 @@ int main(void) {
     fill();
     sd_firings_step(&self, &tables, &tooth, &out);
     //@ assert believed: self.kalman.believed < SD_KALMAN_SETS_MAX;
+    fill();
+    sd_firings_task_begin(&self);
+    sd_firings_task_work(&self, &tables);
+    (void)sd_firings_task_end(&self);
     fill();
     sd_firings_spurious(&self, &tables);
     (void)sd_firings_believed(&self);

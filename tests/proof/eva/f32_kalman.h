@@ -32,6 +32,8 @@ static void call_all(const engine_t *engine) {
     fill_state();
     (void)sd_kalman_torque(&self, &tables, any_upto(SD_KALMAN_SETS_MAX - 1u), any_upto(2u * tables.positions - 1u));
     (void)sd_kalman_status(&self, &tables, any_upto(SD_KALMAN_SETS_MAX - 1u));
+    fill_state();
+    sd_kalman_set_free(&self);
     sd_kalman_restart(&self);
     (void)sd_kalman_init(&self, &tables, &choice, (uint8_t)any_upto(255u));
     ANY_BYTES(road), ANY_BYTES(firing);

@@ -52,10 +52,10 @@ class Outputs(Folder):
     def test_a_name_of_before_is_answered_with_the_present_one(self):
         tune = self.folder / "tune.toml"
         tune.write_text("[misfire]\nstart = 3\n")
-        for words in (["--set", "misfire.start_inhibit_cycles=3"], [tune]):
+        for words in (["--set", "misfire.start=3"], [tune]):
             done = sixdeg("calibrate", ENGINES / "diesel_22.toml", *words)
             self.assertEqual(done.returncode, 2)
-            self.assertIn("misfire.start_inhibit_cycles: is not a known field; it is called 'misfire.start_inhibit_cycles' now\n", done.stderr)
+            self.assertIn("misfire.start: is not a known field; it is called 'misfire.start_inhibit_cycles' now\n", done.stderr)
 
     def test_a_fifo_is_written_through(self):
         fifo = self.folder / "fifo"

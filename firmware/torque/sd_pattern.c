@@ -16,7 +16,7 @@
 #define PIECE       2u     /* positions of the last cycle that go into the sums at a tooth */
 
 #if SD_CYLINDERS_MAX == 8
-_Static_assert(sizeof(sd_pattern_t) == 4772, "without pointers, the same size on every target");
+_Static_assert(sizeof(sd_pattern_t) == 4684, "without pointers, the same size on every target");
 #endif
 
 /* ---- the last cycle goes into the sums ------------------------------------------------------------------------- */

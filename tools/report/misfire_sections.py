@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Misfires: the monitor's verdicts, and document 000's observers on the same teeth."""
+import html
+
 import misfire_pictures as pictures
 import settings
 from page import picture, table, text
@@ -32,9 +34,9 @@ def section(runs):
              table(first.figures(), first.HEADER)]
     for other in others:
         score = other.score
-        parts += [text(f"The same teeth, judged by {score['method']} of document 000 ({settings.words(other.summary)}): "
-                       f"{rate(score['detected'])} found, {rate(score['false_alarms'])} healthy firings called misfires, "
-                       f"{score['separation']:.1f} standard deviations apart (the monitor: {first.score['separation']:.1f}). Its estimate "
-                       "of the crank's acceleration, a mean over each firing:"),
+        parts += [f"<h3>The same teeth by {html.escape(score['method'])} of document 000</h3>",
+                  text(f"{rate(score['detected'])} misfires found, {rate(score['false_alarms'])} healthy firings called one; "
+                       f"{score['separation']:.1f} standard deviations apart, where the monitor has {first.score['separation']:.1f}. "
+                       f"{settings.words(other.summary)} The observer's estimate of the crank's acceleration, a mean over each firing:"),
                   picture(pictures.acceleration(other), f"acceleration by {score['method']}")]
     return parts

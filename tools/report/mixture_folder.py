@@ -18,6 +18,12 @@ BALANCE_ROWS = (("spread before, of lambda", "spread_before_percent", "{:.1f} %"
 ESTIMATE_ROWS = (("estimate of lambda, rms of the last cycles, of the mean", "rms_points", "{:.2f} %".format),)
 
 
+def names(runs, of=None):
+    """What each run's estimate is by, numbered where there are several."""
+    said = [(of or MixtureRun.source_of_estimate)(run) for run in runs]
+    return [f"{n}: {name}" for n, name in enumerate(said, 1)] if len(said) > 1 else said
+
+
 def running_mean(values, count=SMOOTH):
     """Over the last `count` along the last axis; NaN before."""
     kernel = np.ones(count) / count

@@ -3,7 +3,7 @@
 import numpy as np
 
 from chart import BLUE, CYLINDERS, GREEN, ORANGE, Chart
-from mixture_folder import BALANCED_PERCENT, running_mean, spread_percent
+from mixture_folder import BALANCED_PERCENT, MixtureRun, names, running_mean, spread_percent
 
 CALM = 10  # cycles, over which the indicated pressure is averaged
 TRUE = {"width": 4, "opacity": 0.4}
@@ -48,10 +48,10 @@ def switched_on(runs, before=10, after=60):
     chart = Chart("cycles since the control is on", "% of the mean", "", columns=2, height=340,
                   titles=("true spread of the mixture, mean of 4 cycles", "true spread of IMEP, mean of 4 cycles"))
     for panel, name in enumerate(("burned_true", "imep_true_bar")):
-        for run, color in zip(runs, (BLUE, ORANGE, GREEN)):
+        for run, source, color in zip(runs, names(runs, MixtureRun.source), (BLUE, ORANGE, GREEN)):
             on = run.switched_on()
             spread = spread_percent(running_mean(getattr(run, name)))[on - before:on + after]
-            chart.line(np.arange(-before, len(spread) - before), spread, f"trims from {run.source()}", color, panel, width=1.8)
+            chart.line(np.arange(-before, len(spread) - before), spread, f"trims from {source}", color, panel, width=1.8)
         chart.level(BALANCED_PERCENT, panel, f"{BALANCED_PERCENT} %")
     chart.set_x(-before, after)
     return chart
@@ -60,7 +60,7 @@ def switched_on(runs, before=10, after=60):
 def trajectory(runs):
     """Fuel of each injector above; estimated and true mixture below, a panel an estimator."""
     first = runs[0]
-    chart = Chart("time, s", "fuel, %", *(f"1 - air/gas, {run.source_of_estimate()}" for run in runs), heights=(1, *[2] * len(runs)),
+    chart = Chart("time, s", "fuel, %", *(f"1 - air/gas, {name}" for name in names(runs)), heights=(1, *[2] * len(runs)),
                   height=240 + 280 * len(runs))
     _lines(chart, first, [first.fuel_percent(c, first.time_s) for c in first.cylinders], 0, ", true", width=1.6, step=True)
     for panel, run in enumerate(runs, 1):

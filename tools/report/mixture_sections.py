@@ -2,7 +2,8 @@
 """Mixture of the cylinders and fuel trims: document 004's Figures 12, 14, 15 and 16."""
 import mixture_pictures as pictures
 import settings
-from page import picture, table, text
+from mixture_folder import MixtureRun, names
+from page import listed, picture, table, text
 
 METHODS = {1: "the project's joint filter", 2: "the document's chain, its sensor inverted by oscillators",
            3: "the document's own chain, its sensor inverted by the adaptive Fourier law"}
@@ -21,8 +22,8 @@ def mixture_words(run):
 
 
 def estimators(runs):
-    return text(" ".join(f"Estimator{' of ' + run.title() if len(runs) > 1 else ''}: {method(run)}. "
-                         f"{settings.words(run.summary)}" for run in runs))
+    """A numbered list, as the pictures and tables number the runs."""
+    return text("Estimators:") + listed([f"{method(run)}. {settings.words(run.summary)}" for run in runs], "note", "ol")
 
 
 def error(run):
@@ -64,7 +65,7 @@ def figure_16_section(runs):
             text("The document shows IMEP above and the estimated AFR below, for the same sequence on a test bench. IMEP: mean of 10 "
                  "cycles. Grey: trims off. The last row is the largest cylinder less the smallest, of the mean."),
             picture(pictures.switched_on(runs), "spread after switching on, by source of the trims"),
-            table(claims, ("claim, nominal / perturbed", "document 004", *(of.source() for of in runs))),
+            table(claims, ("claim, nominal / perturbed", "document 004", *names(runs, MixtureRun.source))),
             estimators(runs),
             text("Perturbed: the same run with a calibration that is wrong by amounts drawn from the seed, compression and "
                  "trapped mass of single cylinders among them. What that makes of the torques stays in the trims; the mixture "
@@ -77,6 +78,6 @@ def trajectory_section(runs, figure):
             ("error of a cylinder, rms of the last cycles", "none printed",
              *(error(run) for run in runs))]
     return [mixture_words(runs[0]), picture(pictures.trajectory(runs), "mixture while injectors move"),
-            table(rows, ("claim", "document 004", *(run.source_of_estimate() for run in runs))),
+            table(rows, ("claim", "document 004", *names(runs))),
             estimators(runs),
             text("Convergence: from the first exhaust of a step until the estimate has taken up 80 % of it. " + CONDITIONS[figure])]

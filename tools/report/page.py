@@ -21,8 +21,8 @@ def text(words, kind="note"):
     return f'<p class="{kind}">{html.escape(words)}</p>'
 
 
-def listed(items, kind):
-    return f'<ul class="{kind}">' + "".join(f"<li>{html.escape(item)}</li>" for item in items) + "</ul>"
+def listed(items, kind, tag="ul"):
+    return f'<{tag} class="{kind}">' + "".join(f"<li>{html.escape(item)}</li>" for item in items) + f"</{tag}>"
 
 
 def picture(chart, name, missing=""):

@@ -76,7 +76,8 @@ KINDS = (
          (("figure-004-6", "Document 004, Figure 6: torque at 1000 rpm and 5 bar", torque_sections.figure_6_section),),
          torque_sections.said),
     Kind("figure-7", "FOLDER", 1, "document 004, a real engine: of tools/evidence --curves FOLDER --json FOLDER/figures.json",
-         PressureBeside, (("figure-004-7", "Document 004, Figure 7: torque of a real engine", pressure_sections.section),), pressure_sections.said),
+         PressureBeside, (("figure-004-7", "Document 004, Figure 7: torque of a real engine", pressure_sections.section),),
+         pressure_sections.said),
     gas("9", "11 bar", "flow from a cylinder", gas_sections.figure_9_section),
     gas("10", "at several loads", "flow through the turbine", gas_sections.figure_10_section, "+"),
     gas("11", "20 percent more fuel on cylinder 1", "lambda sensor with one injector off", gas_sections.figure_11_section),
@@ -166,8 +167,9 @@ def summary(read, said):
         parts.append("<p>Engines: " + "; ".join(of) + ".</p>")
     points = [f'<li>{html.escape(words)} <a href="#{anchor}">Pictures</a></li>' for words, anchor in said]
     parts.append('<ul class="first">' + "".join(points) + "</ul>")
-    parts.append(page.text("A simulated engine has a known truth, and errors are against it. Every picture can be zoomed by drawing a "
-                           "rectangle, reset by a double click, and a click on a name in its legend switches that trace off."))
+    parts.append(page.text("A simulated engine has a known truth, and errors are against it."))
+    parts.append(page.text("Every picture can be zoomed by drawing a rectangle, reset by a double click, and a click on a name in its legend "
+                           "switches that trace off.", "note screen"))
     return parts
 
 

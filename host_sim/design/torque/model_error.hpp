@@ -25,7 +25,7 @@ struct GainsAt {
     Eigen::MatrixXd gain;
 };
 
-/// Standard deviations of a firing less the mean of all, rms over the cylinders.
+/// Standard deviations of a firing less the mean of all, rms over the cylinders; of an engine of one cylinder, of the firing itself.
 struct ModelError {
     double mean_share = 0;         ///< Of the mean torque of all cylinders.
     double spread_share = 0;       ///< Of the rms of the cylinders' differences from it.

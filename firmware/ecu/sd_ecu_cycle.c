@@ -99,8 +99,8 @@ static void begin_trims(sd_ecu_t *self, const sd_calibration_t *page) {
 
 static void command_trims(sd_ecu_t *self, const sd_calibration_t *page) {
     float probe[SD_BALANCE_CYLINDERS_MAX];
-    sd_stage_mixture_probe(&self->mixture, self->working.afr_probe, probe);
-    sd_stage_trims_command(&self->trims, probe, self->working.balance_limit);
+    sd_stage_mixture_probe(&self->mixture, self->working.afr_delay_probe, probe);
+    sd_stage_trims_command(&self->trims, probe, self->working.balance_trim_limit);
     sd_status_t status = sd_balance_status(&self->trims.balance);
     sd_inputs_judge(&self->inputs, SD_OWNER_BALANCE, &status);
     sd_publish_judge(&self->say, SD_OWNER_BALANCE, &status);

@@ -24,8 +24,8 @@ static sd_afr_tables_t tables_of(const sd_calibration_t *page) { return (sd_afr_
 
 static sd_result_t init_afr(sd_afr_t *afr, const sd_calibration_t *page, const sd_parameters_t *p) {
     sd_afr_config_t config = { .method = (uint8_t)(p->afr_method + 0.5f), .cycle_positions = (uint16_t)(2u * page->positions),
-                               .cylinders = page->cylinders, .noise_per_rthz = p->afr_noise, .drift = p->afr_drift,
-                               .drift_slow = p->afr_drift_slow, .jump = p->afr_jump, .slow_above = p->afr_slow_above,
+                               .cylinders = page->cylinders, .noise_per_rthz = p->afr_sensor_noise, .drift = p->afr_cylinder_drift,
+                               .drift_slow = p->afr_cylinder_drift_slow, .jump = p->afr_cylinder_jump, .slow_above = p->afr_slow_mode_above,
                                .gain_air = p->afr_gain_air, .gain_cylinder = p->afr_gain_cylinder,
                                .inversion_gain = p->afr_inversion_gain, .inversion_floor = p->afr_inversion_floor,
                                .gain_mass = p->afr_gain_mass, .turbine_drop = p->afr_turbine_drop, .turbine_rpm = p->afr_turbine_rated_rpm };
@@ -147,8 +147,8 @@ static void learn_delay(sd_stage_mixture_t *self, const sd_parameters_t *p, floa
 static bool take_over(sd_stage_mixture_t *self, const sd_parameters_t *p, float speed_radps, const sd_afr_learned_t *learned) {
     const float moved = speed_radps * (learned->late_s - self->afr.known.late_s);
     sd_afr_learned_t known = *learned; /* what the calibration is sure of nobody need learn */
-    if (!(known.late_sd_s < p->afr_late_error_s)) { known.late_sd_s = p->afr_late_error_s; }
-    if (!(known.lag_sd < p->afr_lag_error)) { known.lag_sd = p->afr_lag_error; }
+    if (!(known.late_sd_s < p->afr_delay_error_sd_s)) { known.late_sd_s = p->afr_delay_error_sd_s; }
+    if (!(known.lag_sd < p->afr_lag_error_sd)) { known.lag_sd = p->afr_lag_error_sd; }
     sd_afr_correct(&self->afr, &known);
     if ((moved > -MENDED_RAD) && (moved < MENDED_RAD)) { return false; }
     sd_afr_restart(&self->afr);
@@ -156,7 +156,7 @@ static bool take_over(sd_stage_mixture_t *self, const sd_parameters_t *p, float 
 }
 
 static bool wants_probe(const sd_stage_mixture_t *self, const sd_parameters_t *p, const sd_mixture_cycle_t *cycle) {
-    return (p->afr_identify > 1.5f) && (self->probe_done == 0u) && (self->afr.slow == 0u) &&
+    return (p->afr_delay_learning > 1.5f) && (self->probe_done == 0u) && (self->afr.slow == 0u) &&
            (cycle->diverged ||
             ((cycle->trims_learned > PROBE_AFTER) && (self->delay.learned.late_sd_s * cycle->speed_radps > KNOWN_RAD)));
 }
@@ -165,7 +165,7 @@ bool sd_stage_mixture_learn(sd_stage_mixture_t *self, const sd_parameters_t *p, 
     sd_afr_delay_t *delay = &self->delay;
     if (!ready(self)) { return false; }
     tell_trims(self, cycle->trim);
-    if ((delay->config.cylinders == 0u) || (p->afr_identify < 0.5f)) {
+    if ((delay->config.cylinders == 0u) || (p->afr_delay_learning < 0.5f)) {
         sd_afr_delay_probe(delay, false);
         return take_over(self, p, cycle->speed_radps, &(sd_afr_learned_t){ .late_sd_s = 1.0f, .lag_sd = 1.0f });
     }

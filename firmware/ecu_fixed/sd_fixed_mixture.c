@@ -154,7 +154,7 @@ void sd_fixed_mixture_read(sd_fixed_mixture_t *self, const sd_afr_conditions_t *
 static void take_effect(sd_fixed_mixture_t *self, const sd_calibration_t *page, const sd_parameters_t *p) {
     const sd_scaled_t lags = sd_scaled_add(sd_scaled_of(page->afr.tau1_s), sd_scaled_of(page->afr.tau2_s));
     const sd_scaled_t turns = sd_scaled_mul(sd_scaled_of(self->point.at.speed_radps), lags);
-    const uint8_t slow = sd_scaled_less(sd_scaled_of(p->afr_slow_above), turns) ? 1u : 0u;
+    const uint8_t slow = sd_scaled_less(sd_scaled_of(p->afr_slow_mode_above), turns) ? 1u : 0u;
     sd_uego_gains_t gains;
     if (slow != self->slow) { self->cycles = 0; }
     self->slow = slow;

@@ -181,7 +181,7 @@ ReplayResult run_recording(const ReplayOptions &options, Inputs &inputs, ReplayS
     if (cam && cam->teeth > 1) plan.cam_position = cam_position(*cam, inputs.engine.wheel);
     if (inputs.learned) plan.learned = &*inputs.learned;
     if (!page) {
-        CrankAlone crank(options.file, inputs.engine, double(inputs.tune.crank_stall_s));
+        CrankAlone crank(options.file, inputs.engine, double(inputs.tune.crank_stall_time_s));
         return replay(plan, crank, sink);
     }
     plan.parity_position = page->cam_position;
@@ -227,7 +227,7 @@ void run(const ReplayOptions &options) {
     if (!options.truth.empty()) throw InputError(options.file, "--truth", "a recording has none; allowed beside an event log");
     Inputs inputs = read_inputs(options);
     if (inputs.engine_given && !inputs.parity && !inputs.found.guess.cam) {
-        const ParityFound found = find_parity(options.file, inputs.found.guess, inputs.engine, double(inputs.tune.crank_stall_s));
+        const ParityFound found = find_parity(options.file, inputs.found.guess, inputs.engine, double(inputs.tune.crank_stall_time_s));
         if (found.parity) set_parity(inputs, *found.parity);
         inputs.notes.push_back(found.note);
     }

@@ -66,7 +66,7 @@ class Run {
     /// No edge tells of standing still, so the clock must; a run of cycles has no end of its own then.
     double rest_ends_s() const {
         if (scenario_.duration_s > 0) return scenario_.duration_s;
-        return result_.simulated_s + 2 * double(calibration_.parameters.crank_stall_s);
+        return result_.simulated_s + 2 * double(calibration_.parameters.crank_stall_time_s);
     }
 
     void take(const EncoderEdge &edge) {

@@ -60,6 +60,21 @@ class Docs(unittest.TestCase):
         self.assertEqual(set(PAGES) - reached, set())
 
 
+class Figures(unittest.TestCase):
+    """A figure of README stands on the page that its row leads to, which is where a command or a test keeps it true."""
+
+    def numbers(self, text):
+        return {number.replace(",", "") for number in re.findall(r"\d[\d,]*(?:\.\d+)?(?:e-?\d+)?", text)}
+
+    def test_figures_of_readme_stand_on_the_pages_they_lead_to(self):
+        rows = re.findall(r"^\| (.+?) \| .+? \| (`.+?`.*?\]\(docs/.+?) \|$", (ROOT / "README.md").read_text(), re.M)
+        self.assertGreaterEqual(len(rows), 10)
+        for claim, shown in rows:
+            pages = [(ROOT / link).read_text() for link in re.findall(r"\]\((docs/[^)#]+)", shown)]
+            with self.subTest(claim=claim):
+                self.assertEqual(self.numbers(claim) - self.numbers(" ".join(pages)), set())
+
+
 class Overview(Folder):
     def test_the_picture_of_readme_is_drawn_from_a_run(self):
         scenario = ROOT / "host_sim/data/scenarios/balance_1000rpm_5bar.toml"

@@ -106,7 +106,7 @@ class Torque(RunFolder):
 
     def test_stated_deviation_is_the_actual_scatter(self):
         scenario = self.scenario("cycles = 400", "rpm = 2000", more="[encoder]\njitter_deg = 0.05\n")
-        _, cycles = self.tables(scenario, "--set", "torque.tooth_sd=0.05", "--nominal")
+        _, cycles = self.tables(scenario, "--set", "torque.edge_sd=0.05", "--nominal")
         rows = [r for r in cycles if r["health"] == "valid" and r["cylinder"] == "1"]
         torque = [float(r["torque_nm"]) for r in rows]
         stated = sum(float(r["sd_nm"]) for r in rows) / len(rows)
@@ -156,7 +156,7 @@ class Firing(RunFolder):
                 path = ROOT / "host_sim" / "data" / "engines" / f"{engine}.toml"
                 scenario = self.scenario("cycles = 80", "rpm = 3000", cylinders=f"fuel_percent = [{weak}]", engine=path,
                                          more=f"[encoder]\njitter_deg = 0.01\n[elastic]\nstiffness_percent = {stiffness}\n")
-                f = self.summary(scenario, "--nominal", "--set", "firing.pattern=0")["firing"]
+                f = self.summary(scenario, "--nominal", "--set", "firing.pattern_sd=0")["firing"]
                 self.assertLess(f["imbalance_percent"], limit)
                 self.assertLess(f["waveform_rms_percent"], 5)
 

@@ -160,7 +160,7 @@ TEST(AfrLoop, AnInjectorThatMovesAtRestIsNoDelayAndIsFoundQuietly) {
 /// A loop that gave up asks the sensor, and balances then.
 TEST(AfrLoop, AProbeMendsALoopThatGaveUp) {
     for (double error : {180.0, -180.0}) {
-        const RunResult r = run_loop({{"run.duration_s=26"}, {"afr.identify=2"}, error});
+        const RunResult r = run_loop({{"run.duration_s=26"}, {"afr.delay_learning=2"}, error});
         ASSERT_TRUE(r.balance);
         EXPECT_GE(r.balance->gave_up_cycles, 4) << error;
         EXPECT_GE(r.balance->cycles_to_3_percent, 4) << error;
@@ -171,7 +171,7 @@ TEST(AfrLoop, AProbeMendsALoopThatGaveUp) {
 
 /// Document 004's chain in place of the filter: noisier, so with less gain.
 TEST(AfrLoop, BalancesFromTheDocumentsChain) {
-    const auto chain = [](const char *method, double error) { return balanced({{}, {method, "balance.gain=0.1", "afr.identify=0"}, error}); };
+    const auto chain = [](const char *method, double error) { return balanced({{}, {method, "balance.integral_gain=0.1", "afr.delay_learning=0"}, error}); };
     for (const BalanceFigures &b : {chain("afr.method=2", 0), chain("afr.method=3", 0), chain("afr.method=3", 30)}) {
         EXPECT_GE(b.cycles_to_3_percent, 4);
         EXPECT_LE(b.cycles_to_3_percent, 60);
@@ -189,7 +189,7 @@ TEST(AfrLoop, BalancesFromTheDocumentsChain) {
 /// At 90 deg the alternating pattern is neither corrected nor driven; beyond, it is driven apart, and the watch stops that.
 TEST(AfrLoop, GivesUpBeforeAWrongPhaseDoesHarm) {
     for (double error : {90.0, -90.0, 120.0, -120.0, 150.0, -150.0, 180.0}) {
-        const BalanceFigures b = balanced({{}, {"afr.identify=0"}, error});
+        const BalanceFigures b = balanced({{}, {"afr.delay_learning=0"}, error});
         EXPECT_LT(b.largest_spread_percent, 2 * b.spread_before_percent) << error;
         if (std::abs(error) > 100) {
             EXPECT_GE(b.gave_up_cycles, 4) << error;
@@ -243,7 +243,7 @@ TEST(AfrLoop, ASensorThatFailsMovesNoTrimAndNeedsNoRestart) {
     fails(page, "out of range", 0.005, 1.5, [] { return -1e30f; });
     fails(page, "stuck", 0.005, 1.5, [] { return 2.0f; });
     fails(page, "any number", 0.005, 1.5, [&] { return std::uniform_real_distribution<float>(0.3f, 9)(random); });
-    page.parameters.afr_method = SD_AFR_FOURIER, page.parameters.balance_gain = 0.1f;
+    page.parameters.afr_method = SD_AFR_FOURIER, page.parameters.balance_integral_gain = 0.1f;
     fails(page, "chain, not a number", 0.005, 2, [] { return NAN; });
     fails(page, "chain, stuck", 0.02, 2, [] { return 2.0f; });
 }

@@ -22,17 +22,19 @@ typedef struct sd_punctual {
     int32_t late_ticks; ///< By which the last placed edge came later than its place would have.
 } sd_punctual_t;
 
-/// The period that ends at a placed tooth, in ticks, at least 1. `advance`: positions in it, at least 1. `late_rad`: of this tooth, rad,
-/// within +-0.5, else taken for 0; 0 where no pattern is known. `positions_per_rad`: of the wheel, N / 2 pi.
-static inline uint32_t sd_punctual_period(sd_punctual_t *self, uint32_t period_ticks, uint32_t advance, float late_rad, float positions_per_rad) {
-    const bool turns = (period_ticks < SD_PUNCTUAL_PERIOD_MAX) && (late_rad > -0.5f) && (late_rad < 0.5f);
-    const int32_t before = self->late_ticks;
+/// The period that ends at a placed tooth, in ticks, at least 1 where one was given. `advance`: positions in it, at least 1.
+/// `late_rad`: of this tooth, rad; half a pitch or more is taken for 0. `positions_per_rad`: of the wheel, N / 2 pi.
+static inline uint32_t sd_punctual_period(sd_punctual_t *self, uint32_t period_ticks, uint32_t advance, float late_rad,
+                                          float positions_per_rad) {
+    const float late = late_rad * positions_per_rad;
+    const int32_t since = (int32_t)(period_ticks & (SD_PUNCTUAL_PERIOD_MAX - 1u)) + self->late_ticks; /* from the last tooth's place */
+    const bool turns = (period_ticks > 0u) && (period_ticks < SD_PUNCTUAL_PERIOD_MAX) && (late > -0.5f) && (late < 0.5f);
     self->late_ticks = 0;
     if (!turns) { return period_ticks; }
-    const float late = late_rad * positions_per_rad * (float)period_ticks / (float)advance;
-    self->late_ticks = (int32_t)((late < 0.0f) ? late - 0.5f : late + 0.5f);
-    const int32_t moved = (int32_t)period_ticks + before - self->late_ticks;
-    return (moved > 0) ? (uint32_t)moved : 1u;
+    const float ticks = late * (float)since / ((float)advance + late);
+    self->late_ticks = (int32_t)((ticks < 0.0f) ? ticks - 0.5f : ticks + 0.5f);
+    const int32_t even = since - self->late_ticks;
+    return (even > 0) ? (uint32_t)even : 1u;
 }
 
 #ifdef __cplusplus

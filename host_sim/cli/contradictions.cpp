@@ -22,22 +22,25 @@ std::string of_fuel_cut(const EngineFile &engine, const sd_parameters_t &tune, c
     if (!torque || !torque->firings) return {};
     const double left = kSure * seen.cut_bar * fuel_cut_sd_nm_per_bar(engine, *torque, kalman_tune(engine, tune));
     if (std::abs(seen.cut_nm) <= left) return {};
-    return fmt::format("the fuel-cut reading says {:+.1f} Nm a cylinder at {:.2f} bar, where 0 is true and the engine file's tolerances leave "
-                       "+-{:.1f}: compression ratio, inertia or wheel of the engine file, or the intake pressure, do not fit",
+    return fmt::format("the fuel-cut reading says {:+.1f} Nm a cylinder at {:.2f} bar, where 0 is true and the engine file's "
+                       "tolerances leave +-{:.1f}: compression ratio, inertia or wheel of the engine file, or the intake pressure, "
+                       "do not fit",
                        seen.cut_nm, seen.cut_bar, left);
 }
 
 std::string of_innovations(const Evidence &seen) {
     if (!(seen.late_deg > kLateFactor * seen.expected_deg)) return {};
-    return fmt::format("teeth pass {:.3f} deg from where the filter expects them, rms, and {:.3f} would be usual: the wheel's tooth pattern is not "
-                       "learned, or inertia, wheel or combustion of the engine file do not fit", seen.late_deg, seen.expected_deg);
+    return fmt::format("teeth pass {:.3f} deg from where the filter expects them, rms, and {:.3f} would be usual: the wheel's "
+                       "tooth pattern is not learned, or inertia, wheel or combustion of the engine file do not fit",
+                       seen.late_deg, seen.expected_deg);
 }
 
 std::string of_mark(const Evidence &seen) {
     const double limit = std::max(kBesideMark * seen.pattern_deg, kLeastBesideDeg);
     if (!(seen.pattern_deg > 0 && std::abs(seen.beside_mark_deg) > limit)) return {};
-    return fmt::format("a tooth beside the mark stands {:+.2f} deg from its place as learned, other teeth {:.3f} deg rms: the mark draws the sensor, "
-                       "or the wheel has another mark than the engine file says", seen.beside_mark_deg, seen.pattern_deg);
+    return fmt::format("a tooth beside the mark stands {:+.2f} deg from its place as learned, other teeth {:.3f} deg rms: the mark "
+                       "draws the sensor, or the wheel has another mark than the engine file says",
+                       seen.beside_mark_deg, seen.pattern_deg);
 }
 
 } // namespace

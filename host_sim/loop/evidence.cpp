@@ -5,6 +5,10 @@
 #include <cmath>
 #include <vector>
 
+extern "C" {
+#include "sd_kalman_firing.h"
+}
+
 namespace sixdeg {
 namespace {
 

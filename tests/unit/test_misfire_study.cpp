@@ -41,7 +41,8 @@ TEST(MisfireSet, DrawsAreWithinTheirRangesAndOfTheirSeeds) {
 
 TEST(EngineFigures, RmsIntervalAndGoalOfEachPhysics) {
     EngineFigures figures;
-    const auto own = draw_engines(EngineKind::rigid, Physics::own, 1, 1).front(), other = draw_engines(EngineKind::rigid, Physics::other, 1, 1).front();
+    const auto own = draw_engines(EngineKind::rigid, Physics::own, 1, 1).front();
+    const auto other = draw_engines(EngineKind::rigid, Physics::other, 1, 1).front();
     for (const double value : {1.0, -1.0, 2.0, -4.0}) figures.add(other, "level", "1500 rpm", " %", {0, 3}, value);
     figures.add(own, "level", "1500 rpm", " %", {0, 3}, 2);
     figures.add(other, "ratio", "1500 rpm", "", {0.67, 1.5}, 0.5);

@@ -151,6 +151,19 @@ std::vector<MatrixXd> zeros_learned(const std::vector<ModelDoubt> &doubts, Gains
     return zeros;
 }
 
+double fuel_cut_sd_nm_per_bar(const EngineFile &engine, const KnownTorque &torque, const KalmanTune &tune) {
+    constexpr double kSpeedRadps = 1500 * M_PI / 30;
+    const ToothModel model = tooth_model(engine, torque, kSpeedRadps);
+    const std::vector<ModelDoubt> doubts = model_doubts(engine);
+    const auto read = zeros_learned(doubts, {model, design_gains(model, tooth_noise(engine, tune, kSpeedRadps), 1).gain});
+    double square = 0;
+    for (std::size_t i = 0; i < doubts.size(); ++i) {
+        const Eigen::RowVectorXd mean = read[i].colwise().mean(); // of all cylinders, by an error of each
+        square += doubts[i].common ? std::pow(mean.sum(), 2) : mean.squaredNorm();
+    }
+    return std::sqrt(square);
+}
+
 ModelError model_error(const EngineFile &engine, const KnownTorque &torque, const std::vector<ModelDoubt> &doubts, const GainsAt &here,
                        const std::vector<MatrixXd> &zeros) {
     const auto n = engine.cylinders();

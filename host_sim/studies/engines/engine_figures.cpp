@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
-#include <iterator>
 
 #include "common/random.hpp"
 
@@ -72,8 +71,8 @@ void EngineFigures::add(const SetEngine &engine, const std::string &what, const 
 std::string EngineFigures::table() const {
     std::string text = "| figure | at | goal | own physics: rms [95 %]; largest; met by | other physics |\n|---|---|---|---|---|\n";
     for (const FigureRow &row : rows_) {
-        fmt::format_to(std::back_inserter(text), "| {} | {} | {} | {} | {} |\n", row.what, row.at, goal_text(row), rms_text(row, Physics::own),
-                       rms_text(row, Physics::other));
+        text += fmt::format("| {} | {} | {} | {} | {} |\n", row.what, row.at, goal_text(row), rms_text(row, Physics::own),
+                            rms_text(row, Physics::other));
     }
     return text;
 }
@@ -82,9 +81,9 @@ std::string EngineFigures::csv() const {
     std::string text = "figure,at,unit,goal_low,goal_high,physics,seed,gamma,wall_factor,pattern_rms_deg,value\n";
     for (const FigureRow &row : rows_) {
         for (const FigureRow::Value &v : row.values) {
-            fmt::format_to(std::back_inserter(text), "\"{}\",{},{},{:g},{:g},{},{},{:g},{:g},{:g},{:g}\n", row.what, row.at, row.unit, row.goal.low,
-                           row.goal.high, name_of(v.engine.physics), v.engine.seed, v.engine.gamma, v.engine.wall_factor,
-                           v.engine.pattern_rms_deg, v.value);
+            const SetEngine &e = v.engine;
+            text += fmt::format("\"{}\",{},{},{:g},{:g},{},{},{:g},{:g},{:g},{:g}\n", row.what, row.at, row.unit, row.goal.low,
+                                row.goal.high, name_of(e.physics), e.seed, e.gamma, e.wall_factor, e.pattern_rms_deg, v.value);
         }
     }
     return text;

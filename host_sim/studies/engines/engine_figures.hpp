@@ -35,7 +35,8 @@ FigureRms rms_of(const FigureRow &row, Physics physics);
 /// Rows in the order in which they were first met.
 class EngineFigures {
   public:
-    void add(const SetEngine &engine, const std::string &what, const std::string &at, const std::string &unit, FigureGoal goal, double value);
+    void add(const SetEngine &engine, const std::string &what, const std::string &at, const std::string &unit, FigureGoal goal,
+             double value);
     const std::vector<FigureRow> &rows() const { return rows_; }
     /// A table of both physics, in Markdown.
     std::string table() const;

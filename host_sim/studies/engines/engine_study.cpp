@@ -41,8 +41,8 @@ std::string at_speed(double rpm) { return fmt::format("[speed]\nrpm = {:g}\n", r
 
 /// What is learned without fuel; `speed` is the table [speed], `seconds` from the first on.
 sd_pattern_sums_t learn_in_cut(const SetEngine &engine, const sd_calibration_t &page, const std::string &speed, double seconds) {
-    const Scenario lesson = made_scenario(engine, fmt::format("[run]\nduration_s = {0:g}\n{1}[load]\nbmep_bar = 0\nfuel_cut_s = [0.1, {0:g}]\n"
-                                                              "[encoder]\njitter_deg = 0.01\n", seconds, speed));
+    const Scenario lesson = made_scenario(engine, fmt::format("[run]\nduration_s = {0:g}\n{1}[load]\nbmep_bar = 0\n"
+                                                              "fuel_cut_s = [0.1, {0:g}]\n[encoder]\njitter_deg = 0.01\n", seconds, speed));
     return run_on_bench(lesson, page, nullptr).learned;
 }
 
@@ -79,7 +79,8 @@ void cut(const SetEngine &engine, const Pages &pages, EngineFigures &figures) {
             row("level of torque", " %", {0, wrong ? 6.0 : 3.0}, run.firing->bias_percent);
             if (p.bar == kBar) {
                 row("imbalance", " %", {0, kNoLimit}, run.firing->imbalance_percent);
-                row("imbalance, actual over stated", "", wrong ? FigureGoal{0.67, 1.5} : FigureGoal{0.5, kNoLimit}, run.firing->imbalance_honesty);
+                const FigureGoal goal = wrong ? FigureGoal{0.67, 1.5} : FigureGoal{0.5, kNoLimit};
+                row("imbalance, actual over stated", "", goal, run.firing->imbalance_honesty);
             }
             if (wrong) continue;
             row("waveform, shift", " deg", {0, 0.2}, run.waveform->shift_deg);
@@ -101,7 +102,8 @@ void one_speed(const SetEngine &engine, const Pages &pages, EngineFigures &figur
 }
 
 /// Imbalance by the Fourier observer.
-void fourier(SetEngine engine, const Pages &pages, EngineFigures &figures) {
+void fourier(const SetEngine &drawn, const Pages &pages, EngineFigures &figures) {
+    SetEngine engine = drawn;
     engine.pattern_rms_deg = kFourierPatternDeg;
     const sd_pattern_sums_t learned = learn_at_two(engine, pages.right);
     for (const auto &[rpm, goal] : {std::pair{3000.0, 0.5}, std::pair{4500.0, 1.0}}) {
@@ -122,8 +124,8 @@ sd_pattern_sums_t learn_on_a_drive(const SetEngine &engine, const sd_calibration
             rpm += fmt::format("{:.0f}, ", speed), bar += fmt::format("{:.2f}, ", load), time += fmt::format("{:g}, ", at_s);
         }
     }
-    const std::string text = fmt::format("[run]\nduration_s = 60\n[speed]\nrpm = [{0}]\ntime_s = [{2}]\n[load]\nbmep_bar = [{1}]\ntime_s = [{2}]\n"
-                                         "[cylinders]\n{3}[encoder]\njitter_deg = 0.01\n", rpm, bar, time, kFuel);
+    const std::string text = fmt::format("[run]\nduration_s = 60\n[speed]\nrpm = [{0}]\ntime_s = [{2}]\n[load]\nbmep_bar = [{1}]\n"
+                                         "time_s = [{2}]\n[cylinders]\n{3}[encoder]\njitter_deg = 0.01\n", rpm, bar, time, kFuel);
     return run_on_bench(made_scenario(engine, text), page, nullptr).learned;
 }
 
@@ -142,8 +144,7 @@ struct Part {
     const char *name;
     void (*run)(const SetEngine &, const Pages &, EngineFigures &);
 };
-void fourier_part(const SetEngine &engine, const Pages &pages, EngineFigures &figures) { fourier(engine, pages, figures); }
-constexpr Part kParts[] = {{"fuel-cut", cut}, {"one-speed", one_speed}, {"fourier", fourier_part}, {"driving", firing}};
+constexpr Part kParts[] = {{"fuel-cut", cut}, {"one-speed", one_speed}, {"fourier", fourier}, {"driving", firing}};
 
 } // namespace
 
@@ -159,7 +160,8 @@ void print_engine_study(const EngineStudy &study) {
     for (const Part &part : kParts) {
         if (!study.part.empty() && study.part != part.name) continue;
         for (const Physics physics : {Physics::own, Physics::other}) {
-            for (const SetEngine &engine : draw_engines(EngineKind::rigid, physics, study.engines, study.seed)) part.run(engine, pages, figures);
+            for (const SetEngine &engine : draw_engines(EngineKind::rigid, physics, study.engines, study.seed))
+                part.run(engine, pages, figures);
         }
     }
     fmt::print("{}", figures.table());

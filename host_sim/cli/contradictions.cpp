@@ -20,18 +20,20 @@ std::string of_fuel_cut(const EngineFile &engine, const sd_parameters_t &tune, c
     if (seen.cut_firings == 0) return {};
     const auto torque = known_torque(engine, tune);
     if (!torque || !torque->firings) return {};
-    const double left = kSure * seen.cut_bar * fuel_cut_sd_nm_per_bar(engine, *torque, kalman_tune(engine, tune));
-    if (std::abs(seen.cut_nm) <= left) return {};
-    return fmt::format("the fuel-cut reading says {:+.1f} Nm a cylinder at {:.2f} bar, where 0 is true and the engine file's "
-                       "tolerances leave +-{:.1f}: compression ratio, inertia or wheel of the engine file, or the intake pressure, "
-                       "do not fit",
-                       seen.cut_nm, seen.cut_bar, left);
+    const FuelCutPrior prior = fuel_cut_prior(engine, *torque, kalman_tune(engine, tune));
+    // What was taken out as compression's exponent is part of what the file has wrong.
+    const double per_exponent = prior.exponent_nm_per_bar * seen.cut_bar, read_nm = seen.cut_nm + per_exponent * seen.cut_exponent;
+    const double left = kSure * std::hypot(prior.sd_nm_per_bar * seen.cut_bar, per_exponent * seen.exponent_sd);
+    if (std::abs(read_nm) <= left) return {};
+    return fmt::format("the fuel-cut reading says {:+.1f} Nm a cylinder at {:.2f} bar, where 0 is true and the engine file's tolerances "
+                       "leave +-{:.1f}: compression ratio, inertia or wheel of the engine file, or the intake pressure, do not fit",
+                       read_nm, seen.cut_bar, left);
 }
 
 std::string of_innovations(const Evidence &seen) {
     if (!(seen.late_deg > kLateFactor * seen.expected_deg)) return {};
     return fmt::format("teeth pass {:.3f} deg from where the filter expects them, rms, and {:.3f} would be usual: the wheel's "
-                       "tooth pattern is not learned, or inertia, wheel or combustion of the engine file do not fit",
+                       "tooth pattern is not learned, its edges jitter, or inertia, wheel or combustion of the engine file do not fit",
                        seen.late_deg, seen.expected_deg);
 }
 

@@ -44,13 +44,14 @@ void FuelCutReading::firing(const sd_ecu_t &ecu, std::uint32_t cylinders, double
     without_fuel_ = known && sd_inputs_value(&ecu.inputs, SD_INPUT_FUEL_INJECTED) <= 0 ? without_fuel_ + 1 : 0;
     if (!valid || without_fuel_ < kFromCycle * cylinders || without_fuel_ >= kToCycle * cylinders) return;
     ++firings_;
+    exponent_ += double(ecu.firings.kalman.charge.exponent);
     nm_ += torque_nm, bar_ += double(sd_inputs_value(&ecu.inputs, SD_INPUT_AIR_INTAKE_PRESSURE));
 }
 
 void FuelCutReading::add_to(Evidence &evidence) const {
     if (firings_ == 0) return;
     evidence.cut_firings = firings_;
-    evidence.cut_nm = nm_ / firings_, evidence.cut_bar = bar_ / firings_;
+    evidence.cut_nm = nm_ / firings_, evidence.cut_bar = bar_ / firings_, evidence.cut_exponent = exponent_ / firings_;
 }
 
 Evidence evidence_of(const sd_ecu_t &ecu, const sd_calibration_t &page) {
@@ -64,6 +65,7 @@ Evidence evidence_of(const sd_ecu_t &ecu, const sd_calibration_t &page) {
     const double made_for = double(sd_kalman_blend(page.kalman.expected_rad, at));
     evidence.late_deg = made_for * std::sqrt(double(filter.noise_ratio)) * kDegPerRad;
     evidence.expected_deg = std::hypot(made_for, double(pattern.tooth_rad)) * kDegPerRad;
+    if (ecu.firings.pattern.exponent != 0) evidence.exponent_sd = double(ecu.firings.pattern.exponent_sd);
     if (pattern.late_rad != nullptr) add_pattern(pattern.late_rad, teeth_of(page), evidence);
     return evidence;
 }

@@ -54,12 +54,12 @@ class Warnings(RunFolder):
         self.assertEqual(self.summary(self.scenario(cylinders=FUEL), "--nominal")["warnings"], [])
 
     def test_a_compression_ratio_that_does_not_fit(self):
-        done = self.sixdeg(self.cut("compression_percent = [10, 10, 10, 10]"), *self.CUT)
+        done = self.sixdeg(self.cut("compression_percent = [20, 20, 20, 20]"), *self.CUT)
         self.assertRegex(done.stdout, r"(?m)^warning: the fuel-cut reading says [-+]\d+\.\d Nm a cylinder at 1\.\d\d bar")
         self.assertEqual(done.stdout.count("warning: "), 1)
 
     def test_a_wheel_that_is_not_known(self):
-        scenario = self.scenario(cylinders=FUEL, more="[encoder]\npattern_rms_deg = 0.3")
+        scenario = self.scenario("cycles = 14", cylinders=FUEL, more="[encoder]\npattern_rms_deg = 0.3")
         [warning] = self.summary(scenario, "--nominal")["warnings"]
         self.assertRegex(warning, r"^teeth pass 0\.\d+ deg from where the filter expects them")
 

@@ -136,6 +136,19 @@ TEST(Punctual, AnUnevenWheelGivesThePeriodsOfAnEvenOne) {
     EXPECT_NEAR(double(moved), (last - 1) * kPitch / kSpeed * kTicks, 2.5); // whatever is rounded comes back at the next tooth
 }
 
+// 0.3 of a tick in each of 29 teeth, the other way in the next: rounded tooth by tooth that would be nothing.
+TEST(Punctual, LessThanATickIsCorrectedOverSomeTeeth) {
+    sd_punctual_t self{};
+    double first = 0, second = 0;
+    for (int k = 1; k < 40 * kN; ++k) {
+        const bool early = k % kN < kN / 2;
+        sd_punctual_period(&self, 1000, 1, (early ? 0.3f : -0.3f) * float(kPitch) / 1000, float(kN / (2 * M_PI)));
+        if (k >= kN) (early ? first : second) += self.late_ticks / (39.0 * kN / 2);
+    }
+    EXPECT_NEAR(first, 0.3, 0.05);
+    EXPECT_NEAR(second, -0.3, 0.05);
+}
+
 TEST(Punctual, WhatIsNoTurningStaysAsItIs) {
     sd_punctual_t self{};
     for (float late : {NAN, 0.06f, -INFINITY}) EXPECT_EQ(sd_punctual_period(&self, 1000, 1, late, 9.5f), 1000u);

@@ -19,6 +19,7 @@ const double kEven = 1 / std::sqrt(3.0);        // standard deviation of what is
 constexpr double kOwnFuelSd = 1;
 constexpr double kChargeSdK = 20;               // of the charge's temperature at intake closing
 /// Of compression's exponent: leaks, another gas or wall loss; engines by other equations lie between 1.30 and 1.38.
+const std::string kExponentName = "compression exponent";
 const double kExponentSd = 0.04 * kEven;
 /// Of the intake's pressure: a sensor of 1.5 % of its range at half of it.
 const double kIntakeSd = 0.03 * kEven;
@@ -133,7 +134,7 @@ std::vector<ModelDoubt> model_doubts(const EngineFile &engine) {
     if (off.compression_percent > 0)
         doubts.apart("compression", with([&](EngineFile &e) { e.compression_ratio *= 1 + kEven * off.compression_percent / 100; }), 1, false);
     if (off.trapped_mass_percent > 0) doubts.add("trapped mass", doubts.none(), doubts.motored(kEven * off.trapped_mass_percent / 100), false, 0);
-    doubts.add("compression exponent", doubts.none(), doubts.exponent(kExponentSd), true, 0);
+    doubts.add(kExponentName, doubts.none(), doubts.exponent(kExponentSd), true, 0);
     doubts.add("intake sensor", doubts.none(), doubts.motored(kIntakeSd), true, 0);
     // The filter takes what turns it for torque in proportion to the inertia that it believes.
     const double inertia = kEven * off.inertia_percent / 100;
@@ -151,17 +152,19 @@ std::vector<MatrixXd> zeros_learned(const std::vector<ModelDoubt> &doubts, Gains
     return zeros;
 }
 
-double fuel_cut_sd_nm_per_bar(const EngineFile &engine, const KnownTorque &torque, const KalmanTune &tune) {
+FuelCutPrior fuel_cut_prior(const EngineFile &engine, const KnownTorque &torque, const KalmanTune &tune) {
     constexpr double kSpeedRadps = 1500 * M_PI / 30;
     const ToothModel model = tooth_model(engine, torque, kSpeedRadps);
     const std::vector<ModelDoubt> doubts = model_doubts(engine);
     const auto read = zeros_learned(doubts, {model, design_gains(model, tooth_noise(engine, tune, kSpeedRadps), 1).gain});
-    double square = 0;
+    FuelCutPrior prior;
     for (std::size_t i = 0; i < doubts.size(); ++i) {
-        const Eigen::RowVectorXd mean = read[i].colwise().mean(); // of all cylinders, by an error of each
-        square += doubts[i].common ? std::pow(mean.sum(), 2) : mean.squaredNorm();
+        const RowVectorXd mean = read[i].colwise().mean(); // of all cylinders, by an error of each
+        prior.sd_nm_per_bar += doubts[i].common ? std::pow(mean.sum(), 2) : mean.squaredNorm();
+        if (doubts[i].name == kExponentName) prior.exponent_nm_per_bar = mean.sum() / kExponentSd;
     }
-    return std::sqrt(square);
+    prior.sd_nm_per_bar = std::sqrt(prior.sd_nm_per_bar);
+    return prior;
 }
 
 ModelError model_error(const EngineFile &engine, const KnownTorque &torque, const std::vector<ModelDoubt> &doubts, const GainsAt &here,

@@ -36,8 +36,13 @@ struct ModelError {
 /// What each doubt's motored torque makes the firings read while the pulses' shape stands still, as in fuel cut: [firing][cylinder].
 std::vector<Eigen::MatrixXd> zeros_learned(const std::vector<ModelDoubt> &doubts, GainsAt at);
 
-/// Standard deviation of what the mean of all cylinders reads in fuel cut for each bar of charge, from all doubts; at 1500 rpm, Nm/bar.
-double fuel_cut_sd_nm_per_bar(const EngineFile &engine, const KnownTorque &torque, const KalmanTune &tune);
+/// What the mean of all cylinders reads in fuel cut, for each bar of charge, Nm: standard deviation from all doubts, and by an exponent of
+/// compression that is larger by 1.
+struct FuelCutPrior {
+    double sd_nm_per_bar = 0, exponent_nm_per_bar = 0;
+};
+/// At 1500 rpm; it hardly depends on speed.
+FuelCutPrior fuel_cut_prior(const EngineFile &engine, const KnownTorque &torque, const KalmanTune &tune);
 
 ModelError model_error(const EngineFile &engine, const KnownTorque &torque, const std::vector<ModelDoubt> &doubts, const GainsAt &here,
                        const std::vector<Eigen::MatrixXd> &zeros);

@@ -21,9 +21,11 @@ double rms(const std::vector<double> &squares) {
     return std::sqrt(sum / double(squares.size()));
 }
 
+bool has_goal(const FigureGoal &goal) { return goal.low > 0 || std::isfinite(goal.high); }
+
 std::string goal_text(const FigureRow &row) {
     const FigureGoal &g = row.goal;
-    if (g.low <= 0 && std::isinf(g.high)) return "-";
+    if (!has_goal(g)) return "-";
     if (g.low <= 0) return fmt::format("<= {:g}{}", g.high, row.unit);
     return std::isinf(g.high) ? fmt::format(">= {:g}{}", g.low, row.unit) : fmt::format("{:g} to {:g}{}", g.low, g.high, row.unit);
 }
@@ -32,6 +34,7 @@ std::string rms_text(const FigureRow &row, Physics physics) {
     const FigureRms r = rms_of(row, physics);
     if (r.engines == 0) return "-";
     const std::string text = fmt::format("{:.2f} [{:.2f}, {:.2f}]", r.rms, r.low, r.high);
+    if (!has_goal(row.goal)) return fmt::format("{}; {:+.2f}", text, r.largest);
     return fmt::format("{}; {:+.2f}; {} of {}", meets(row.goal, r.rms) ? text : "**" + text + "**", r.largest, r.met, r.engines);
 }
 

@@ -251,15 +251,18 @@ static void driveline_task(sd_ecu_t *self, const sd_calibration_t *page, const s
 void sd_ecu_task_begin(sd_ecu_t *self, const sd_calibration_t *page, uint32_t tick) {
     self->task_tick = tick;
     self->airpath_crank = sd_say_crank_now(&self->say, page->cylinders);
+    sd_firings_task_begin(&self->firings);
 }
 
-/* Of the inputs only samples and the clock change anything, and these wait for it. */
+/* Of the inputs only samples and the clock change anything, and these wait for it. Firings and teeth share as sd_fired.h says. */
 void sd_ecu_task_work(sd_ecu_t *self, const sd_calibration_t *page) {
+    sd_firings_task_work(&self->firings, &page->kalman);
     if (page->airpath.present == 0u) { return; }
     sd_stage_airpath_step(&self->airpath, page, &self->inputs, &self->airpath_crank, self->task_tick, &self->airpath_out);
 }
 
 void sd_ecu_task_say(sd_ecu_t *self, const sd_calibration_t *page, const sd_port_t *port, uint16_t why) {
+    if (sd_firings_task_end(&self->firings)) { sd_say_pattern(&self->say, &self->firings); }
     if (page->airpath.present != 0u) { sd_say_airpath(&self->say, port, self->task_tick, &self->airpath_out, why); }
     driveline_task(self, page, port, self->task_tick);
 }

@@ -3,7 +3,7 @@
 
 #include <stddef.h>
 
-#define MAGIC 0x344c4453u /* "SDL4" */
+#define MAGIC 0x354c4453u /* "SDL5" */
 
 void sd_learned_make(sd_learned_t *learned, const sd_pattern_sums_t *sums) {
     learned->sums = *sums;

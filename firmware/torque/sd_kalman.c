@@ -12,7 +12,7 @@
 #define JITTER_SQUARE 64.0f   /* a settled filter takes teeth up to 8 times the innovation as met */
 
 #if SD_CYLINDERS_MAX == 8
-_Static_assert(sizeof(sd_kalman_t) == 1080, "without pointers, the same size on every target");
+_Static_assert(sizeof(sd_kalman_t) == 1204, "without pointers, the same size on every target");
 #endif
 
 enum { REJECTED_IN_ROW_MAX = 12 }; /* teeth left out in a row after which the estimate itself must be wrong */
@@ -161,6 +161,11 @@ static bool read_due(sd_kalman_t *self, const sd_kalman_tables_t *t, uint32_t wh
     return true;
 }
 
+/* The pulses as the calibration has them: with a shape that is still being learned, what is learned from it would move too. */
+static inline void move_free(sd_kalman_t *self, const sd_kalman_tables_t *t, const sd_motion_row_t *row) {
+    if (!sd_motion_move(&self->free, t, row, 0.0f, &self->tuning)) { self->free_runs = 0; }
+}
+
 /* Every running filter over one interval at whose end no tooth came: those that stand still in it stop. Returns those that completed
  * a firing. */
 static uint32_t coast(sd_kalman_t *self, const sd_kalman_tables_t *t, uint32_t k, const sd_kalman_tooth_t *tooth, sd_firing_t *firing) {
@@ -168,6 +173,7 @@ static uint32_t coast(sd_kalman_t *self, const sd_kalman_tables_t *t, uint32_t k
     uint32_t complete = 0;
     sd_motion_sum_known(t, k, &self->charge, &row);
     sd_motion_close_valves(&self->charge, t, row.word);
+    if (self->free_runs != 0u) { move_free(self, t, &row); }
     for (uint32_t i = 0; i < self->filters; ++i) {
         sd_kalman_filter_t *f = &self->filter[i];
         if (f->running == 0u) { continue; }
@@ -226,6 +232,10 @@ uint32_t sd_kalman_step(sd_kalman_t *self, const sd_kalman_tables_t *t, const sd
     sd_at_tooth_t at = { .tooth = tooth, .period_s = (float)tooth->period_ticks / t->tick_hz, .shape = self->shape };
     sd_motion_sum_known(t, tooth->cycle_position, &self->charge, &at.row);
     if ((at.row.word[SD_ROW_AT].at.close != 0u) && !none_runs) { sd_motion_close_valves(&self->charge, t, at.row.word); }
+    if (self->free_runs != 0u) {
+        move_free(self, t, &at.row);
+        self->free.lateness_s -= at.period_s;
+    }
     for (uint32_t i = 0; i < self->filters; ++i) {
         sd_kalman_filter_t *f = &self->filter[i];
         if (f->running != 0u) {
@@ -238,7 +248,14 @@ uint32_t sd_kalman_step(sd_kalman_t *self, const sd_kalman_tables_t *t, const sd
     return complete;
 }
 
+void sd_kalman_set_free(sd_kalman_t *self) {
+    self->free = self->filter[self->believed].motion;
+    self->free.lateness_s = 0.0f;
+    self->free_runs = 1;
+}
+
 void sd_kalman_restart(sd_kalman_t *self) {
+    self->free_runs = 0;
     for (uint32_t i = 0; i < SD_KALMAN_SETS_MAX; ++i) { restart(&self->filter[i]); }
     sd_motion_fill(&self->charge, self->charge.intake_bar);
 }

@@ -100,6 +100,9 @@ typedef struct sd_kalman {
     float    zero_nm_per_bar[SD_KALMAN_FIRINGS_MAX];
     sd_motion_tuning_t tuning; ///< Kept by restart.
     sd_kalman_choice_t choice; ///< Kept by restart; may be changed between two steps to another that sd_kalman_choice_ok takes.
+    /// An estimate over the same intervals and charges, with pulses whose shape is 0, that no tooth corrects: sd_kalman_set_free.
+    sd_motion_t free;
+    uint8_t  free_runs;   ///< 1: it moves with each step. 0: nobody began it, it would have stood still, or the filters began anew.
     uint8_t  filters;     ///< How many run, 1 to tables.sets.
     uint8_t  believed;    ///< Which of them learns the shape of the pulses, below `filters`; the caller's to change between two steps.
     sd_kalman_filter_t filter[SD_KALMAN_SETS_MAX]; ///< Filter i runs with set i of gains.
@@ -118,6 +121,9 @@ void sd_kalman_restart(sd_kalman_t *self);
 /// Takes a tooth. Returns bit i set when it completed a firing of filter i, and fills firing[i] then; `firing` has room for as
 /// many as filters run. A tooth out of range changes nothing.
 uint32_t sd_kalman_step(sd_kalman_t *self, const sd_kalman_tables_t *tables, const sd_kalman_tooth_t *tooth, sd_firing_t *firing);
+
+/// The free estimate begins anew as the believed filter has it now, with no lateness at the last tooth.
+void sd_kalman_set_free(sd_kalman_t *self);
 
 /// Torque of the engine at tooth `cycle_position`, [0, 2 N), as filter `which` has it, Nm, with what a dual-mass flywheel's
 /// spring takes away.

@@ -8,11 +8,12 @@ uint32_t sd_motion_gains_at(const sd_kalman_tables_t *t) {
 }
 
 uint32_t sd_motion_row_words(const sd_kalman_tables_t *t) {
-    return sd_motion_gains_at(t) + ((uint32_t)t->sets * t->speeds * sd_motion_columns(t) + 2u) / 2u + (t->parts + 1u) / 2u;
+    return sd_motion_gains_at(t) + ((uint32_t)t->sets * t->speeds * sd_motion_columns(t) + 2u) / 2u;
 }
 
 uint32_t sd_kalman_pool_used(const sd_kalman_tables_t *t) {
-    return 2u * t->positions * sd_motion_row_words(t) + (uint32_t)t->parts * t->parts + t->hidden * sd_motion_hidden_words(t);
+    const uint32_t parts = t->parts;
+    return 2u * t->positions * sd_motion_row_words(t) + parts * t->positions + parts * parts + t->hidden * sd_motion_hidden_words(t);
 }
 
 /* ---- charges --------------------------------------------------------------------------------------------------- */

@@ -72,8 +72,8 @@ enum {
 /// its bend g_j; pulses that are not in the row are 0 there. A mode: the twist that its mean known torques hold that do not
 /// scale with intake pressure: rad, and rad a w^2 of (rad/s)^2. Gains, as multiples of their scale, 16 bits each: for each
 /// set the columns K_0, K_1, K_x[m], K_s with a shape, and K_q, K_v of each mode, all speeds of a column side by side, so that
-/// the two that a speed lies between are a pair; then one more and up to a whole word; then, for sd_fired.h, one column each of
-/// the parts, times 32767. Behind the rows: `restore`, parts by parts, and for each hidden direction its pattern over the
+/// the two that a speed lies between are a pair; then one more and up to a whole word. Behind the rows, for sd_fired.h: for each tooth of
+/// a revolution the columns of the parts, times 32767, a word with the entries of both revolutions for each part; `restore`, parts by parts, and for each hidden direction its pattern over the
 /// parts, what it reads of the parts and of the firings, the rms of its torque over the firings less their mean over J w^2, the sum
 /// of the sizes of what it reads of the firings, and the share of the mean torque that they may be off by as speed and fuel change.
 typedef struct sd_kalman_tables {

@@ -84,6 +84,7 @@ void add_study(Command &app) {
     add_study_observers(study);
     add_study_engines(study);
     add_study_misfire(study);
+    add_study_gas(study);
     add_study_trips(study);
 }
 

@@ -75,6 +75,36 @@ class Figures(unittest.TestCase):
                 self.assertEqual(self.numbers(claim) - self.numbers(" ".join(pages)), set())
 
 
+class TwelveQuestions(unittest.TestCase):
+    """docs/start/twelve-questions.md: a reader finds each answer from README in at most three steps."""
+
+    PAGE = DOCS / "start/twelve-questions.md"
+
+    @staticmethod
+    def links(page):
+        return [(page.parent / target).resolve() for target in re.findall(r"\]\(([^)#\s]+)[^)]*\)",
+                                                                          page.read_text()) if "://" not in target]
+
+    def rows(self):
+        for line in self.PAGE.read_text().splitlines():
+            cells = [cell.strip().replace("\\|", "|") for cell in re.split(r"(?<!\\)\|", line)[1:-1]]
+            if len(cells) == 3 and cells[0].endswith("?"):
+                yield cells
+
+    def test_each_answer_is_found(self):
+        rows = list(self.rows())
+        self.assertEqual(len(rows), 12)
+        for question, steps, answer in rows:
+            with self.subTest(question=question):
+                pages = [(self.PAGE.parent / target).resolve() for target in re.findall(r"\]\(([^)]+)\)", steps)]
+                self.assertTrue(1 <= len(pages) <= 3)
+                here = ROOT / "README.md"
+                for page in pages:
+                    self.assertIn(page, self.links(here), f"a step from {here.name}")
+                    here = page
+                self.assertIn(" ".join(answer.split()), " ".join(here.read_text().split()), here.name)
+
+
 class Overview(Folder):
     def test_the_picture_of_readme_is_drawn_from_a_run(self):
         scenario = ROOT / "host_sim/data/scenarios/balance_1000rpm_5bar.toml"

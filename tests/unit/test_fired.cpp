@@ -45,7 +45,7 @@ struct FiredBench : OtherBench {
         }
         fuel = {1.1, 1, 1, 0.8}, fuel_mg = -1;
     }
-    const sd_fired_t &fired() const { return block.fired; }
+    const sd_fired_pattern_t &fired() const { return *sd_fired_used(&block.fired); }
     double error_deg() const { return pattern_error_deg(*this, fired().late_rad); }
     double stated_deg() const { return double(fired().sd_rad) / kDeg; }
 };
@@ -91,16 +91,16 @@ TEST(Fired, PatternAndImbalanceAfterADriveOfAMinute) {
         EXPECT_LT(right.error_deg, 0.004);
         EXPECT_LT(right.error_over_stated, 1.5);
         EXPECT_LT(right.percent[0], 0.25);
-        EXPECT_LT(right.percent[1], 0.6);
-        EXPECT_LT(right.percent[2], 1.2);
+        EXPECT_LT(right.percent[1], 0.35);
+        EXPECT_LT(right.percent[2], 0.75);
         for (double ratio : right.over_stated) EXPECT_LT(ratio, 1.3);
     }
     if (!full) return;
     const AfterDrives wrong = after_drives(true, 0.5);
     EXPECT_LT(wrong.error_deg, 0.008);
     EXPECT_LT(wrong.percent[0], 0.6);
-    EXPECT_LT(wrong.percent[1], 0.8);
-    EXPECT_LT(wrong.percent[2], 1.6);
+    EXPECT_LT(wrong.percent[1], 0.7);
+    EXPECT_LT(wrong.percent[2], 1.2);
 }
 
 TEST(Fired, OnePointSaysWhatItDoesNotKnow) {
@@ -146,6 +146,19 @@ TEST(Fired, AFuelCutThatKnowsBetterIsBelieved) {
     EXPECT_EQ(believed.late_rad, bench.learned().late_rad);
     EXPECT_LT(believed.sd_rad, bench.fired().sd_rad);
     EXPECT_EQ(believed.hidden_share, 0);
+}
+
+TEST(Fired, TeethThatInterruptTheTaskChangeNothingOfIt) {
+    FiredBench first(33, kind_of(1.33)), last(33, kind_of(1.33));
+    first.task = OtherBench::Task::kFirst, last.task = OtherBench::Task::kLast;
+    for (FiredBench *bench : {&first, &last}) {
+        bench->fuel_mg = 60;
+        for (double rpm : {1000., 3000., 6000.}) bench->run(bench->engine(rpm, 1.4, 1000), int(rpm / 25), false);
+    }
+    sd_firings_task_work(&last.block, &last.tables); // of the last clock
+    EXPECT_GT(first.fired().cycles, 300);
+    EXPECT_GT(first.block.pattern.sums.fired.hidden[0].c[0], 0) << "fuel was known";
+    EXPECT_EQ(std::memcmp(&first.block, &last.block, sizeof first.block), 0);
 }
 
 /// What is taken for torque and what for pattern, against equations solved by themselves.

@@ -82,7 +82,8 @@ static bool read_cylinder(sd_ecu_t *self, const sd_calibration_t *page) {
     self->say.signals.cycle_cylinder_torque_nm[physical] = sd_scaled_to_float(torque);
     self->say.signals.cycle_cylinder_sd_nm[physical] = sd_scaled_to_float(sd);
     self->work.part++;
-    return self->work.part >= map->cylinders;
+    if (self->work.part < map->cylinders) { return false; }
+    return true;
 }
 
 static void read_mixture(sd_ecu_t *self, const sd_calibration_t *page) {

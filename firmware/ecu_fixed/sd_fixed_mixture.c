@@ -88,7 +88,7 @@ void sd_fixed_mixture_pressure(sd_fixed_mixture_t *self, float bar) {
 bool sd_fixed_mixture_takes_pressure(const sd_fixed_mixture_t *self) { return runs(self) && (sd_bits_order(self->point.gain_mass) > 0); }
 
 static void wait_for(sd_fixed_mixture_t *self, sd_q31_t air, sd_q31_t pressure) {
-    if (self->waiting_count == SD_MIXTURE_WAITING) { return; } /* coasted over half a wheel: the angle is about to be lost */
+    if (self->waiting_count >= SD_MIXTURE_WAITING) { return; } /* coasted over half a wheel: the angle is about to be lost */
     const uint32_t at = (self->waiting_first + self->waiting_count) % SD_MIXTURE_WAITING;
     self->waiting_air[at] = air;
     self->waiting_pressure[at] = pressure;

@@ -4,12 +4,13 @@
 
 /* Puts a torque among the cylinder's last ones and returns their mean. */
 static float remember(sd_kalman_filter_t *f, uint32_t i, float torque_nm) {
-    f->ring_nm[i][f->next[i]] = torque_nm;
-    f->next[i] = (uint8_t)((f->next[i] + 1u < SD_KALMAN_MEAN) ? f->next[i] + 1u : 0u);
-    if (f->kept[i] < SD_KALMAN_MEAN) { f->kept[i]++; }
+    const uint32_t place = f->next[i], next = place + 1u, before = f->kept[i], kept = (before < SD_KALMAN_MEAN) ? before + 1u : SD_KALMAN_MEAN;
+    f->ring_nm[i][place] = torque_nm;
+    f->next[i] = (uint8_t)((next < SD_KALMAN_MEAN) ? next : 0u);
+    f->kept[i] = (uint8_t)kept;
     float sum = 0.0f;
-    for (uint32_t j = 0; j < f->kept[i]; ++j) { sum += f->ring_nm[i][j]; }
-    return sum / (float)f->kept[i];
+    for (uint32_t j = 0; j < kept; ++j) { sum += f->ring_nm[i][j]; }
+    return sum / (float)kept;
 }
 
 /* Variance of a firing less the mean of all, from what is not known of the engine. */

@@ -32,10 +32,22 @@ sd_result_t sd_ecu_init(sd_ecu_t *self, const sd_calibration_t *page) {
     return SD_OK;
 }
 
-sd_result_t sd_ecu_resume(sd_ecu_t *self, const sd_calibration_t *page, const sd_pattern_sums_t *learned) {
-    if ((self->ready == 0u) || (sd_firings_resume(&self->firings, &page->kalman, learned) != SD_OK)) { return SD_ERR_CONFIG; }
+sd_result_t sd_ecu_resume(sd_ecu_t *self, const sd_calibration_t *page, const sd_kept_t *kept) {
+    const bool filter = self->firings.enabled != 0u;
+    if ((self->ready == 0u) || (!filter && (page->afr.present == 0u))) { return SD_ERR_CONFIG; }
+    if (sd_stage_mixture_resume(&self->mixture, page, &self->working, &kept->mixture) != SD_OK) { return SD_ERR_CONFIG; }
+    if (!filter) { return SD_OK; }
+    if (sd_firings_resume(&self->firings, &page->kalman, &kept->pattern) != SD_OK) {
+        (void)sd_stage_mixture_init(&self->mixture, page, &self->working); /* as it was: no event has come yet */
+        return SD_ERR_CONFIG;
+    }
     sd_say_pattern(&self->say, &self->firings);
     return SD_OK;
+}
+
+void sd_ecu_keep(const sd_ecu_t *self, const sd_calibration_t *page, sd_kept_t *kept) {
+    sd_firings_keep(&self->firings, &page->kalman, &kept->pattern);
+    sd_stage_mixture_keep(&self->mixture, page, &kept->mixture);
 }
 
 /* ---- a tooth --------------------------------------------------------------------------------------------------- */

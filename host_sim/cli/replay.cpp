@@ -42,7 +42,7 @@ struct Inputs {
     sd_parameters_t tune{};
     std::string tune_name;
     std::vector<SensorSource> sensors;
-    std::optional<sd_pattern_sums_t> learned;
+    std::optional<sd_kept_t> learned;
     std::optional<int> parity;
     Json files;
     std::vector<std::string> notes;
@@ -279,8 +279,8 @@ void add_replay(Command &app) {
     command.option("--tune", options->tune, "tune file");
     command.settings(options->set, "key=value, over the tune file");
     command.number(options->number);
-    command.option("--learned", options->learned, "tooth pattern learned before, as in run");
-    command.option("--learn", options->learn, "where the tooth pattern goes at the end");
+    command.option("--learned", options->learned, "what was learned before, as in run");
+    command.option("--learn", options->learn, "where what was learned goes at the end");
     command.option("--truth", options->truth, "folder of the run that an event log is of: its truth beside the replay");
     command.output_folder(options->out, "folder for summary.json, teeth.csv, cycles.csv, firings.csv and work.csv");
     command.option("--json", options->json, "the summary alone");

@@ -47,11 +47,11 @@ struct Inputs {
     sd_parameters_t tune;
     std::string tune_name;
     sd_calibration_t calibration;
-    std::optional<sd_pattern_sums_t> learned;
+    std::optional<sd_kept_t> learned;
     std::optional<Scenario> lesson; ///< Instead of `learned`: each calibration learns from it by itself.
     Json files;
 
-    std::optional<sd_pattern_sums_t> learned_with(const sd_calibration_t &page) const {
+    std::optional<sd_kept_t> learned_with(const sd_calibration_t &page) const {
         return lesson ? run_on_bench(*lesson, page, nullptr).learned : learned;
     }
 };
@@ -204,7 +204,7 @@ void check_transport(const Options &options) {
     if ((in_process || emulated) && (options.pace.real_time || options.pace.at_most > 0))
         throw InputError("--real-time, --pace", "", "are for a bus; give --transport");
     if (!in_process && !(options.learn + options.learned).empty())
-        throw InputError("--learn, --learned", "", "the tooth pattern stays in the ecu over a bus; leave them out");
+        throw InputError("--learn, --learned", "", "what is learned stays in the ecu over a bus; leave them out");
     if (options.restart() && !in_process && !emulated)
         throw InputError("--restart", "", "the ecu at the other end of a bus is not in this program's hands; kill it");
     if (options.restart() && !options.record.empty())
@@ -285,7 +285,7 @@ void add_options(Command &command, const std::shared_ptr<Options> &options) {
     command.output_folder(options->out, "folder for summary.json, teeth.csv and cycles.csv");
     command.option("--json", options->json, "the summary alone");
     command.option("--learned", options->learned, "what was learned before, or a scenario whose fuel cut is learned from first (by each calibration for itself); not over a bus");
-    command.option("--learn", options->learn, "where the tooth pattern goes at the end of the run; not over a bus");
+    command.option("--learn", options->learn, "where what was learned goes at the end of the run; not over a bus");
     command.flag("--nominal", options->nominal, "skip the second run, whose calibration is wrong on purpose; over a bus there is none");
     const Option cache = command.option("--cache", options->cache,
                                         "folder of pages seen before, in place of ~/.cache/sixdeg (docs/reference/files.md)");

@@ -196,6 +196,7 @@ class Firing(RunFolder):
         done = self.sixdeg(self.scenario("cycles = 10"), "--nominal", "--learned", damaged)
         self.assertEqual((done.returncode, done.stderr.count("\n")), (2, 1))
         self.assertIn("learned page", done.stderr)
+        self.assertIn("of format SDL1, and this firmware reads SDL6", done.stderr)
 
 
 class Teeth(RunFolder):

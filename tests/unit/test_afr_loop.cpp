@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <functional>
+#include <map>
 #include <gtest/gtest.h>
 #include <memory>
 #include <numeric>
@@ -155,6 +156,44 @@ TEST(AfrLoop, AnInjectorThatMovesAtRestIsNoDelayAndIsFoundQuietly) {
     }
     EXPECT_LT(std::sqrt(square), 0.7);
     EXPECT_GT(square, 0);
+}
+
+/// A start whose calibration believes the delay wrongly; made once.
+const RunResult &first_start(double error) {
+    static std::map<double, RunResult> made;
+    if (made.count(error) == 0) made[error] = run_loop({{}, {}, error});
+    return made[error];
+}
+
+/// What is stored at power-off is as good as if it had not been off: before any trim, and once they are allowed.
+TEST(AfrLoop, ASecondStartKnowsTheDelay) {
+    for (double error : {90.0, -90.0}) {
+        const RunResult &first = first_start(error);
+        const LoopCase cold{{"run.duration_s=1.9"}, {}, error, false, 2, {}, nullptr}, warm{{"run.duration_s=1.9"}, {}, error, false, 2, {}, &first.learned};
+        const RunResult before = run_loop(cold), after = run_loop(warm);
+        ASSERT_TRUE(before.afr && after.afr);
+        EXPECT_GT(before.afr->rms_points, 4) << error;
+        EXPECT_LT(after.afr->rms_points, 0.5 * before.afr->rms_points) << error;
+        EXPECT_EQ(after.afr_late_s, first.afr_late_s) << error;
+        const RunResult second = run_loop({{}, {}, error, false, 1, {}, &first.learned});
+        ASSERT_TRUE(first.balance && second.balance);
+        EXPECT_GE(second.balance->cycles_to_3_percent, 4) << error;
+        EXPECT_LE(second.balance->cycles_to_3_percent, 0.7 * first.balance->cycles_to_3_percent) << error;
+    }
+}
+
+/// A delay that was stored and is wrong: it was learned from an injector that moved, or the sensor has been changed since.
+TEST(AfrLoop, AWrongDelayThatWasKeptIsMendedLikeAWrongCalibration) {
+    for (double error : {90.0, -90.0}) {
+        sd_kept_t wrong = first_start(error).learned;
+        if (error > 0) wrong.mixture.dead_s -= float(error / (6 * 1500)); // now it says the same of an engine that is as calibrated
+        const RunResult r = run_loop({{}, {}, 0, false, 2, {}, &wrong});
+        ASSERT_TRUE(r.balance);
+        EXPECT_GE(r.balance->cycles_to_3_percent, 4) << error;
+        EXPECT_LE(r.balance->cycles_to_3_percent, 100) << error;
+        EXPECT_EQ(r.balance->gave_up_cycles, -1) << error;
+        EXPECT_NEAR(r.afr_late_s * 1500 * 6, 0, 45) << error;
+    }
 }
 
 /// A loop that gave up asks the sensor, and balances then.

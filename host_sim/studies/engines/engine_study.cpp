@@ -40,17 +40,17 @@ Pages make_pages() {
 std::string at_speed(double rpm) { return fmt::format("[speed]\nrpm = {:g}\n", rpm); }
 
 /// What is learned without fuel; `speed` is the table [speed], `seconds` from the first on.
-sd_pattern_sums_t learn_in_cut(const SetEngine &engine, const sd_calibration_t &page, const std::string &speed, double seconds) {
+sd_kept_t learn_in_cut(const SetEngine &engine, const sd_calibration_t &page, const std::string &speed, double seconds) {
     const Scenario lesson = made_scenario(engine, fmt::format("[run]\nduration_s = {0:g}\n{1}[load]\nbmep_bar = 0\n"
                                                               "fuel_cut_s = [0.1, {0:g}]\n[encoder]\njitter_deg = 0.01\n", seconds, speed));
     return run_on_bench(lesson, page, nullptr).learned;
 }
 
-sd_pattern_sums_t learn_at_two(const SetEngine &engine, const sd_calibration_t &page) {
+sd_kept_t learn_at_two(const SetEngine &engine, const sd_calibration_t &page) {
     return learn_in_cut(engine, page, "[speed]\nrpm = [3000, 3000, 1500, 1500]\ntime_s = [0, 3, 4, 8]\n", 8);
 }
 
-RunResult run_at(const SetEngine &engine, double rpm, double bar, const sd_calibration_t &page, const sd_pattern_sums_t &learned) {
+RunResult run_at(const SetEngine &engine, double rpm, double bar, const sd_calibration_t &page, const sd_kept_t &learned) {
     const Scenario scenario = made_scenario(engine, fmt::format("[run]\ncycles = {}\n{}[load]\nbmep_bar = {:g}\n[cylinders]\n{}"
                                                                 "[encoder]\njitter_deg = 0.01\n", kCycles, at_speed(rpm), bar, kFuel));
     return run_on_bench(scenario, page, nullptr, &learned);
@@ -68,7 +68,7 @@ constexpr double kBar = 5;
 void cut(const SetEngine &engine, const Pages &pages, EngineFigures &figures) {
     for (const bool wrong : {false, true}) {
         const sd_calibration_t &page = wrong ? pages.wrong : pages.right;
-        const sd_pattern_sums_t learned = learn_at_two(engine, page);
+        const sd_kept_t learned = learn_at_two(engine, page);
         const std::string file = wrong ? kWrong : ", right file";
         for (const Point &p : kPoints) {
             const RunResult run = run_at(engine, p.rpm, p.bar, page, learned);
@@ -91,7 +91,7 @@ void cut(const SetEngine &engine, const Pages &pages, EngineFigures &figures) {
 
 /// Level at another speed than that of the fuel cut.
 void one_speed(const SetEngine &engine, const Pages &pages, EngineFigures &figures) {
-    const std::pair<const char *, sd_pattern_sums_t> lessons[] = {
+    const std::pair<const char *, sd_kept_t> lessons[] = {
         {"level after a fuel cut at 1500 rpm alone", learn_in_cut(engine, pages.right, at_speed(1500), 5)},
         {"level after a coast from 1800 to 1370 rpm",
          learn_in_cut(engine, pages.right, "[speed]\nrpm = [1800, 1800, 1370]\ntime_s = [0, 1, 4]\n", 4)}};
@@ -105,7 +105,7 @@ void one_speed(const SetEngine &engine, const Pages &pages, EngineFigures &figur
 void fourier(const SetEngine &drawn, const Pages &pages, EngineFigures &figures) {
     SetEngine engine = drawn;
     engine.pattern_rms_deg = kFourierPatternDeg;
-    const sd_pattern_sums_t learned = learn_at_two(engine, pages.right);
+    const sd_kept_t learned = learn_at_two(engine, pages.right);
     for (const auto &[rpm, goal] : {std::pair{3000.0, 0.5}, std::pair{4500.0, 1.0}}) {
         const RunResult run = run_at(engine, rpm, kBar, pages.right, learned);
         if (!run.cylinders) continue;
@@ -115,7 +115,7 @@ void fourier(const SetEngine &drawn, const Pages &pages, EngineFigures &figures)
 }
 
 /// A drive of 60 s over 12 points, drawn; no fuel cut.
-sd_pattern_sums_t learn_on_a_drive(const SetEngine &engine, const sd_calibration_t &page) {
+sd_kept_t learn_on_a_drive(const SetEngine &engine, const sd_calibration_t &page) {
     RandomStream random(engine.seed, kDriveStream);
     std::string rpm, bar, time;
     for (int i = 0; i < 12; ++i) {
@@ -130,7 +130,7 @@ sd_pattern_sums_t learn_on_a_drive(const SetEngine &engine, const sd_calibration
 }
 
 void firing(const SetEngine &engine, const Pages &pages, EngineFigures &figures) {
-    const sd_pattern_sums_t learned = learn_on_a_drive(engine, pages.right);
+    const sd_kept_t learned = learn_on_a_drive(engine, pages.right);
     for (const auto &[rpm, goal] : {std::pair{1000.0, 0.25}, std::pair{3000.0, 0.30}, std::pair{4500.0, 0.55}}) {
         const RunResult run = run_at(engine, rpm, kBar, pages.right, learned);
         if (!run.firing) continue;

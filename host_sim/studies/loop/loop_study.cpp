@@ -6,6 +6,7 @@
 #include <functional>
 
 #include "studies/loop/loop_case.hpp"
+#include "studies/loop/other_exhaust.hpp"
 
 namespace sixdeg {
 namespace {
@@ -142,7 +143,8 @@ struct Part {
     std::function<void(int, const Texts &)> print;
 };
 const std::vector<Part> kParts{
-    {"figure-16", figure_16}, {"calibrations", calibrations}, {"slow", slow_mode}, {"delays", wrong_delays}, {"moves", moves}};
+    {"figure-16", figure_16}, {"calibrations", calibrations}, {"slow", slow_mode}, {"delays", wrong_delays}, {"moves", moves},
+    {"rest", print_at_rest}, {"other", print_other_exhausts}};
 
 } // namespace
 

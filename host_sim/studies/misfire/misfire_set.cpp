@@ -104,13 +104,13 @@ Scenario set_scenario(const SetEngine &engine, const SetPoint &point, int cycles
                                            cycles, point.rpm, point.bmep_bar, point.road_rms_nm, point.jitter_deg));
 }
 
-sd_pattern_sums_t learn_engine(const SetEngine &engine, const sd_calibration_t &page) {
+sd_kept_t learn_engine(const SetEngine &engine, const sd_calibration_t &page) {
     const Scenario lesson = made_scenario(engine, "[run]\nduration_s = 8\n[speed]\nrpm = [3000, 3000, 1500, 1500]\ntime_s = [0, 3, 4, 8]\n"
                                                 "[load]\nbmep_bar = 0\nfuel_cut_s = [0.1, 8]\n[encoder]\njitter_deg = 0.01\n");
     return run_on_bench(lesson, page, nullptr).learned;
 }
 
-SetRun run_set(const SetEngine &engine, const SetPoint &point, int cycles, const sd_calibration_t &page, const sd_pattern_sums_t &learned) {
+SetRun run_set(const SetEngine &engine, const SetPoint &point, int cycles, const sd_calibration_t &page, const sd_kept_t &learned) {
     const Scenario scenario = set_scenario(engine, point, cycles);
     SetRun run;
     FiringListener listener;

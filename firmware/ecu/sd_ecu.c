@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "sd_ecu_parts.h"
+#include "sd_math.h"
 #include "sd_say.h"
 
 _Static_assert((SD_AFR_CYLINDERS_MAX == SD_CYLINDERS_MAX) && (SD_BALANCE_CYLINDERS_MAX == SD_CYLINDERS_MAX) &&
@@ -78,9 +79,17 @@ static void end_cycle(sd_ecu_t *self, const sd_calibration_t *page, const sd_por
     sd_ecu_begin_work(self, page, port, cycle);
 }
 
+/* The Fourier observer gets the times that an even wheel would give, as far as the wheel's pattern is known. */
 static void step_torque(sd_ecu_t *self, const sd_calibration_t *page, const sd_tooth_t *tooth) {
+    const sd_firings_pattern_t pattern = sd_firings_believed(&self->firings);
+    sd_tooth_t even = *tooth;
+    if (pattern.late_rad != NULL) {
+        const float late_rad = pattern.late_rad[tooth->position];
+        even.period_ticks = sd_punctual_period(&self->punctual, tooth->period_ticks, tooth->advance, late_rad,
+                                               (float)page->positions * (1.0f / SD_TWO_PI));
+    }
     sd_torque_out_t torque;
-    sd_stage_torque_tooth(&self->torque, page, tooth, &torque);
+    sd_stage_torque_tooth(&self->torque, page, &even, &torque);
     sd_say_torque(&self->say, &torque);
     /* What is read at the end of the cycle has settled by then, or says so itself. */
     const bool good = (torque.status.health != (uint8_t)SD_INVALID) && ((torque.status.why & ~(uint32_t)SD_WHY_CONVERGING) == 0u);

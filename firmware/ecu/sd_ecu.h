@@ -31,6 +31,7 @@
 #include "sd_inputs.h"
 #include "sd_learned.h"
 #include "sd_publish.h"
+#include "sd_punctual.h"
 #include "sd_stage_driveline.h"
 #include "sd_stage_airpath.h"
 #include "sd_stage_misfire.h"
@@ -60,6 +61,7 @@ typedef struct sd_ecu {
     sd_crank_t         crank;
     sd_course_t        course;
     sd_stage_torque_t  torque;
+    sd_punctual_t      punctual; ///< Of the teeth that the Fourier observer is given.
     sd_firings_t       firings;
     sd_work_meter_t    energy;  ///< Work of a cycle.
     sd_stage_misfire_t misfire;

@@ -69,8 +69,8 @@ typedef struct sd_firing {
     uint8_t index;      ///< In firing order.
     float   raw_nm;     ///< torque_nm before zero_nm_per_bar was taken out.
     float   torque_nm;  ///< Mean combustion torque over the 180 deg after its TDC.
-    float   sd_nm;      ///< Standard deviation of that less the mean of all cylinders: timing noise as met, what is not
-                        ///< known of the engine, and with the gains for rough roads what the load's walk gives.
+    float   sd_nm;      ///< Standard deviation of that less the mean of all cylinders (of one cylinder, of itself): timing noise as met,
+                        ///< what is not known of the engine, and with the gains for rough roads what the load's walk gives.
     float   noise_nm;   ///< From timing errors that are new at each edge: as met, and no less than the gains were made for.
     float   mean_nm;    ///< Of this cylinder's last SD_KALMAN_MEAN cycles, fewer after a start.
     float   mean_sd_nm;

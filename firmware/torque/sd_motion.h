@@ -101,8 +101,8 @@ typedef struct sd_kalman_tables {
     float    gain_scale[SD_KALMAN_SETS_MAX][SD_KALMAN_SCALES];
     float    noise_rad[SD_KALMAN_GAINS_MAX];    ///< Of each speed of each set: timing error that the gains were made for, > 0.
     float    expected_rad[SD_KALMAN_GAINS_MAX]; ///< Expected rms of the innovation, no less than that.
-    /// Standard deviation of a firing less the mean of all cylinders, per rad of timing error, over J_mean w^2: one
-    /// firing, errors new at each edge; mean of SD_KALMAN_MEAN cycles, the same; either, errors that stay with a tooth.
+    /// Standard deviation of a firing less the mean of all cylinders (of one cylinder, of itself), per rad of timing error, over J_mean w^2:
+    /// one firing, errors new at each edge; mean of SD_KALMAN_MEAN cycles, the same; either, errors that stay with a tooth.
     float    single_sd[SD_KALMAN_GAINS_MAX], mean_sd[SD_KALMAN_GAINS_MAX], pattern_sd[SD_KALMAN_GAINS_MAX];
     float    load_sd_nm[SD_KALMAN_GAINS_MAX]; ///< Of a firing, from the load's walk that the gains were made for, >= 0.
     /// Standard deviation of a firing less the mean of all cylinders from what is not known of the engine: share of the mean torque, share

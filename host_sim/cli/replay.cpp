@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "cli/commands.hpp"
+#include "cli/contradictions.hpp"
 #include "cli/learned_page.hpp"
 #include "cli/tune_options.hpp"
 #include "common/error.hpp"
@@ -237,6 +238,9 @@ void run(const ReplayOptions &options) {
     for (std::string &note : cam_notes(inputs.found, inputs.engine, result)) inputs.notes.push_back(std::move(note));
     const std::optional<std::string> failure = why_not_followed(inputs.found, result);
     Json summary = summarise(inputs, result);
+    const bool judged = inputs.engine_given && page; // a nameless engine fits none
+    const auto warnings = judged ? contradictions(inputs.engine, page->parameters, result.evidence) : std::vector<std::string>();
+    summary["warnings"] = warnings;
     summary["not_followed"] = failure ? Json(*failure) : Json();
     out.commit(summary);
     if (!options.learn.empty()) write_file(options.learn, learned_page(result.learned));
@@ -245,6 +249,7 @@ void run(const ReplayOptions &options) {
     print_misfires(result);
     for (const std::string &note : inputs.notes) fmt::print("note: {}\n", note);
     for (const std::string &assumption : list_assumptions(inputs)) fmt::print("assumed: {}\n", assumption);
+    print_contradictions(warnings);
     if (failure) throw NotFollowed(options.file, *failure);
 }
 

@@ -14,6 +14,7 @@
 #include "design/calibration.hpp"
 #include "design/kept_pages.hpp"
 #include "cli/commands.hpp"
+#include "cli/contradictions.hpp"
 #include "cli/learned_page.hpp"
 #include "cli/run_figures.hpp"
 #include "cli/tune_options.hpp"
@@ -121,6 +122,11 @@ Json thresholds() {
             {"health_counted", {{"torque", "valid"}, {"cylinders", "valid, degraded"}}}};
 }
 
+/// Where the calibration does not fit what was seen.
+std::vector<std::string> warnings_of(const Inputs &inputs, const RunResult &result) {
+    return contradictions(inputs.scenario.engine.shared, inputs.calibration.parameters, result.evidence);
+}
+
 Json summarise(const Options &options, const Inputs &inputs, const RunResult &result,
                const std::optional<PerturbedRun> &perturbed, double realtime_factor) {
     const EngineFile &engine = inputs.scenario.engine.shared;
@@ -150,6 +156,7 @@ Json summarise(const Options &options, const Inputs &inputs, const RunResult &re
     summary["parameters"] = parameters_json(inputs.calibration.parameters);
     summary["thresholds"] = thresholds();
     summary["engine"] = {{"name", engine.name}, {"guessed", engine.guessed}};
+    summary["warnings"] = warnings_of(inputs, result);
     summary["versions"] = {{"sixdeg", SD_VERSION}, {"signals", fmt::format("{:08x}", SD_SIGNALS_SIGNATURE)}};
     summary["files"] = inputs.files;
     return summary;
@@ -176,6 +183,7 @@ void print_figures(const Inputs &inputs, const RunResult &result, const std::opt
     if (perturbed) print_misfire("the same, perturbed", perturbed->result.misfire, 0);
     print_firing("single firings over", result, bounds);
     if (perturbed) print_firing("the same, perturbed, over", perturbed->result, std::nullopt);
+    print_contradictions(warnings_of(inputs, result));
 }
 
 /// The same run with a calibration that is wrong, drawn from the scenario's seed.

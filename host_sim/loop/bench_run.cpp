@@ -294,6 +294,7 @@ RunResult run_on_bench(const Scenario &scenario, const sd_calibration_t &calibra
         throw InputError("learned page", "", "it is of another wheel or another lambda sensor, or the engine file has neither heat release nor exhaust");
     RunResult result = run_scenario(scenario, calibration, *bench, tables);
     result.learned = bench->learned();
+    result.evidence = bench->evidence();
     result.pattern_sd_deg = double(bench->pattern().sd_rad) * kDegPerRad;
     if (bench->pattern().exponent != 0) {
         result.exponent = double(bench->pattern().exponent), result.exponent_sd = double(bench->pattern().exponent_sd);

@@ -47,6 +47,7 @@ struct RunResult {
     std::optional<AfrFigures> afr;            ///< With a wideband sensor only.
     std::optional<BalanceFigures> balance;    ///< Where fuel trims were allowed.
     std::optional<DrivelineFigures> driveline; ///< With a car in the scenario, and a driveline in the page, only.
+    Evidence evidence;                        ///< Of how well the calibration fits; over a bus none.
     double afr_late_s = 0;                    ///< What was learned of the delay to the lambda sensor (signal afr.late).
 };
 

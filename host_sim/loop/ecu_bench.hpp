@@ -6,6 +6,7 @@
 #include "io/log/port_tap.hpp"
 #include "io/page/page_bytes.hpp"
 #include "io/events/ecu_feed.hpp"
+#include "loop/evidence.hpp"
 
 extern "C" {
 #include "sd_ecu.h"
@@ -43,6 +44,8 @@ class EcuBench : public EcuFeed {
         sd_ecu_keep(&ecu_, page_.view(), &kept);
         return kept;
     }
+    /// What was seen so far that says how well the page fits the engine.
+    Evidence evidence() const;
     bool resume(const sd_kept_t &learned) { return sd_ecu_resume(&ecu_, page_.view(), &learned) == SD_OK; }
 
   private:
@@ -52,6 +55,7 @@ class EcuBench : public EcuFeed {
     std::unique_ptr<PortTap> tap_;
     sd_ecu_t ecu_{};
     EcuSaid said_;
+    FuelCutReading fuel_cut_;
 };
 
 } // namespace sixdeg

@@ -207,6 +207,7 @@ ReplayResult replay(const std::string &file, const ReplayPlan &plan, const sd_ca
     if (plan.learned && !bench->resume(*plan.learned)) throw InputError(file, "--learned", "is of another wheel or another lambda sensor, or the engine file has neither heat release nor exhaust");
     ReplayResult result = Replayer<EcuBench>(plan, *bench, sink).run();
     result.learned = bench->learned();
+    result.evidence = bench->evidence();
     return result;
 }
 

@@ -70,6 +70,7 @@ struct ReplayResult {
     std::size_t cam_edges = 0;        ///< Told to the ecu.
     std::array<MisfireCounts, 8> misfires{}; ///< By physical cylinder.
     sd_kept_t learned{};              ///< At the end; empty where only the decoder ran.
+    Evidence evidence;                ///< Of how well the calibration fits; none where only the decoder ran.
     sd_signals_t last{};              ///< What was said last.
 };
 

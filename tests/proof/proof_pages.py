@@ -116,7 +116,8 @@ ever. The air path's sums of residuals are taken to be of at most a million step
 
 Three functions go by Newton's steps or digit by digit, which intervals cannot follow: `every_number.c` tries sd_reciprocal, sd_root_q31 and
 sd_sqrt_by_bits_f32 with every argument under a sanitizer, the last against the hardware's root, bit for bit. Drivers take what they promise
-(eva/contracts_*.h) for granted.
+(eva/contracts_*.h) for granted. So do the drivers of the ecu of fixed point and of single firings with the kernels that they call: a kernel
+may leave anything in its state and its answer, but for the few indices that its own driver asserts.
 """
 NOT_COVERED = """
 What this does not cover:

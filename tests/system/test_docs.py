@@ -105,6 +105,13 @@ class TwelveQuestions(unittest.TestCase):
                 self.assertIn(" ".join(answer.split()), " ".join(here.read_text().split()), here.name)
 
 
+class Tuning(unittest.TestCase):
+    @unittest.skipUnless(os.environ.get("SD_FULL") == "1", "36 runs, 15 s of a core; SD_FULL=1 asks for them")
+    def test_each_change_does_what_the_page_says(self):
+        done = subprocess.run([sys.executable, ROOT / "tests/system/tuning_effects.py"], capture_output=True, text=True, check=False)
+        self.assertEqual(done.returncode, 0, done.stdout)
+
+
 class Overview(Folder):
     def test_the_picture_of_readme_is_drawn_from_a_run(self):
         scenario = ROOT / "host_sim/data/scenarios/balance_1000rpm_5bar.toml"

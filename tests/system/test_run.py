@@ -42,6 +42,28 @@ class RunFolder(Folder):
         return table(self.folder / "out" / "teeth.csv"), table(self.folder / "out" / "cycles.csv")
 
 
+class Warnings(RunFolder):
+    """Where what was seen contradicts the engine file, and only there."""
+    CUT = ("--nominal", "--set", "load.fuel_cut_s=[0.1, 4]")
+
+    def cut(self, cylinders=""):
+        return self.scenario("duration_s = 4", "rpm = 1500", bmep=0, cylinders=cylinders)
+
+    def test_an_engine_that_fits_gets_none(self):
+        self.assertEqual(self.summary(self.cut(), *self.CUT)["warnings"], [])
+        self.assertEqual(self.summary(self.scenario(cylinders=FUEL), "--nominal")["warnings"], [])
+
+    def test_a_compression_ratio_that_does_not_fit(self):
+        done = self.sixdeg(self.cut("compression_percent = [20, 20, 20, 20]"), *self.CUT)
+        self.assertRegex(done.stdout, r"(?m)^warning: the fuel-cut reading says [-+]\d+\.\d Nm a cylinder at 1\.\d\d bar")
+        self.assertEqual(done.stdout.count("warning: "), 1)
+
+    def test_a_wheel_that_is_not_known(self):
+        scenario = self.scenario("cycles = 14", cylinders=FUEL, more="[encoder]\npattern_rms_deg = 0.3")
+        [warning] = self.summary(scenario, "--nominal")["warnings"]
+        self.assertRegex(warning, r"^teeth pass 0\.\d+ deg from where the filter expects them")
+
+
 class Torque(RunFolder):
     def test_shift_against_true_torque_with_an_ideal_timer(self):
         """33 ns: the shift left is the observer's own."""

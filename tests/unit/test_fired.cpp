@@ -11,50 +11,12 @@ using namespace test;
 
 constexpr double kDeg = M_PI / 180;
 
-/// An operating point of a drive.
-struct Point {
-    double rpm, intake_bar, heat_j;
-};
-
 /// Of the teeth, their mean taken out.
 double pattern_error_deg(const OtherBench &bench, const float *late_rad) {
     double mean = 0, square = 0;
     for (int k = 0; k < 58; ++k) mean += (double(late_rad[k]) - bench.late_rad[k]) / 58;
     for (int k = 0; k < 58; ++k) square += std::pow(double(late_rad[k]) - bench.late_rad[k] - mean, 2) / 58;
     return std::sqrt(square) / kDeg;
-}
-
-struct Imbalance {
-    double mean_percent = 0, single_percent = 0, over_stated = 0, single_over_stated = 0;
-};
-
-/// Of the mean of all firings, their mean taken out; rms.
-Imbalance imbalance(OtherBench &bench, const Point &at, int cycles) {
-    const OtherEngine engine = bench.engine(at.rpm, at.intake_bar, at.heat_j);
-    std::vector<std::array<sd_firing_t, 4>> read(1);
-    bench.on_firing = [&](const sd_firings_out_t &out) {
-        if (out.firing.index == 0) read.emplace_back();
-        read.back()[out.firing.index] = out.firing;
-    };
-    bench.run(engine, cycles, false);
-    bench.on_firing = {};
-    Imbalance out;
-    double count = 0, truth = 0;
-    for (double fuel : engine.fuel) truth += fuel / 4;
-    for (std::size_t i = 1; i + 1 < read.size(); ++i) {
-        double mean = 0, single = 0;
-        for (const sd_firing_t &f : read[i]) mean += double(f.mean_nm) / 4, single += double(f.torque_nm) / 4;
-        for (std::size_t j = 0; j < 4; ++j) {
-            const double true_nm = (engine.fuel[j] - truth) * engine.firing_nm();
-            const double off = double(read[i][j].mean_nm) - mean - true_nm, one = double(read[i][j].torque_nm) - single - true_nm;
-            out.mean_percent += off * off, out.single_percent += one * one, ++count;
-            out.over_stated += std::pow(off / double(read[i][j].mean_sd_nm), 2);
-            out.single_over_stated += std::pow(one / double(read[i][j].sd_nm), 2);
-        }
-    }
-    const double full = truth * engine.firing_nm() / 100;
-    return {std::sqrt(out.mean_percent / count) / full, std::sqrt(out.single_percent / count) / full, std::sqrt(out.over_stated / count),
-            std::sqrt(out.single_over_stated / count)};
 }
 
 OtherEngine kind_of(double gamma, bool wrong_file = false) {

@@ -2,7 +2,7 @@
 """The pictures of a run: estimates beside the truth."""
 import numpy as np
 
-from chart import BLUE, GREEN, GREY, ORANGE, RED, Chart
+from chart import BLUE, GREEN, GREY, ORANGE, Chart
 from harmonics import GRID_DEG
 
 CYCLE_TICKS = range(0, 721, 90)

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 """What each change of docs/start/tuning.md does, run anew with the default and with the change:
 
-  tests/system/tuning_effects.py [WORD...]      all, or those whose change holds one of the words; two minutes of one core
+  build/venv/bin/python tests/system/tuning_effects.py [WORD...]      all, or those whose change holds one of the words; 15 s of one core
 
 Prints the words that the page should have; exit status 1 where the page says something else."""
 import json

@@ -127,12 +127,12 @@ static void sum_cycle(const sd_kalman_tables_t *t, const sd_fired_cycle_t *cycle
 /* ---- the task: the pattern comes out of the sums ----------------------------------------------------------------- */
 
 /* How the sums tell pattern from slope: the pattern is `late` late + `psi` late_psi. */
-typedef struct sd_fit { float late, psi, psi2; } sd_fit_t;
+typedef struct sd_fired_fit { float late, psi, psi2; } sd_fired_fit_t;
 
 /* v: variance that the fit leaves of a tooth in a cycle. */
-static sd_fit_t weigh(const sd_fired_sums_t *s, float v) {
+static sd_fired_fit_t weigh(const sd_fired_sums_t *s, float v) {
     const float psi2 = s->psi2 + v / (SLOPE_SD * SLOPE_SD), over = 1.0f / (s->cycles * psi2 - s->psi * s->psi);
-    return (sd_fit_t){ psi2 * over, -s->psi * over, s->cycles * over };
+    return (sd_fired_fit_t){ psi2 * over, -s->psi * over, s->cycles * over };
 }
 
 /* What of the pattern comes from torque, over the columns of `both`: what was taken out of m, and hidden directions. m stands in
@@ -152,7 +152,7 @@ static void restore(sd_fired_task_t *task, const sd_kalman_tables_t *t, const sd
 }
 
 /* Deviations of a pattern in place. explained: what it and the slope explain of the sums. */
-static void judge(const sd_fired_t *self, const sd_kalman_tables_t *t, const sd_fired_sums_t *s, const sd_fit_t *fit, float explained,
+static void judge(const sd_fired_t *self, const sd_kalman_tables_t *t, const sd_fired_sums_t *s, const sd_fired_fit_t *fit, float explained,
                   sd_fired_task_t *task, sd_fired_pattern_t *pattern) {
     const float teeth = (float)t->teeth, left = (s->square - explained / teeth) / (s->cycles - 2.0f);
     task->left_rad2 = (left > 1e-12f) ? left : 1e-12f;
@@ -171,7 +171,7 @@ static void judge(const sd_fired_t *self, const sd_kalman_tables_t *t, const sd_
 /* The pattern that is not in use becomes what the sums say. */
 static void place(sd_fired_t *self, const sd_kalman_tables_t *t, const sd_fired_sums_t *s) {
     sd_fired_pattern_t *coming = &self->pattern[self->used ^ 1u];
-    const sd_fit_t fit = weigh(s, self->task.left_rad2);
+    const sd_fired_fit_t fit = weigh(s, self->task.left_rad2);
     float part[SD_KALMAN_PARTS_MAX], explained = 0.0f, sum = 0.0f;
     for (uint32_t k = 0; k < t->positions; ++k) {
         const float constant = fit.late * s->late[k] + fit.psi * s->late_psi[k], slope = fit.psi * s->late[k] + fit.psi2 * s->late_psi[k];

@@ -31,11 +31,13 @@ static uint8_t known_best(const sd_firings_t *self) {
 static inline sd_firings_pattern_t pattern_of(const sd_firings_t *self) {
     const sd_pattern_t *cut = &self->pattern;
     const sd_fired_pattern_t *fired = sd_fired_used(&self->fired);
-    switch (self->corrects) {
-    case BY_FIRING: return (sd_firings_pattern_t){ fired->late_rad, fired->cycles, fired->sd_rad, fired->tooth_rad, fired->hidden_share };
-    case BY_CUT:    return (sd_firings_pattern_t){ cut->late_rad, cut->sums.cycles, cut->sd_rad, cut->sd_rad, 0.0f };
-    default:        return (sd_firings_pattern_t){ NULL, cut->sums.cycles, cut->sd_rad, self->unlearned_rad, 0.0f };
+    if (self->corrects == (uint8_t)BY_FIRING) {
+        return (sd_firings_pattern_t){ fired->late_rad, fired->cycles, fired->sd_rad, fired->tooth_rad, fired->hidden_share };
     }
+    if (self->corrects == (uint8_t)BY_CUT) {
+        return (sd_firings_pattern_t){ cut->late_rad, cut->sums.cycles, cut->sd_rad, cut->sd_rad, 0.0f };
+    }
+    return (sd_firings_pattern_t){ NULL, cut->sums.cycles, cut->sd_rad, self->unlearned_rad, 0.0f };
 }
 
 sd_firings_pattern_t sd_firings_believed(const sd_firings_t *self) { return pattern_of(self); }

@@ -81,9 +81,13 @@ WHAT = {
     "f32_kalman_fourier": "the same; 12 harmonics, 36 positions",
     "f32_pattern": "learning in fuel cut: tooth pattern, exponent, twist, zeros; 4 cylinders, and 8 with two modes",
     "f32_fired": "learning of the tooth pattern while the engine fires, hidden directions: teeth, the three steps of the task; 4 cylinders",
-    "f32_firings": "single firings: which filter is believed, what is learned when; any wheel, 1 to 8 cylinders, filters and learning by contract",
+    "f32_firings": (
+        "single firings: which filter is believed, what is learned when; any wheel, 1 to 8 cylinders, filters and learning by contract"
+    ),
     "f32_work": "work of a cycle read; any windows",
-    "guard_q31": "driveline's guard filter: tooth, edge of the wheels, init, restart; any state, tables and model that init takes, 1 to 8 gears",
+    "guard_q31": (
+        "driveline's guard filter: tooth, edge of the wheels, init, restart; any state, tables and model that init takes, 1 to 8 gears"
+    ),
     "fixed_ecu": (
         "ecu of fixed point: init, one event of each kind, parameters, 10 ms task, with decoder, misfires, mixture, what is said; any state"
         " and page in range, kernels by contract"

@@ -6,7 +6,8 @@
 #include "any.h"
 #include "sd_firings.h"
 
-/*@ assigns self->charge, self->shape, self->free, self->free_runs, self->filter[0 .. 1], firing[0 .. 1], \result \from *self, *tables, *tooth;
+/*@ assigns self->charge, self->shape, self->free, self->free_runs, self->filter[0 .. 1], firing[0 .. 1], \result
+        \from *self, *tables, *tooth;
     ensures index: \initialized(&firing[0]) && \initialized(&firing[1]) && firing[0].index < SD_KALMAN_FIRINGS_MAX &&
                    firing[1].index < SD_KALMAN_FIRINGS_MAX; */
 uint32_t sd_kalman_step(sd_kalman_t *self, const sd_kalman_tables_t *tables, const sd_kalman_tooth_t *tooth, sd_firing_t *firing);

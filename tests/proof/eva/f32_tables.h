@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/// f32_tables.h - the page's tables of filters, motion and patterns: sizes are those of one engine and its wheel, as init takes them, and what
-/// a row says of firings and valves is in range for them; all the other numbers are any bits, NaN included.
+/// f32_tables.h - the page's tables of filters, motion and patterns: sizes are those of one engine and its wheel, as init takes them, and
+/// what a row says of firings and valves is in range for them; all the other numbers are any bits, NaN included.
 #ifndef SD_PROOF_F32_TABLES_H
 #define SD_PROOF_F32_TABLES_H
 #include "any.h"

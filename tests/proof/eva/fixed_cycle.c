@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Pieces of a cycle's work in the ecu of fixed point, and its begin; any state in the ranges of fixed_state.h, which both leave behind
- * again. Where the last cycle's work is not done yet, the begin does it piece by piece, so that this is shown by the pieces. Kernels are what contracts_fixed.h says of them. */
+ * again. Where the last cycle's work is not done yet, the begin does it piece by piece, so that this is shown by the pieces. Kernels are
+ * what contracts_fixed.h says of them. */
 /* options: -eva-precision 0 -eva-slevel 12 -eva-min-loop-unroll 26 -eva-slevel-function sd_fixed_begin_work:100 */
 /* include: contracts_fixed.h */
 /* kernel: firmware/ecu_fixed/sd_fixed_cycle.c firmware/ecu_fixed/sd_fixed_say.c firmware/ecu_fixed/sd_fixed_mixture.c firmware/ecu_fixed/sd_fixed_trims.c firmware/ecu/sd_inputs.c firmware/ecu/sd_publish.c hal/generated/sd_signals.c */

@@ -28,7 +28,8 @@ static void fill_page(bool windows) {
     page.missing_count = (uint8_t)any_of(1, SD_CRANK_MISSING_MAX);
     page.cylinders = (uint8_t)any_of(1, SD_CYLINDERS_MAX);
     for (uint32_t i = 0; i < SD_CYLINDERS_MAX; i++) { page.firing_order[i] = (uint8_t)any_of(1, SD_CYLINDERS_MAX); }
-    page.cylinder_map.cylinders = (uint8_t)any_upto(SD_CYLINDERS_MAX), page.cylinder_map.harmonics = (uint8_t)any_upto(SD_FOURIER_HARMONICS_MAX);
+    page.cylinder_map.cylinders = (uint8_t)any_upto(SD_CYLINDERS_MAX);
+    page.cylinder_map.harmonics = (uint8_t)any_upto(SD_FOURIER_HARMONICS_MAX);
     page.work.windows = (uint8_t)(windows ? any_of(1, SD_WORK_WINDOWS_MAX) : 0), page.work.cycle = windows ? any_u16() : 0u;
     page.wheel.cylinders = (uint8_t)any_of(0, SD_CYLINDERS_MAX);
     page.wheel.accel_exponent = (int8_t)any_of(0, 30), page.wheel.work_exponent = (int8_t)any_of(0, 30);
@@ -57,8 +58,10 @@ static void fill_state(bool windows, uint8_t piece, uint16_t said) {
     if (!windows) { self.energy.waits = UINT16_MAX; } /* sd_work_restart says so */
     self.energy.ticks = any_upto(TICKS_MOST), self.energy.last_ticks = any_upto(TICKS_MOST);
     self.mixture.cycle_positions = (uint16_t)any_of(24, SD_AFR_POSITIONS_MAX); /* read where it runs, and set there by init */
-    self.mixture.waiting_first = (uint8_t)any_upto(SD_MIXTURE_WAITING - 1u), self.mixture.waiting_count = (uint8_t)any_upto(SD_MIXTURE_WAITING);
-    self.mixture.air.sum = Frama_C_long_long_interval(-most, most), self.mixture.pressure.sum = Frama_C_long_long_interval(-most, most);
+    self.mixture.waiting_first = (uint8_t)any_upto(SD_MIXTURE_WAITING - 1u);
+    self.mixture.waiting_count = (uint8_t)any_upto(SD_MIXTURE_WAITING);
+    self.mixture.air.sum = Frama_C_long_long_interval(-most, most);
+    self.mixture.pressure.sum = Frama_C_long_long_interval(-most, most);
 }
 
 #endif

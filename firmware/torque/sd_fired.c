@@ -11,7 +11,7 @@
 #define READING_SD   0.05f   /* of the mean torque: a cycle's firings by themselves */
 #define STEADY       1u      /* cycles after a change of fuel that tell nothing of hidden directions */
 #define STEADY_FUEL  0.03f
-#define PLACED_EACH  16.0f   /* of the cycles one more: the pattern is placed anew, */
+#define PLACED_EACH  8.0f    /* of the cycles one more: the pattern is placed anew, */
 #define PLACED_MOST  8u      /* or after so many */
 
 #if SD_CYLINDERS_MAX == 8
@@ -21,6 +21,8 @@ _Static_assert(sizeof(sd_fired_t) == 2132, "without pointers, the same size on e
 /* ---- tables ---------------------------------------------------------------------------------------------------- */
 
 #define COLUMN (1.0f / 32767.0f) /* entries of Q are 16 bits */
+#define PART_SHIFT 3               /* 240 products of halves fit 32 bits over 2^PART_SHIFT */
+#define PART   (8.0f * COLUMN)     /* a whole number of Q' L, over SD_FIRED_UNIT_RAD */
 
 /* The parts at tooth k, each in the first and in the second revolution. */
 static const sd_kalman_word_t *columns_at(const sd_kalman_tables_t *t, uint32_t k) {
@@ -39,14 +41,16 @@ static float times(const sd_kalman_word_t *word, const float *x, uint32_t count)
     return sum;
 }
 
-/* Entries of both revolutions with a pair, as a whole number. */
-static float both(const sd_kalman_word_t *word, sd_pair_t with) {
+static sd_pair_t pair_of(const sd_kalman_word_t *word) {
     sd_pair_t pair;
     memcpy(&pair, word, sizeof pair);
-    return (float)sd_dot_pair(pair, with);
+    return pair;
 }
 
 static const sd_pair_t ONES = { { 1, 1 } };
+
+/* Sum of the entries of both revolutions. */
+static int32_t both(const sd_kalman_word_t *word) { return sd_dot_pair(pair_of(word), ONES); }
 
 /* ---- hidden directions ----------------------------------------------------------------------------------------- */
 
@@ -69,7 +73,7 @@ static bool tells_hidden(const sd_fired_t *self, const sd_fired_cycle_t *cycle) 
 }
 
 /* What a cycle says of direction i: the firings as the filter had them, and what the cycle shows of them beside that. */
-static void read_hidden(const sd_fired_t *self, const sd_kalman_tables_t *t, const sd_fired_cycle_t *cycle, const float *part, uint32_t i,
+static void read_hidden(const sd_fired_t *self, const sd_kalman_tables_t *t, const sd_fired_cycle_t *cycle, const int32_t *part, uint32_t i,
                         sd_hidden_t *hidden) {
     const sd_kalman_word_t *parts = hidden_of(t, i) + t->parts, *firings = parts + t->parts, *traits = traits_of(t, i);
     const float scale = cycle->scale_nm;
@@ -77,7 +81,7 @@ static void read_hidden(const sd_fired_t *self, const sd_kalman_tables_t *t, con
                                     .scale_nm = scale, .speed_radps = sd_root(scale / t->inertia_mean_kgm2) };
     float seen = 0.0f, noise = 0.0f;
     for (uint32_t j = 0; j < t->parts; ++j) {
-        seen += parts[j].value * (part[j] - self->task.known[j]);
+        seen += parts[j].value * ((float)part[j] * (PART * SD_FIRED_UNIT_RAD) - self->task.known[j]);
         noise += square(parts[j].value);
     }
     reading.z_nm = times(firings, cycle->firing_nm, t->firings) + scale * seen;
@@ -88,26 +92,28 @@ static void read_hidden(const sd_fired_t *self, const sd_kalman_tables_t *t, con
 
 /* ---- the task: a cycle goes into the sums ----------------------------------------------------------------------- */
 
-/* Q' L, rad. */
-static void find_parts(const sd_kalman_tables_t *t, const sd_fired_cycle_t *cycle, float *part) {
-    for (uint32_t j = 0; j < t->parts; ++j) { part[j] = 0.0f; }
-    for (uint32_t k = 0; k < t->positions; ++k) {
-        const sd_kalman_word_t *column = columns_at(t, k); /* 0 where there is no tooth */
-        const sd_pair_t late = cycle->late[k];
-        for (uint32_t j = 0; j < t->parts; ++j) { part[j] += both(&column[j], late); }
+/* Q' L in whole numbers of SD_FIRED_UNIT_RAD PART. */
+static void find_parts(const sd_kalman_tables_t *t, const sd_fired_cycle_t *cycle, int32_t *part) {
+    for (uint32_t j = 0; j < t->parts; ++j) {
+        const sd_kalman_word_t *column = columns_at(t, 0) + j; /* 0 where there is no tooth */
+        int64_t sum = 0;
+        _Pragma("GCC unroll 4")
+        for (uint32_t k = 0; k < t->positions; ++k, column += t->parts) { sum = sd_dot_pairs(sum, pair_of(column), cycle->late[k]); }
+        part[j] = (int32_t)(sum >> PART_SHIFT);
     }
-    for (uint32_t j = 0; j < t->parts; ++j) { part[j] *= COLUMN * SD_FIRED_UNIT_RAD; }
 }
 
-static void sum_cycle(const sd_kalman_tables_t *t, const sd_fired_cycle_t *cycle, const float *part, sd_fired_sums_t *s) {
+static void sum_cycle(const sd_kalman_tables_t *t, const sd_fired_cycle_t *cycle, const int32_t *part, sd_fired_sums_t *s) {
     const float psi = cycle->psi;
-    float taken[SD_KALMAN_PARTS_MAX], sum = 0.0f;
-    for (uint32_t j = 0; j < t->parts; ++j) { taken[j] = 0.5f * COLUMN * part[j]; }
+    float sum = 0.0f;
     for (uint32_t k = 0; k < t->positions; ++k) {
         if (!sd_kalman_has_tooth(t, k)) { continue; }
         const sd_kalman_word_t *column = columns_at(t, k);
-        float late = (0.5f * SD_FIRED_UNIT_RAD) * (float)sd_dot_pair(cycle->late[k], ONES);
-        for (uint32_t j = 0; j < t->parts; ++j) { late -= both(&column[j], ONES) * taken[j]; }
+        int64_t taken = 0;
+        _Pragma("GCC unroll 4")
+        for (uint32_t j = 0; j < t->parts; ++j) { taken += (int64_t)both(&column[j]) * part[j]; }
+        const float seen = (float)sd_dot_pair(cycle->late[k], ONES);
+        const float late = (0.5f * SD_FIRED_UNIT_RAD) * (seen - (float)(int32_t)(taken >> 18) * (262144.0f * PART * COLUMN));
         s->late[k] += late;
         s->late_psi[k] += psi * late;
         sum += late * late;
@@ -135,7 +141,7 @@ static void restore(sd_fired_task_t *task, const sd_kalman_tables_t *t, const sd
     float of_late[SD_KALMAN_PARTS_MAX] = { 0.0f };
     for (uint32_t k = 0; k < t->positions; ++k) {
         const sd_kalman_word_t *column = columns_at(t, k);
-        for (uint32_t j = 0; j < t->parts; ++j) { of_late[j] += both(&column[j], ONES) * late_rad[k]; }
+        for (uint32_t j = 0; j < t->parts; ++j) { of_late[j] += (float)both(&column[j]) * late_rad[k]; }
     }
     for (uint32_t j = 0; j < t->parts; ++j) { of_late[j] *= 0.5f * COLUMN; }
     for (uint32_t j = 0; j < t->parts; ++j) {
@@ -176,7 +182,7 @@ static void place(sd_fired_t *self, const sd_kalman_tables_t *t, const sd_fired_
     for (uint32_t k = 0; k < t->positions; ++k) {
         const sd_kalman_word_t *column = columns_at(t, k);
         float late = coming->late_rad[k];
-        for (uint32_t j = 0; j < t->parts; ++j) { late += both(&column[j], ONES) * part[j]; }
+        for (uint32_t j = 0; j < t->parts; ++j) { late += (float)both(&column[j]) * part[j]; }
         coming->late_rad[k] = late;
         sum += late * late;
     }
@@ -193,7 +199,7 @@ void sd_fired_hand_over(sd_fired_t *self) { self->handed = self->waits; }
 void sd_fired_work(sd_fired_t *self, const sd_kalman_tables_t *t, sd_fired_sums_t *sums) {
     if (self->handed == 0u) { return; }
     const sd_fired_cycle_t *cycle = &self->cycle[self->collects ^ 1u];
-    float part[SD_KALMAN_PARTS_MAX];
+    int32_t part[SD_KALMAN_PARTS_MAX];
     find_parts(t, cycle, part);
     for (uint32_t i = 0; (i < t->hidden) && tells_hidden(self, cycle); ++i) { read_hidden(self, t, cycle, part, i, &sums->hidden[i]); }
     sum_cycle(t, cycle, part, sums);

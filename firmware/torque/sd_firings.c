@@ -28,7 +28,7 @@ static uint8_t known_best(const sd_firings_t *self) {
     return by_cut ? (uint8_t)BY_CUT : (uint8_t)BY_NONE;
 }
 
-sd_firings_pattern_t sd_firings_believed(const sd_firings_t *self) {
+static inline sd_firings_pattern_t pattern_of(const sd_firings_t *self) {
     const sd_pattern_t *cut = &self->pattern;
     const sd_fired_pattern_t *fired = sd_fired_used(&self->fired);
     if (self->corrects == (uint8_t)BY_FIRING) {
@@ -39,6 +39,8 @@ sd_firings_pattern_t sd_firings_believed(const sd_firings_t *self) {
     }
     return (sd_firings_pattern_t){ NULL, cut->sums.cycles, cut->sd_rad, self->unlearned_rad, 0.0f };
 }
+
+sd_firings_pattern_t sd_firings_believed(const sd_firings_t *self) { return pattern_of(self); }
 
 /* ---- configuration --------------------------------------------------------------------------------------------- */
 
@@ -107,14 +109,9 @@ static void take_learned(sd_firings_t *self, const sd_kalman_tables_t *tables) {
     self->corrects = known_best(self);
 }
 
-/* While fuel burns, on a road that lets the load alone, and once the filter has settled. */
-static void learn_fired(sd_firings_t *self, const sd_kalman_tables_t *tables, const sd_firings_tooth_t *tooth,
-                        const sd_kalman_tooth_t *seen) {
-    const sd_kalman_filter_t *filter = believed(self);
-    const bool known = (tooth->phase_known != 0u) && (tooth->intake_known != 0u) && (tooth->fuel_cut == 0u) && (seen->trusted != 0u);
-    const bool good = known && (self->on_rough == 0u) && (filter->running != 0u) && (filter->rejected_in_row == 0u) &&
-        (sd_kalman_health(&self->kalman, self->kalman.believed) == (uint8_t)SD_VALID);
-    if (good) {
+/* While fuel burns, on a road that lets the load alone. */
+static void learn_fired(sd_firings_t *self, const sd_kalman_tables_t *tables, const sd_firings_tooth_t *tooth, bool well) {
+    if (well && (tooth->health == (uint8_t)SD_VALID) && (tooth->fuel_cut == 0u) && (self->on_rough == 0u)) {
         sd_fired_step(&self->fired, tables, &self->kalman, tooth->cycle_position, tooth->fuel_mg, self->corrects != (uint8_t)BY_NONE);
     } else {
         sd_fired_rest(&self->fired, &self->kalman);
@@ -122,12 +119,13 @@ static void learn_fired(sd_firings_t *self, const sd_kalman_tables_t *tables, co
 }
 
 /* Returns whether the pattern changed. */
-static bool learn(sd_firings_t *self, const sd_kalman_tables_t *tables, const sd_firings_tooth_t *tooth, const sd_kalman_tooth_t *seen) {
+static bool learn(sd_firings_t *self, const sd_kalman_tables_t *tables, const sd_firings_tooth_t *tooth, const sd_kalman_tooth_t *seen,
+                  bool well) {
     const bool known = (tooth->phase_known != 0u) && (tooth->intake_known != 0u);
     const bool motored = is_motored(self, tables, tooth) && known;
     const bool changed = motored ? sd_pattern_step(&self->pattern, tables, seen) : sd_pattern_rest(&self->pattern, tables);
     if (changed) { take_learned(self, tables); }
-    learn_fired(self, tables, tooth, seen);
+    learn_fired(self, tables, tooth, well);
     return changed;
 }
 
@@ -143,7 +141,7 @@ static void learn_zero(sd_firings_t *self, const sd_kalman_tables_t *tables, con
 /* ---- a tooth --------------------------------------------------------------------------------------------------- */
 
 static sd_kalman_tooth_t filter_tooth(const sd_firings_t *self, const sd_kalman_tables_t *tables, const sd_firings_tooth_t *tooth) {
-    const sd_firings_pattern_t pattern = sd_firings_believed(self);
+    const sd_firings_pattern_t pattern = pattern_of(self);
     const bool learned = (pattern.late_rad != NULL) && (tooth->position < tables->positions);
     return (sd_kalman_tooth_t){ .cycle_position = tooth->cycle_position,
                                 .advance = tooth->advance,
@@ -177,15 +175,20 @@ static void watch_teeth(sd_firings_t *self, const sd_kalman_tables_t *tables, co
 
 void sd_firings_spurious(sd_firings_t *self, const sd_kalman_tables_t *tables) { self->doubt = (uint16_t)(4u * tables->positions); }
 
-static sd_status_t judge(const sd_firings_t *self, const sd_firings_tooth_t *tooth) {
+/* Returns whether filter and inputs are well, whatever the last teeth were. */
+static bool judge(const sd_firings_t *self, const sd_firings_tooth_t *tooth, sd_status_t *status) {
     const sd_kalman_filter_t *filter = believed(self);
-    sd_status_t status = { .health = sd_kalman_health(&self->kalman, self->kalman.believed), .rejected = filter->rejected,
-                           .innovation = filter->innovation_rad };
-    status.why = (uint16_t)sd_kalman_why(&self->kalman, self->kalman.believed);
-    if (tooth->phase_known == 0u) { sd_status_worst_of(&status, SD_INVALID, SD_WHY_NO_PHASE); }
-    if (self->doubt > 0u) { sd_status_worst_of(&status, SD_DEGRADED, SD_WHY_FAULT); }
-    if (tooth->intake_known == 0u) { sd_status_worst_of(&status, SD_DEGRADED, SD_WHY_NO_INPUT); }
-    return status;
+    uint32_t why = sd_kalman_why(&self->kalman, self->kalman.believed);
+    if (tooth->intake_known == 0u) { why |= (uint32_t)SD_WHY_NO_INPUT; }
+    if (tooth->phase_known == 0u) { why |= (uint32_t)SD_WHY_NO_PHASE; }
+    const bool well = why == 0u, invalid = (filter->running == 0u) || (tooth->phase_known == 0u);
+    if (self->doubt > 0u) { why |= (uint32_t)SD_WHY_FAULT; }
+    status->why = (uint16_t)why;
+    status->rejected = filter->rejected;
+    status->health = invalid ? (uint8_t)SD_INVALID : (why != 0u) ? (uint8_t)SD_DEGRADED : (uint8_t)SD_VALID;
+    status->innovation = filter->innovation_rad;
+    status->test_ratio = 0.0f;
+    return well;
 }
 
 void sd_firings_restart(sd_firings_t *self) {
@@ -210,12 +213,12 @@ void sd_firings_step(sd_firings_t *self, const sd_kalman_tables_t *tables, const
     const sd_kalman_filter_t *filter = believed(self);
     out->rough = self->on_rough;
     out->restarted = ((self->kalman.filter[SMOOTH].teeth == 0u) || (filter->teeth == 0u)) ? 1u : 0u;
-    out->status = judge(self, tooth);
+    const bool well = judge(self, tooth, &out->status);
     const bool runs = (filter->running != 0u) && (tooth->cycle_position < 2u * tables->positions);
     out->waveform_nm = runs ? sd_kalman_torque(&self->kalman, tables, self->kalman.believed, tooth->cycle_position) : 0.0f;
     out->level_nm = runs ? filter->motion.coefficient_nm[0] : 0.0f;
     out->energy_j = filter->motion.energy_j;
-    out->learned = learn(self, tables, tooth, &seen) ? 1u : 0u;
+    out->learned = learn(self, tables, tooth, &seen, well) ? 1u : 0u;
     out->complete = (uint8_t)((complete >> self->kalman.believed) & 1u);
     if (out->complete == 0u) { return; }
     out->firing = firing[self->kalman.believed];

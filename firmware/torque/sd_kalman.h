@@ -76,6 +76,15 @@ typedef struct sd_firing {
     float   mean_sd_nm;
 } sd_firing_t;
 
+/// What the tables say at a filter's speed, looked up every fourth tooth: in so few the speed hardly changes.
+typedef struct sd_kalman_place {
+    sd_pair_t weight;        ///< Of the lower and the upper of two speeds.
+    float     expected_rad;  ///< Rms of the innovation.
+    float     per_expected;  ///< 1 over that.
+    uint8_t   at;            ///< The lower speed.
+    uint8_t   of;            ///< 0: nothing yet; 1: the filter was settling; 2: it had settled.
+} sd_kalman_place_t;
+
 /// One filter: its estimate, and what it knows of itself.
 typedef struct sd_kalman_filter {
     sd_motion_t motion;      ///< The estimate.
@@ -83,6 +92,7 @@ typedef struct sd_kalman_filter {
     float    jitter_square;  ///< Square of the lateness that jitter explains, rad^2: the innovation was held against that first.
     float    noise_ratio;    ///< Running mean square of the innovation over its expectation.
     float    peak_nm;        ///< Largest |coefficient|, looked up every fourth tooth.
+    sd_kalman_place_t place;
     float    ring_nm[SD_KALMAN_FIRINGS_MAX][SD_KALMAN_MEAN]; ///< Last torques of each cylinder.
     uint8_t  kept[SD_KALMAN_FIRINGS_MAX]; ///< Filled places of each ring.
     uint8_t  next[SD_KALMAN_FIRINGS_MAX]; ///< Where the next firing goes.
@@ -99,6 +109,8 @@ typedef struct sd_kalman {
     /// What each cylinder reads without combustion, over its charge; 0: not learned; kept by restart.
     float    zero_nm_per_bar[SD_KALMAN_FIRINGS_MAX];
     sd_motion_tuning_t tuning; ///< Kept by restart.
+    float    tick_s;      ///< 1 / tick_hz.
+    float    known_nm;    ///< Motored torque at the last tooth.
     sd_kalman_choice_t choice; ///< Kept by restart; may be changed between two steps to another that sd_kalman_choice_ok takes.
     /// An estimate over the same intervals and charges, with pulses whose shape is 0, that no tooth corrects: sd_kalman_set_free.
     sd_motion_t free;
@@ -125,8 +137,8 @@ uint32_t sd_kalman_step(sd_kalman_t *self, const sd_kalman_tables_t *tables, con
 /// The free estimate begins anew as the believed filter has it now, with no lateness at the last tooth.
 void sd_kalman_set_free(sd_kalman_t *self);
 
-/// Torque of the engine at tooth `cycle_position`, [0, 2 N), as filter `which` has it, Nm, with what a dual-mass flywheel's
-/// spring takes away.
+/// Torque of the engine at tooth `cycle_position`, [0, 2 N), which is that of the last step, as filter `which` has it, Nm, with what a
+/// dual-mass flywheel's spring takes away.
 float sd_kalman_torque(const sd_kalman_t *self, const sd_kalman_tables_t *tables, uint32_t which, uint32_t cycle_position);
 
 /// Why filter `which` is not valid, sd_why_t bits.

@@ -16,7 +16,7 @@ static float remember(sd_kalman_filter_t *f, uint32_t i, float torque_nm) {
 /* Variance of a firing less the mean of all (of one cylinder, of the firing), from what is not known of the engine. */
 static float model_variance(const sd_kalman_t *self, const sd_kalman_tables_t *t, const sd_kalman_filter_t *f, sd_between_t at,
                             uint32_t i) {
-    const float mean = sd_kalman_mean_firing(f, t);
+    const float mean = sd_kalman_sum_firings(f, t) / (float)t->firings;
     float spread = 0.0f;
     for (uint32_t j = 1; j <= t->firings; ++j) {
         const float apart = f->motion.coefficient_nm[j] - mean;

@@ -73,9 +73,10 @@ enum {
 /// scale with intake pressure: rad, and rad a w^2 of (rad/s)^2. Gains, as multiples of their scale, 16 bits each: for each
 /// set the columns K_0, K_1, K_x[m], K_s with a shape, and K_q, K_v of each mode, all speeds of a column side by side, so that
 /// the two that a speed lies between are a pair; then one more and up to a whole word. Behind the rows, for sd_fired.h: for each tooth of
-/// a revolution the columns of the parts, times 32767, a word with the entries of both revolutions for each part; `restore`, parts by parts, and for each hidden direction its pattern over the
-/// parts, what it reads of the parts and of the firings, the rms of its torque over the firings less their mean over J w^2, the sum
-/// of the sizes of what it reads of the firings, and the share of the mean torque that they may be off by as speed and fuel change.
+/// a revolution the columns of the parts, times 32767, a word with the entries of both revolutions for each part; `restore`, parts by
+/// parts; and for each hidden direction its pattern over the parts, what it reads of the parts and of the firings, the rms of its torque
+/// over the firings less their mean over J w^2, the sum of the sizes of what it reads of the firings, and the share of the mean torque that
+/// they may be off by as speed and fuel change.
 typedef struct sd_kalman_tables {
     uint8_t  positions;    ///< Wheel positions a revolution N, even, 12 to 120. 0: there are no tables.
     uint8_t  coefficients; ///< m, 1 to SD_KALMAN_COEFFICIENTS_MAX, x_0 included.
@@ -202,8 +203,8 @@ static inline float sd_motion_late(const sd_motion_t *self, const sd_kalman_tabl
     return ahead - self->lateness_s * speed;
 }
 
-/// Torque at tooth k, Nm, with what a dual-mass flywheel's spring takes away.
-float sd_motion_torque(const sd_motion_t *self, const sd_kalman_tables_t *t, uint32_t k, const sd_motion_charge_t *charge, float shape,
+/// Torque at tooth k, Nm, with what a dual-mass flywheel's spring takes away; known_nm is what is motored of it.
+float sd_motion_torque(const sd_motion_t *self, const sd_kalman_tables_t *t, uint32_t k, float known_nm, float shape,
                        const sd_motion_tuning_t *tuning);
 
 #ifdef __cplusplus

@@ -8,12 +8,14 @@ namespace sixdeg {
 void add_bench(Command &app);
 void add_calibrate(Command &app);
 void add_ecu(Command &app);
+void add_identify(Command &app);
 void add_parameter(Command &app);
 void add_plant(Command &app);
 void add_replay(Command &app);
 void add_run(Command &app);
 void add_study(Command &app);             ///< study: the group of the next three, and of those that live in its own file.
 void add_study_observers(Command &study); ///< study observers: the benchmark of document 000.
+void add_study_identify(Command &study); ///< study identify: engines drawn by seed, found again.
 void add_study_misfire(Command &study); ///< study misfire: detectors on a made set.
 void add_study_trips(Command &study);     ///< study trips: false decisions of the misfire monitor.
 void add_sweep(Command &app);

@@ -82,6 +82,7 @@ void add_study(Command &app) {
     add_driveline(study);
     add_air_path(study);
     add_study_observers(study);
+    add_study_identify(study);
     add_study_misfire(study);
     add_study_trips(study);
 }

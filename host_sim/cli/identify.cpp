@@ -89,10 +89,11 @@ void print(const Identified &f, const std::vector<std::string> &notes) {
         fmt::print("tooth pattern: {:.3f} deg rms, {:.3f} deg at most, each tooth +-{:.3f} deg or less (95 %)\n", std::sqrt(square / count), most, half);
     for (const DragAt &drag : f.drag) {
         const Found &told = drag.nm.told() ? drag.nm : drag.over_inertia;
-        fmt::print("load and friction at {:.0f} rpm: {} from {} cycles\n", drag.rpm, interval(told, 2, drag.nm.told() ? " N m" : " rad/s2 times the inertia"),
+        fmt::print("load and friction at {:.0f} rpm{}: {} from {} cycles\n", drag.rpm, drag.motored ? " without combustion" : "", interval(told, 2, drag.nm.told() ? " N m" : " rad/s2 times the inertia"),
                    drag.cycles);
     }
-    fmt::print("a tooth scatters by {:.4f} deg; {:.4f} deg rms repeat from cycle to cycle without being explained\n", f.scatter_deg, f.unexplained_deg);
+    fmt::print("a tooth scatters by {:.4f} deg; {:.4f} deg rms repeat from cycle to cycle without being explained;\n"
+               "a torque of {:.1f} % of the gas torque is needed beside it\n", f.scatter_deg, f.unexplained_deg, f.unexplained_percent);
     for (const Line &line : lines_of(f))
         if (!line.found->told() && line.found != &f.compression_share) fmt::print("not told: {}: {}\n", line.name, line.found->refused);
     if (!f.pattern_refused.empty()) fmt::print("not told: tooth pattern: {}\n", f.pattern_refused);
@@ -108,10 +109,10 @@ Json json_of(const Found &found) {
 Json summary(const Identified &f, const std::vector<std::string> &notes) {
     Json json = {{"cycles", f.cycles}, {"motored", f.motored}, {"used", f.used}, {"inertia_kgm2", json_of(f.inertia_kgm2)},
                  {"compression_share", json_of(f.compression_share)}, {"position_0_deg", json_of(f.position_0_deg)},
-                 {"exponent", json_of(f.exponent)}, {"scatter_deg", f.scatter_deg}, {"unexplained_deg", f.unexplained_deg}};
+                 {"exponent", json_of(f.exponent)}, {"scatter_deg", f.scatter_deg}, {"unexplained_deg", f.unexplained_deg}, {"unexplained_percent", f.unexplained_percent}};
     for (const Found &tooth : f.pattern_deg) json["pattern_deg"].push_back(json_of(tooth));
     for (const DragAt &d : f.drag)
-        json["drag"].push_back({{"rpm", d.rpm}, {"cycles", d.cycles}, {"nm", json_of(d.nm)}, {"over_inertia_radps2", json_of(d.over_inertia)}});
+        json["drag"].push_back({{"rpm", d.rpm}, {"motored", d.motored}, {"cycles", d.cycles}, {"nm", json_of(d.nm)}, {"over_inertia_radps2", json_of(d.over_inertia)}});
     json["notes"] = notes;
     return json;
 }
@@ -146,7 +147,7 @@ std::string remarks(const Identified &f, const std::string &recording) {
     }
     for (const DragAt &drag : f.drag) {
         const Found &told = drag.nm.told() ? drag.nm : drag.over_inertia;
-        text += fmt::format("# load and friction at {:.0f} rpm: {}\n", drag.rpm, interval(told, 2, drag.nm.told() ? " N m" : " rad/s2 times the inertia"));
+        text += fmt::format("# load and friction at {:.0f} rpm{}: {}\n", drag.rpm, drag.motored ? " without combustion" : "", interval(told, 2, drag.nm.told() ? " N m" : " rad/s2 times the inertia"));
     }
     if (!f.pattern_refused.empty()) return text + "# tooth pattern: not told: " + f.pattern_refused + "\n";
     text += "# tooth pattern, deg by which a tooth stands further on, +- half its 95 % interval, by position:\n";
@@ -186,7 +187,7 @@ void run(Options options) {
 void add_identify(Command &app) {
     auto o = std::make_shared<Options>();
     Command command = app.add("identify", "inertia, wheel, TDC and drag of your engine from a recording (docs/start/own-engine.md)");
-    command.task("Your own engine", "identify FILE ENGINE.toml --pressure COLUMN --out NEW.toml");
+    command.task("Your own engine", "identify FILE ENGINE.toml --pressure COLUMN --motored FROM:TO --out NEW.toml");
     command.option("RECORDING", o->recording.file, "crank teeth, as replay takes them (docs/start/recordings.md)").required();
     command.option("ENGINE", o->recording.engine, "first engine file: its geometry counts, the rest may be a guess").required();
     command.option("--pressure", o->recording.pressure,

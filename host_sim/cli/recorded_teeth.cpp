@@ -66,18 +66,22 @@ std::optional<int> parity_by_cam(const Stretch &stretch, const std::vector<doubl
     return elected(votes, cast);
 }
 
-/// The pressure is higher about the firing TDC than a revolution away.
+/// The pressure is higher about the firing TDC than a revolution away. A reading holds until the next one.
 std::optional<int> parity_by_pressure(const Stretch &stretch, const std::vector<TimedValue> &pressure, const EngineFile &engine) {
-    double votes = 0, cast = 0, high[2] = {-1e300, -1e300};
-    long cycle = -1;
+    double votes = 0, cast = 0, high[2] = {0, 0}, before = 0;
+    std::optional<long> cycle;
     for (const TimedValue &reading : pressure) {
         const double place = place_at(stretch, reading.t_s), deg = engine.position_0_deg + place * 360 / engine.wheel.positions;
         if (std::isnan(place)) continue;
         const long now = long(std::floor((deg + 180) / 720));
-        if (now != cycle && high[0] > -1e299 && high[1] > -1e299) votes += high[0] > high[1] ? 1 : -1, cast += 1;
-        if (now != cycle) cycle = now, high[0] = high[1] = -1e300;
+        if (now != cycle) {
+            if (cycle && high[0] != high[1]) votes += high[0] > high[1] ? 1 : -1, cast += 1;
+            high[0] = high[1] = cycle ? before : reading.value;
+            cycle = now;
+        }
         double &most = high[std::abs(std::remainder(deg, 720)) < 180 ? 0 : 1];
         most = std::fmax(most, reading.value);
+        before = reading.value;
     }
     return elected(votes, cast);
 }

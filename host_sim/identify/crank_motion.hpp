@@ -38,7 +38,6 @@ struct CycleLateness {
     Eigen::VectorXd late_rad;      ///< Behind the prediction.
     Eigen::MatrixXd over_start;    ///< [tooth][3], over t0 x mean speed (rad), relative energy, and d over the mean of e in a cycle.
     Eigen::MatrixXd over_unknowns; ///< [tooth][unknown]
-    Eigen::VectorXd grid_s;        ///< Predicted times of the grid.
     double mean_energy;            ///< What the last two columns of over_start are scaled by.
 };
 
@@ -47,6 +46,8 @@ CycleLateness lateness(const WholeCycle &cycle, const CycleTorque &torque, const
 void move(CycleStart &start, const Eigen::Vector3d &by, const CycleLateness &scales, double speed_radps);
 /// Drag, rad/s2, of a fit's answer 1 for the third column.
 double drag_unit(const CycleLateness &scales);
+/// When the crank passed the angles of the grid, by the teeth alone; `pattern_rad`, by position, is by how much each stands further on.
+Eigen::VectorXd grid_times(const WholeCycle &cycle, const Eigen::VectorXd &pattern_rad);
 /// A start to begin with: steady speed, no drag.
 CycleStart steady_start(const WholeCycle &cycle);
 

@@ -3,6 +3,7 @@
 // unknown changes about it.
 #pragma once
 #include <map>
+#include <utility>
 #include <string>
 #include <vector>
 
@@ -22,28 +23,44 @@ struct Unknown {
 /// at a larger crank angle than the file says; `ripple`: relative error of the reciprocating mass.
 enum SharedUnknown { log_inertia, wheel_offset, ripple_mass, shared_unknowns };
 
+/// Half orders of the crank in which a torque may act that nobody explains: orders 1/2 to 4, cosine and sine each.
+constexpr int kUnexplainedOrders = 8;
+
 class GasTorque {
   public:
     virtual ~GasTorque() = default;
+    /// The last 2 kUnexplainedOrders of them are of the unexplained torque, over the rms of the gas torque; how large these may be is the
+    /// fit's to find, not below least_unexplained().
     const std::vector<Unknown> &unknowns() const { return unknowns_; }
-    /// `grid_s`: predicted times of the grid. `values`: one an unknown.
+    double least_unexplained() const { return least_unexplained_; }
+    /// `grid_s`: when the crank passed the angles of the grid. `values`: one an unknown.
     CycleTorque torque(const WholeCycle &cycle, const Eigen::VectorXd &grid_s, const Eigen::VectorXd &values) const;
 
   protected:
-    explicit GasTorque(const EngineFile &engine);
+    GasTorque(const EngineFile &engine, double least_unexplained);
+    /// To be called when all others are in the list.
+    void add_unexplained();
     struct Nm {
         Eigen::VectorXd gas;   ///< N m over the grid.
         Eigen::MatrixXd slope; ///< Over every unknown; what is inertia or ripple stays 0.
     };
     virtual Nm gas_nm(const WholeCycle &cycle, const Eigen::VectorXd &grid_s, const Eigen::VectorXd &values) const = 0;
-    /// Index of a cylinder's firing TDC on the grid's angles, deg from the first one's.
+    /// Of each cylinder over the grid, for the angle by which the crank is ahead of it: m2 and m2/rad, V' over the piston's area and its
+    /// change. Kept for the last angle asked for.
+    struct Arms {
+        double offset_rad;
+        Eigen::MatrixXd arm, bend; ///< [grid][cylinder]; m, m/rad.
+    };
+    const Arms &arms(double offset_rad) const;
+    /// Firing TDC of a cylinder, deg from the first one's.
     double tdc_deg(std::size_t lane) const { return engine_.firing_tdc_deg[lane]; }
 
     const EngineFile &engine_;
     std::vector<Unknown> unknowns_;
 
   private:
-    Eigen::VectorXd squared_arms(double offset_rad) const; ///< m2, sum over cylinders.
+    double least_unexplained_;
+    mutable Arms arms_{};
 };
 
 /// Of a cylinder whose pressure is recorded. The others are taken to have the same pressure in the same cycle, times a factor each: true
@@ -61,6 +78,8 @@ class MeasuredTorque : public GasTorque {
 
   private:
     Nm gas_nm(const WholeCycle &cycle, const Eigen::VectorXd &grid_s, const Eigen::VectorXd &values) const override;
+    /// Of the other cylinders' place on the grid where the first one is at the same point of its cycle: index and share of the next point.
+    std::pair<Eigen::Index, double> same_place(int i, std::size_t lane) const;
     const std::vector<TimedValue> &pressure_;
 };
 
@@ -71,17 +90,18 @@ class CompressionTorque : public GasTorque {
     explicit CompressionTorque(const EngineFile &engine);
 
   private:
-    enum { exponent = shared_unknowns, wall_loss, compression, exchange, first_factor };
+    enum { exponent = shared_unknowns, wall_loss, compression, wall_power, exchange, first_factor };
+    static constexpr int kModelled = 4; ///< Of these the first ones.
     struct Tables {
         std::vector<double> per_bar, rest; ///< At kPulsePoints from the cylinder's TDC.
     };
     struct At {
         Tables base;
-        std::vector<Tables> moved; ///< By exponent, wall loss, compression; as slopes.
+        std::vector<Tables> moved; ///< By the modelled unknowns; as slopes.
     };
     Nm gas_nm(const WholeCycle &cycle, const Eigen::VectorXd &grid_s, const Eigen::VectorXd &values) const override;
     const At &tables(double speed_radps, const Eigen::VectorXd &values) const;
-    Tables model(double speed_radps, const Eigen::Vector3d &moved) const;
+    Tables model(double speed_radps, const Eigen::Vector4d &moved) const;
     mutable std::map<int, At> kept_; ///< By speed, for `kept_for_`.
     mutable Eigen::VectorXd kept_for_;
 };

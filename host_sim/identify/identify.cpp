@@ -16,6 +16,7 @@ constexpr double kDeg = 180 / M_PI, kTwoSided95 = 1.96;
 constexpr std::size_t kLeastCycles = 3;
 constexpr double kMostInertia = 0.5;        // relative half-width beyond which a number is none
 constexpr double kMostOffsetDeg = 3, kMostPatternDeg = 0.3, kMostExponent = 0.1;
+constexpr double kGainSd = 0.006;             // of the pressure sensor
 constexpr double kCompressionRatioSd = 0.012; // of a data sheet: 2 % either way, evenly
 
 Found refuse(const std::string &reason) {
@@ -36,11 +37,11 @@ Found exponent_of(const EngineFile &engine, const MeasuredTorque &gas, const std
     if (!levelled)
         return refuse("the level of the recorded pressure is found from its compression with an exponent of 1.32; give --intake");
     const double offset = fit.values(wheel_offset), step = 0.2 / kDeg, bar = 0.02;
-    double sum = 0, squares = 0, over_offset = 0, over_level = 0, over_ratio = 0, count = 0;
+    double sum = 0, squares = 0, over_offset = 0, over_level = 0, over_ratio = 0, over_gain = 0, count = 0;
     for (std::size_t c = 0; c < cycles.size(); ++c) {
         const Eigen::VectorXd recorded = gas.recorded_bar(fit.grid_s[c]);
-        const auto n = [&](double at, double more_bar, double ratio) {
-            const Eigen::VectorXd absolute = recorded.array() + gas.level_bar(cycles[c], recorded, at) + more_bar;
+        const auto n = [&](double at, double more_bar, double ratio, double gain = 1) {
+            const Eigen::VectorXd absolute = gain * recorded.array() + gas.level_bar(cycles[c], gain * recorded, at) + more_bar;
             return compression_exponent(engine, absolute, at, ratio);
         };
         const double own = n(offset, 0, 1);
@@ -49,12 +50,13 @@ Found exponent_of(const EngineFile &engine, const MeasuredTorque &gas, const std
         over_offset += (n(offset + step, 0, 1) - n(offset - step, 0, 1)) / (2 * step);
         over_level += (n(offset, bar, 1) - own) / bar;
         over_ratio += (n(offset, 0, 1.01) - own) / 0.01;
+        over_gain += (n(offset, 0, 1, 1.01) - own) / 0.01;
     }
     if (count < 2) return refuse("the recorded pressure falls below zero in compression");
     const double mean = sum / count, scatter = std::fmax(squares / count - mean * mean, 0) / count;
-    const double intake_sd = 0.01; // bar, of a sensor in the intake
+    const double intake_sd = 0.012 * cycles.front().intake_bar; // of a sensor in the intake, and of what the cylinder breathes of it
     const double variance = scatter + std::pow(over_offset / count * fit.sd(wheel_offset), 2) + std::pow(over_level / count * intake_sd, 2) +
-                            std::pow(over_ratio / count * kCompressionRatioSd, 2);
+                            std::pow(over_ratio / count * kCompressionRatioSd, 2) + std::pow(over_gain / count * kGainSd, 2);
     return found(mean, std::sqrt(variance), kMostExponent, "it");
 }
 
@@ -69,7 +71,7 @@ void take_pattern(const EngineFile &engine, const MotionFit &fit, Identified &re
 
 void take_drag(const MotionFit &fit, double inertia, bool with_inertia, Identified &result) {
     for (const DragFound &drag : fit.drag) {
-        DragAt at{drag.rpm, drag.cycles, refuse("the inertia is not known"), {}};
+        DragAt at{drag.rpm, drag.motored, drag.cycles, refuse("the inertia is not known"), {}};
         at.over_inertia = {drag.over_inertia, kTwoSided95 * drag.over_inertia_sd, ""};
         if (with_inertia) {
             // Of J d both factors are from one fit, so that their errors hang together.
@@ -121,6 +123,7 @@ Identified identify(const EngineFile &engine, const CrankRecord &record, const I
 
     result.scatter_deg = fit.scatter_rad * kDeg;
     result.unexplained_deg = fit.repeating_rad * kDeg;
+    result.unexplained_percent = 100 * fit.unexplained_share;
     const double ratio = std::exp(fit.values(log_inertia)), inertia = engine.inertia_kgm2 * ratio;
     if (measured) {
         result.inertia_kgm2 = found(inertia, inertia * fit.sd(log_inertia), kMostInertia * inertia, "it");

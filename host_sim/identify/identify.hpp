@@ -20,9 +20,10 @@ struct Found {
     bool told() const { return refused.empty(); }
 };
 
-/// Load and friction together, at about one speed without combustion (with one cylinder and its pressure: of all cycles).
+/// Load and friction together, at about one speed.
 struct DragAt {
     double rpm;
+    bool motored; ///< Without combustion.
     std::size_t cycles;
     Found nm;             ///< Refused where the inertia is.
     Found over_inertia;   ///< rad/s2
@@ -35,9 +36,10 @@ struct Identified {
     Found exponent;          ///< Of compression, p V^n.
     Found compression_share; ///< Torque of compression over J0, over what the engine file says. Told where the inertia is not.
     std::vector<Found> pattern_deg; ///< By position: how much further on a tooth stands; mean 0. Positions without a tooth are refused.
-    std::vector<DragAt> drag;       ///< Ascending by speed.
+    std::vector<DragAt> drag;       ///< Firing ones first, then by speed.
     double scatter_deg = 0;         ///< Of a single tooth.
     double unexplained_deg = 0;     ///< Rms of what repeats from cycle to cycle without being explained.
+    double unexplained_percent = 0; ///< Torque of low orders that is needed and not explained, of the gas torque's rms.
     std::string pattern_refused;    ///< Why there is no pattern at all.
 };
 

@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "design/crank/slider_crank.hpp"
 #include "identify/compression.hpp"
 #include "identify/gas_torque.hpp"
 
@@ -14,14 +13,18 @@ constexpr double kCrankcase_bar = 1.013;
 constexpr double kLevelSd_bar = 0.1;  // of pegging and of the crankcase's pressure together
 constexpr double kFactorSd = 0.02;    // of one cylinder's pressure against another's
 constexpr double kBottomDeg = -180, kBottomHalfDeg = 10;
-constexpr int kLevel = shared_unknowns, kFirstFactor = shared_unknowns + 1;
+constexpr double kGainSd = 0.006;     // of a calibrated sensor: 1 % either way, evenly
+constexpr double kLeastUnexplained = 0.003;
+constexpr int kLevel = shared_unknowns, kGain = kLevel + 1, kFirstFactor = kGain + 1;
 
 } // namespace
 
 MeasuredTorque::MeasuredTorque(const EngineFile &engine, const std::vector<TimedValue> &pressure)
-    : GasTorque(engine), pressure_(pressure) {
+    : GasTorque(engine, kLeastUnexplained), pressure_(pressure) {
     unknowns_.push_back({"pressure level", 0, kLevelSd_bar, kLevelSd_bar});
+    unknowns_.push_back({"pressure gain", 0, kGainSd, kGainSd});
     for (int lane = 1; lane < engine.cylinders(); ++lane) unknowns_.push_back({"cylinder factor", 0, kFactorSd, kFactorSd});
+    add_unexplained();
 }
 
 bool MeasuredTorque::covers(const std::vector<TimedValue> &pressure, const WholeCycle &cycle) {
@@ -53,28 +56,33 @@ double MeasuredTorque::level_bar(const WholeCycle &cycle, const Eigen::VectorXd 
     return cycle.intake_bar - sum / count;
 }
 
+std::pair<Eigen::Index, double> MeasuredTorque::same_place(int i, std::size_t lane) const {
+    // The cylinder's own cycle begins again where the grid ends.
+    const double place = std::fmod(grid_deg(i) - tdc_deg(lane) + 360 + 720, 720) / kGridDeg;
+    const auto point = std::min<Eigen::Index>(Eigen::Index(place), kGridPoints - 2);
+    return {point, place - double(point)};
+}
+
 GasTorque::Nm MeasuredTorque::gas_nm(const WholeCycle &cycle, const Eigen::VectorXd &grid_s, const Eigen::VectorXd &values) const {
-    const SliderCrank crank(engine_);
+    const double newton_per_bar = M_PI / 4 * engine_.bore_m * engine_.bore_m * kPascal, offset = values(wheel_offset);
     const Eigen::VectorXd recorded = recorded_bar(grid_s);
-    const double offset = values(wheel_offset), level = level_bar(cycle, recorded, offset) + values(kLevel) - kCrankcase_bar;
-    const double step = 0.1 * kRad;
+    const double level = level_bar(cycle, recorded, offset) + values(kLevel) - kCrankcase_bar;
+    const Arms &at = arms(offset);
     Nm nm{Eigen::VectorXd::Zero(kGridPoints), Eigen::MatrixXd::Zero(kGridPoints, values.size())};
-    for (std::size_t lane = 0; lane < std::size_t(engine_.cylinders()); ++lane) {
-        const double factor = lane == 0 ? 1 : 1 + values(kFirstFactor + Eigen::Index(lane) - 1);
+    for (Eigen::Index lane = 0; lane < engine_.cylinders(); ++lane) {
+        const Eigen::Index own = kFirstFactor + lane - 1;
+        const double factor = newton_per_bar * (lane == 0 ? 1 : 1 + values(own));
         for (int i = 0; i < kGridPoints; ++i) {
-            // The same place of the other cylinder's own cycle, which begins again where the grid ends.
-            double own_deg = std::fmod(grid_deg(i) - tdc_deg(lane) + 360 + 720, 720) - 360;
-            const double at = (own_deg + 360) / kGridDeg;
-            const auto point = std::min<Eigen::Index>(Eigen::Index(at), kGridPoints - 2);
-            const double bar = recorded(point) + (at - double(point)) * (recorded(point + 1) - recorded(point)) + level;
-            const double angle = own_deg * kRad + offset, arm = crank.volume_slope(angle) * kPascal;
-            const double bend = (crank.volume_slope(angle + step) - crank.volume_slope(angle - step)) * kPascal / (2 * step);
-            nm.gas(i) += factor * bar * arm;
-            nm.slope(i, wheel_offset) += factor * bar * bend;
-            nm.slope(i, kLevel) += factor * arm;
-            if (lane > 0) nm.slope(i, kFirstFactor + Eigen::Index(lane) - 1) += bar * arm;
+            const auto [point, share] = same_place(i, std::size_t(lane));
+            const double bar = recorded(point) + share * (recorded(point + 1) - recorded(point)) + level;
+            nm.gas(i) += factor * bar * at.arm(i, lane);
+            nm.slope(i, wheel_offset) += factor * bar * at.bend(i, lane);
+            nm.slope(i, kLevel) += factor * at.arm(i, lane);
+            if (lane > 0) nm.slope(i, own) += newton_per_bar * bar * at.arm(i, lane);
         }
     }
+    nm.slope.col(kGain) = nm.gas;
+    nm.gas *= 1 + values(kGain);
     return nm;
 }
 

@@ -13,12 +13,12 @@ namespace {
 using Eigen::Index, Eigen::MatrixXd, Eigen::VectorXd;
 
 constexpr double kRad = M_PI / 180;
-constexpr int kIterations = 12;
+constexpr int kIterations = 15, kIterationsWeighed = 5, kWeighings = 3;
 constexpr double kConverged = 1e-3;          // of each unknown's unit
 constexpr double kHuber = 3;                 // standard deviations
 constexpr double kPatternPrior_rad = 1 * kRad; // no tooth stands further off
 constexpr double kSpeedBin = 0.1;            // speeds so near count as one, relative
-constexpr int kCalm = 2;                     // iterations before anything is weighed: the first residuals are the start's
+constexpr double kMostUnits = 2;             // of an unknown, in one iteration
 constexpr double kDisturbed = 2.5;           // a cycle that is left so much worse than the median was disturbed: a load that stepped
 constexpr std::size_t kLeastGroup = 5;       // cycles from which on what repeats can be told from what scatters
 
@@ -48,17 +48,21 @@ class Fitter {
         for (const WholeCycle &cycle : cycles) {
             starts_.push_back(steady_start(cycle));
             weights_.push_back(VectorXd::Ones(Index(cycle.t_s.size())));
-            VectorXd grid(kGridPoints);
-            for (int i = 0; i < kGridPoints; ++i) grid(i) = starts_.back().t_s + (grid_deg(i) + 360) * kRad / cycle.speed_radps;
-            grid_s_.push_back(grid);
+            grid_s_.push_back(grid_times(cycle, VectorXd::Zero(engine.wheel.positions)));
         }
     }
 
     MotionFit run() {
-        bool converged = false;
-        for (int i = 0; i < kIterations && !(converged && i > kCalm); ++i) {
-            converged = iterate();
-            if (i >= kCalm) weigh();
+        // A pressure is read at the times of the teeth as the file has them, then once more with the pattern found: read anew each time, wheel and
+        // torque would chase one another.
+        iterated(kIterations);
+        const VectorXd pattern = pattern_by_position();
+        for (std::size_t c = 0; c < cycles_.size(); ++c) grid_s_[c] = grid_times(cycles_[c], pattern);
+        bool converged = iterated(kIterations);
+        // Weights come last: what is far from its answer yet is no outlier.
+        for (int i = 0; i < kWeighings; ++i) {
+            weigh();
+            converged = iterated(kIterationsWeighed);
         }
         MotionFit fit;
         fit.converged = converged;
@@ -70,10 +74,22 @@ class Fitter {
     }
 
   private:
+    bool iterated(int most) {
+        for (int i = 0; i < most; ++i)
+            if (iterate()) return true;
+        return false;
+    }
+
+    VectorXd pattern_by_position() const {
+        VectorXd pattern = VectorXd::Zero(engine_.wheel.positions);
+        for (Index p = 0; p < engine_.wheel.positions; ++p)
+            if (const Index column = column_of_[std::size_t(p)]; column >= 0) pattern(p) = pattern_(column - unknowns_);
+        return pattern;
+    }
+
     FreedCycle freed(std::size_t c) {
         const WholeCycle &cycle = cycles_[c];
         const CycleLateness late = lateness(cycle, gas_.torque(cycle, grid_s_[c], values_), starts_[c]);
-        grid_s_[c] = late.grid_s;
         scales_[c] = late;
         const Index teeth = late.late_rad.size();
         FreedCycle out;
@@ -129,7 +145,8 @@ class Fitter {
         if (scatter_ == 0) scatter_ = rms_of(VectorXd::Zero(shared_)); // a first idea; the fit lowers it
         add_priors(normal, right);
         full_ = normal;
-        const VectorXd change = linalg::solve_symmetric(normal, right);
+        right_ = right;
+        const VectorXd change = shortened(solved(normal, right));
         scatter_ = rms_of(change);
         for (std::size_t c = 0; c < cycles_.size(); ++c) {
             const Eigen::Vector3d by = freed_[c].answer.col(0) - freed_[c].answer.rightCols(shared_) * change;
@@ -139,6 +156,47 @@ class Fitter {
         pattern_ += (units_.cwiseProduct(change)).tail(shared_ - unknowns_);
         change_ = change;
         return change.cwiseAbs().maxCoeff() < kConverged;
+    }
+
+    /// The unexplained torque stays 0 in the fit: what it would take up, it would take from the numbers that are wanted.
+    MatrixXd solved(const MatrixXd &normal, const MatrixXd &right) const {
+        const Index count = 2 * kUnexplainedOrders, first = unknowns_ - count;
+        MatrixXd held = normal;
+        MatrixXd to = right;
+        held.middleRows(first, count).setZero();
+        held.middleCols(first, count).setZero();
+        held.block(first, first, count, count).setIdentity();
+        to.middleRows(first, count).setZero();
+        return linalg::solve_symmetric(held, to);
+    }
+
+    /// No more than a few units at once: far from the answer the equations are not linear.
+    VectorXd shortened(const VectorXd &change) const {
+        const double most = change.head(unknowns_).cwiseAbs().maxCoeff();
+        return most > kMostUnits ? VectorXd(change * (kMostUnits / most)) : change;
+    }
+
+    /// How large the unexplained torque is, so that what the fit has left is as likely as can be: the mean square of its coefficients, each
+    /// with its variance, until it stays (expectation and maximisation).
+    double size_of_unexplained() const {
+        const Index count = 2 * kUnexplainedOrders, first = unknowns_ - count;
+        double share = gas_.least_unexplained();
+        for (int i = 0; i < 20; ++i) {
+            MatrixXd normal = full_;
+            for (Index q = first; q < unknowns_; ++q)
+                normal(q, q) += scatter_ * scatter_ * units_(q) * units_(q) * (1 / (share * share) - 1 / std::pow(gas_.least_unexplained(), 2));
+            MatrixXd wanted = MatrixXd::Zero(shared_, count + 1);
+            wanted.col(count) = right_;
+            wanted.block(first, 0, count, count).setIdentity();
+            const MatrixXd solution = linalg::solve_symmetric(normal, wanted);
+            double square = 0;
+            for (Index q = 0; q < count; ++q) {
+                const double unit = units_(first + q);
+                square += unit * unit * (std::pow(solution(first + q, count), 2) + scatter_ * scatter_ * solution(first + q, q)) / double(count);
+            }
+            share = std::fmax(std::sqrt(square), gas_.least_unexplained());
+        }
+        return share;
     }
 
     VectorXd left(std::size_t c, const VectorXd &change) const { return freed_[c].late - freed_[c].columns * change; }
@@ -154,14 +212,20 @@ class Fitter {
         return std::sqrt(sum / std::fmax(count, 1));
     }
 
-    /// Teeth that stand out count less, cycles that do not at all.
+    /// Teeth that stand out count less, cycles that stand out among those of their speed not at all.
     void weigh() {
-        std::vector<double> rms;
-        for (std::size_t c = 0; c < cycles_.size(); ++c) rms.push_back(left(c, change_).norm());
-        std::vector<double> sorted = rms;
-        std::nth_element(sorted.begin(), sorted.begin() + std::ptrdiff_t(sorted.size() / 2), sorted.end());
+        const auto before = groups(true);
+        for (const auto &[key, group] : before) {
+            std::vector<double> rms;
+            for (std::size_t c : group) rms.push_back(left(c, change_).norm());
+            std::vector<double> sorted = rms;
+            std::nth_element(sorted.begin(), sorted.begin() + std::ptrdiff_t(sorted.size() / 2), sorted.end());
+            for (std::size_t i = 0; i < group.size(); ++i) {
+                const double usual = group.size() >= kLeastGroup ? sorted[sorted.size() / 2] : scatter_ * std::sqrt(double(weights_[group[i]].size()));
+                disturbed_[group[i]] = rms[i] > kDisturbed * usual;
+            }
+        }
         for (std::size_t c = 0; c < cycles_.size(); ++c) {
-            disturbed_[c] = rms[c] > kDisturbed * sorted[sorted.size() / 2];
             const VectorXd rest = left(c, change_).cwiseAbs();
             for (Index k = 0; k < rest.size(); ++k) {
                 const double off = rest(k) / freed_[c].weight(k) / scatter_;
@@ -171,10 +235,10 @@ class Fitter {
     }
 
     /// Cycles of about one speed and of one kind.
-    std::map<int, std::vector<std::size_t>> groups() const {
-        std::map<int, std::vector<std::size_t>> by;
+    std::map<std::pair<bool, int>, std::vector<std::size_t>> groups(bool disturbed_too = false) const {
+        std::map<std::pair<bool, int>, std::vector<std::size_t>> by;
         for (std::size_t c = 0; c < cycles_.size(); ++c)
-            if (!disturbed_[c]) by[int(std::lround(std::log(cycles_[c].speed_radps) / kSpeedBin))].push_back(c);
+            if (disturbed_too || !disturbed_[c]) by[{cycles_[c].motored, int(std::lround(std::log(cycles_[c].speed_radps) / kSpeedBin))}].push_back(c);
         return by;
     }
 
@@ -201,29 +265,37 @@ class Fitter {
     }
 
     void spread(MotionFit &fit) const {
-        const MatrixXd inverse = linalg::solve_symmetric(full_, MatrixXd::Identity(shared_, shared_));
+        // Of the fit with the unexplained torque held at 0; its effect is added as large as it is.
+        const Index count = 2 * kUnexplainedOrders, first = unknowns_ - count;
+        MatrixXd inverse = solved(full_, MatrixXd::Identity(shared_, shared_));
+        inverse.middleCols(first, count).setZero();
+        inverse.middleRows(first, count).setZero();
         MatrixXd covariance = scatter_ * scatter_ * inverse;
+        const double share = size_of_unexplained();
+        const MatrixXd effect = inverse * full_.middleCols(first, count) / units_(first) * share;
+        covariance += effect * effect.transpose();
+        fit.unexplained_share = share;
         double square = 0;
-        for (const auto &[speed, group] : groups())
+        for (const auto &[key, group] : groups())
             if (group.size() >= kLeastGroup) add_repeating(group, inverse, covariance, square);
         fit.repeating_rad = std::sqrt(square / double(cycles_.size()));
         const MatrixXd scaled = units_.asDiagonal() * covariance * units_.asDiagonal();
         fit.covariance = scaled.topLeftCorner(unknowns_, unknowns_);
-        fit.pattern_rad = fit.pattern_sd = VectorXd::Zero(engine_.wheel.positions);
+        fit.pattern_rad = pattern_by_position();
+        fit.pattern_sd = VectorXd::Zero(engine_.wheel.positions);
         for (Index p = 0; p < engine_.wheel.positions; ++p) {
             const Index column = column_of_[std::size_t(p)];
             if (column < 0) continue;
-            fit.pattern_rad(p) = pattern_(column - unknowns_);
             fit.pattern_sd(p) = std::sqrt(scaled(column, column));
         }
-        for (const auto &[speed, group] : groups())
+        for (const auto &[key, group] : groups())
             if (group.size() >= kLeastGroup) fit.drag.push_back(drag_of(group, covariance));
         fit.disturbed = std::size_t(std::count(disturbed_.begin(), disturbed_.end(), true));
     }
 
     DragFound drag_of(const std::vector<std::size_t> &group, const MatrixXd &covariance) const {
         const double count = double(group.size());
-        DragFound found{0, group.size(), 0, 0, {}};
+        DragFound found{0, cycles_[group.front()].motored, group.size(), 0, 0, {}};
         VectorXd slope = VectorXd::Zero(shared_);
         double squares = 0;
         for (std::size_t c : group) {
@@ -249,6 +321,7 @@ class Fitter {
     std::vector<VectorXd> weights_, grid_s_;
     std::vector<FreedCycle> freed_;
     std::vector<CycleLateness> scales_;
+    VectorXd right_;
     MatrixXd full_;
     double scatter_ = 0; ///< rad
 };

@@ -63,7 +63,7 @@ class Motored:
     def write(self, path, speeds_rpm=(1200, 3000), cycles=14):
         level, bar = 1, INTAKE_BAR
         with open(path, "w", encoding="utf-8") as file:
-            file.write("time [s],crank,pressure [bar]\n")
+            file.write("time [s],crank,pressure\n")
             for t, now, pressure in self.rows(speeds_rpm, cycles):
                 level, bar = level if now is None else now, bar if np.isnan(pressure) else pressure
                 file.write(f"{t:.8f},{level},{bar + 20:.4f}\n")

@@ -47,14 +47,28 @@ class Row {
 
 struct Table {
     std::map<std::string, Row> rows;
-    std::size_t patterns = 0;
 };
 
-double mean_load(const EngineTruth &truth, double rpm, const CrankRecord &record, bool all) {
-    (void)rpm, (void)record, (void)all;
+/// Mean of load and friction while nothing burned at the run's lower or higher speed.
+double mean_load(const EngineTruth &truth, bool high) {
     double sum = 0, count = 0;
-    for (const auto &[t, nm] : truth.load_nm) sum += nm, count += 1;
+    for (const auto &[t, nm] : truth.load_nm)
+        if (high ? t > 5.4 : t > 1 && t < 3) sum += nm, count += 1;
     return sum / count;
+}
+
+void score_drag(const std::string &mode, const Identified &found, const EngineTruth &truth, Table &table) {
+    double low = 1e9, high = 0;
+    for (const DragAt &d : found.drag) {
+        if (!d.motored) continue;
+        low = std::min(low, d.rpm), high = std::max(high, d.rpm);
+    }
+    for (const DragAt &d : found.drag) {
+        if (!d.motored || d.cycles < 10 || (d.rpm > 1.1 * low && d.rpm < high / 1.1)) continue;
+        const double nm = mean_load(truth, d.rpm > 2100);
+        if (d.nm.told()) table.rows[mode + "load and friction, N m"].take(d.nm, nm, 1);
+        else table.rows[mode + "load and friction over J0, rad/s2"].take(d.over_inertia, nm / truth.inertia_kgm2, 1);
+    }
 }
 
 void score(const std::string &mode, const Identified &found, const EngineTruth &truth, Table &table) {
@@ -62,6 +76,7 @@ void score(const std::string &mode, const Identified &found, const EngineTruth &
     Found offset = found.position_0_deg;
     offset.value = std::remainder(offset.value - truth.position_0_deg, 360);
     table.rows[mode + "mark to TDC, deg"].take(offset, 0, 1);
+    score_drag(mode, found, truth, table);
     table.rows[mode + "exponent"].take(found.exponent, truth.exponent, 1);
     for (std::size_t p = 0; p < found.pattern_deg.size(); ++p)
         if (found.pattern_deg[p].refused != "no tooth") table.rows[mode + "tooth, deg"].take(found.pattern_deg[p], truth.pattern_deg[p], 1);
@@ -72,10 +87,10 @@ void print_each(const char *mode, const Identified &f, const EngineTruth &truth)
     for (std::size_t p = 0; p < f.pattern_deg.size(); ++p)
         if (f.pattern_deg[p].told()) rms += std::pow(f.pattern_deg[p].value - truth.pattern_deg[p], 2), half += f.pattern_deg[p].half_width, n += 1;
     fmt::print("  {:9} {} of {} cycles; J {:+.2f} +-{:.2f} %; TDC {:+.3f} +-{:.3f} deg; n {:+.4f} +-{:.4f}; tooth {:.4f} +-{:.4f} deg ({:.0f}); scatter "
-               "{:.4f}, unexplained {:.4f} deg; share {:.3f} +-{:.3f}\n",
+               "{:.4f}, unexplained {:.4f} deg {:.2f} %; share {:.3f} +-{:.3f}\n",
                mode, f.used, f.cycles, 100 * (f.inertia_kgm2.value / truth.inertia_kgm2 - 1), 100 * f.inertia_kgm2.half_width / truth.inertia_kgm2,
                std::remainder(f.position_0_deg.value - truth.position_0_deg, 360), f.position_0_deg.half_width, f.exponent.value - truth.exponent,
-               f.exponent.half_width, std::sqrt(rms / n), half / n, n, f.scatter_deg, f.unexplained_deg, f.compression_share.value,
+               f.exponent.half_width, std::sqrt(rms / n), half / n, n, f.scatter_deg, f.unexplained_deg, f.unexplained_percent, f.compression_share.value,
                f.compression_share.half_width);
 }
 
@@ -93,10 +108,9 @@ void print_identify_study(const IdentifyStudy &study) {
         score("pressure: ", with, run.truth, table);
         score("teeth: ", without, run.truth, table);
         if (!study.each) continue;
-        fmt::print("{}: {} (load {:.1f})\n", study.seed + std::uint64_t(i), engine.what, mean_load(run.truth, 0, run.record, true));
+        fmt::print("{}: {}\n", study.seed + std::uint64_t(i), engine.what);
         print_each("pressure", with, run.truth);
         print_each("teeth", without, run.truth);
-        for (const DragAt &d : with.drag) fmt::print("    {:.0f} rpm {} cycles {:.2f} +-{:.2f} N m\n", d.rpm, d.cycles, d.nm.value, d.nm.half_width);
         std::fflush(stdout);
     }
     fmt::print("{:30} {:>12} {:>9} {:>12} {:>12} {:>12}\n", "", "told", "held, %", "half-width", "of 95 %", "rms error");

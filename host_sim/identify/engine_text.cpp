@@ -87,8 +87,7 @@ void add(std::vector<std::string> &lines, const std::string &field, const NewVal
         at += "\n" + line;
         return;
     }
-    lines.push_back("\n" + head);
-    lines.push_back(line);
+    lines.insert(lines.end(), {"", head, line});
 }
 
 } // namespace

@@ -153,9 +153,10 @@ TEST(Identify, WithoutAFuelCutAFiringEngineIsRefusedByName) {
 TEST(EngineText, NewNumbersStandInPlaceAndEveryNumberSaysWhereItIsFrom) {
     const std::string text = "name = \"x\" # a name\n[crank]\ninertia_kgm2 = 0.25  # guessed\nreciprocating_mass_kg = 0.9\n[cylinders]\n"
                              "firing_tdc_deg = [0,\n  180]  # even\n";
-    const std::string made = engine_with("old.toml", text, {{"crank.inertia_kgm2", {"0.21", "measured"}}, {"tolerance.wheel_offset_deg", {"0.2", "half"}}});
+    const std::string made = engine_with("old.toml", text, {{"crank.inertia_kgm2", {"0.21", "measured"}}, {"tolerance.wheel_offset_deg", {"0.2", "half"}},
+                                          {"tolerance.inertia_percent", {"3", "too"}}});
     EXPECT_EQ(made, "name = \"x\" # a name\n[crank]\ninertia_kgm2 = 0.21  # measured; guessed\nreciprocating_mass_kg = 0.9  # taken from old.toml\n"
-                    "[cylinders]\nfiring_tdc_deg = [0,\n  180]  # taken from old.toml; even\n\n[tolerance]\nwheel_offset_deg = 0.2  # half\n");
+                    "[cylinders]\nfiring_tdc_deg = [0,\n  180]  # taken from old.toml; even\n\n[tolerance]\nwheel_offset_deg = 0.2  # half\ninertia_percent = 3  # too\n");
 }
 
 } // namespace

@@ -134,10 +134,12 @@ void sd_afr_cycle(sd_afr_t *self, const sd_afr_conditions_t *at) {
     }
     if (!is_chain(self)) { settle(self, at); }
     self->speed_radps = at->speed_radps;
+    self->egr_share = sd_within(at->egr_share, 0.0f, SD_AFR_EGR_MAX) ? at->egr_share : 0.0f;
+    const float burned_here = (1.0f - self->egr_share) * self->mean_lambda;
     if (is_fixed(self)) {
-        (void)sd_afr_point_begin_q31(&self->point_q31, at, sd_scaled_of(self->mean_lambda));
+        (void)sd_afr_point_begin_q31(&self->point_q31, at, sd_scaled_of(burned_here));
     } else {
-        (void)sd_afr_point_begin_f32(&self->point, at, self->mean_lambda);
+        (void)sd_afr_point_begin_f32(&self->point, at, burned_here);
     }
 }
 
@@ -219,7 +221,7 @@ void sd_afr_step(sd_afr_t *self, const sd_afr_tables_t *tables, uint32_t cycle_p
 }
 
 void sd_afr_trimmed(sd_afr_t *self, uint32_t cylinder, float fuel_factor) {
-    const float change = (fuel_factor - 1.0f) * sd_afr_lambda(self, cylinder);
+    const float change = (fuel_factor - 1.0f) * (1.0f - self->egr_share) * sd_afr_lambda(self, cylinder);
     if (!sd_within(fuel_factor, 1.0f - TRIM_MOVES, 1.0f + TRIM_MOVES)) { self->restless = 1.0f; }
     if (!is_chain(self)) {
         sd_afr_joint_move(&self->joint, cylinder, change);

@@ -67,6 +67,7 @@ typedef struct sd_afr {
     float    doubt;                       ///< What that leaves in deviations: sd_afr_delay_doubt.
     float    mean_lambda;                 ///< Of all cylinders, last cycle.
     float    speed_radps;                 ///< Of the coming point.
+    float    egr_share;                   ///< The same, [0, SD_AFR_EGR_MAX].
     uint32_t cycles;                      ///< Since a start.
     float    restless;                    ///< Share of the configured drift that counts now, [1/6, 1].
     uint16_t jumps;                       ///< Of the joint filter, at the last cycle.
@@ -78,7 +79,8 @@ typedef struct sd_afr {
 uint8_t sd_afr_harmonics(uint8_t cylinders);
 /// SD_OK, or SD_ERR_CONFIG with the state untouched: no grid, or a field out of its range.
 sd_result_t sd_afr_init(sd_afr_t *self, const sd_afr_config_t *config, const sd_afr_tables_t *tables);
-/// Ends a cycle: the operating point of the coming one, as sd_afr_point_begin.
+/// Ends a cycle: the operating point of the coming one, as sd_afr_point_begin. Recirculated gas is part of every cylinder's lambda, and has
+/// burned before: tables are read at (1 - egr_share) of the mean, and so much of a trim shows.
 void sd_afr_cycle(sd_afr_t *self, const sd_afr_conditions_t *at);
 /// The next piece of that. True while more is left: call it again with the next tooth.
 bool sd_afr_work(sd_afr_t *self, const sd_afr_tables_t *tables);

@@ -17,7 +17,7 @@ enum { CYCLES_MIN = 20,  /* in a fit */
 #define SD_PROBE_RAD   0.04f
 #define OFF_PASSIVE_RAD 0.1f          /* what the model itself may be off by: trims reach cylinders within a cycle */
 #define OFF_PROBE_RAD  0.03f
-#define CLEAR          6.25f          /* square of an angle over its variance for it to be taken without a probe */
+#define CLEAR          6.25f          /* square of a reading over its variance for it to be taken without a probe, or against an earlier start */
 #define SQUARE_LOW     0.25f          /* of |R|, outside of which it is no answer to the trims */
 #define SQUARE_HIGH    4.0f
 #define LATE_SD_S      0.01f          /* before anything was learned */
@@ -54,6 +54,33 @@ sd_result_t sd_afr_delay_init(sd_afr_delay_t *self, const sd_afr_delay_config_t 
     self->learned = (sd_afr_learned_t){ .late_sd_s = LATE_SD_S, .lag_sd = LAG_SD };
     unit(SD_TWO_PI / (float)c->cycle_positions, &self->turn[0], &self->turn[1]);
     return SD_OK;
+}
+
+/* Something was learned: only then is there anything to carry over to another calibration. */
+static bool is_known(float sd, float unknown_sd) { return (sd > 0.0f) && (sd < unknown_sd); }
+
+sd_result_t sd_afr_delay_resume(sd_afr_delay_t *self, float dead_s, const sd_afr_kept_t *kept) {
+    const sd_afr_learned_t *was = &kept->learned;
+    const float lags = kept->tau1_s + kept->tau2_s, lags_now = self->config.tau1_s + self->config.tau2_s;
+    if ((lags == 0.0f) && (kept->dead_s == 0.0f)) { return SD_OK; }
+    if (!sd_within(kept->tau1_s, 1e-4f, 1.0f) || !sd_within(kept->tau2_s, 1e-4f, 1.0f) || !sd_within(was->lag_sd, 0.0f, 10.0f)) { return SD_ERR_CONFIG; }
+    sd_afr_learned_t now = { .late_sd_s = LATE_SD_S, .lag_sd = LAG_SD };
+    if (is_known(was->late_sd_s, LATE_SD_S)) {
+        now.late_s = was->late_s + kept->dead_s - dead_s;
+        now.late_sd_s = was->late_sd_s;
+    }
+    if (is_known(was->lag_sd, LAG_SD)) {
+        now.lag = (1.0f + was->lag) * lags / lags_now - 1.0f;
+        now.lag_sd = was->lag_sd;
+    }
+    if (!sd_within(now.late_s, -LATE_MAX_S, LATE_MAX_S) || !sd_within(now.lag, -LAG_MAX, LAG_MAX)) { return SD_ERR_CONFIG; }
+    self->learned = now;
+    self->unproven = 1;
+    return SD_OK;
+}
+
+void sd_afr_delay_keep(const sd_afr_delay_t *self, float dead_s, sd_afr_kept_t *kept) {
+    *kept = (sd_afr_kept_t){ .learned = self->learned, .dead_s = dead_s, .tau1_s = self->config.tau1_s, .tau2_s = self->config.tau2_s };
 }
 
 /* The trims' own composition at the sensor. */
@@ -156,6 +183,12 @@ static void weigh(float *value, float *sd, float reading_off, float noise_var, f
     *sd = sd_root(var);
 }
 
+/* What an earlier start knew, and this one does not find, counts no more. */
+static float deviation_known(const sd_afr_delay_t *self, float sd, float unknown_sd, float reading_off, float reading_var) {
+    const bool disproved = (self->unproven != 0u) && (reading_off * reading_off > CLEAR * reading_var);
+    return disproved ? unknown_sd : sd;
+}
+
 /* Takes the fit over once it is sharp enough. */
 static bool learn(sd_afr_delay_t *self, float speed_radps) {
     const bool probing = self->probed > 0u;
@@ -166,18 +199,26 @@ static bool learn(sd_afr_delay_t *self, float speed_radps) {
     const float limit = (probing && (self->probed < PROBE_MAX - PROBE_END)) ? SD_PROBE_RAD : SD_PASSIVE_RAD;
     const float off = probing ? OFF_PROBE_RAD : OFF_PASSIVE_RAD, model = off * off, angle = angle_of(re, im);
     if (!(variance < limit * limit) || !sd_within(square, SQUARE_LOW, SQUARE_HIGH)) { return false; }
-    if (!probing && (angle * angle < CLEAR * (variance + model))) { return false; }
+    if (!probing && (angle * angle < CLEAR * (variance + model))) {
+        self->unproven = 0;
+        return false;
+    }
     const float longer_by = 1.0f + self->learned.lag;
     float shrinks, turns;
     sensor(0.5f * speed_radps * self->config.tau1_s * longer_by, 0.5f * speed_radps * self->config.tau2_s * longer_by, &shrinks, &turns);
     const float before = self->learned.lag, size = sd_root(square);
     if (probing) {
         const float longer = -2.0f * (size - 1.0f) / ((size + 1.0f) * shrinks); /* -ln|R|/A */
-        weigh(&self->learned.lag, &self->learned.lag_sd, longer, variance / (shrinks * shrinks), model / (shrinks * shrinks), LAG_MAX);
+        const float noise_var = variance / (shrinks * shrinks), model_var = model / (shrinks * shrinks);
+        self->learned.lag_sd = deviation_known(self, self->learned.lag_sd, LAG_SD, longer, noise_var + model_var);
+        weigh(&self->learned.lag, &self->learned.lag_sd, longer, noise_var, model_var, LAG_MAX);
     }
     const float lag_var = probing ? variance * turns * turns / (shrinks * shrinks) : 0.0f; /* what of it comes in by the lag */
     const float scale = 2.0f / speed_radps, later = -scale * (angle + turns * (self->learned.lag - before));
-    weigh(&self->learned.late_s, &self->learned.late_sd_s, later, scale * scale * (variance + lag_var), scale * scale * model, LATE_MAX_S);
+    const float noise_var = scale * scale * (variance + lag_var), model_var = scale * scale * model;
+    self->learned.late_sd_s = deviation_known(self, self->learned.late_sd_s, LATE_SD_S, later, noise_var + model_var);
+    weigh(&self->learned.late_s, &self->learned.late_sd_s, later, noise_var, model_var, LATE_MAX_S);
+    self->unproven = 0;
     forget(self); /* the model answers otherwise from now on */
     if (probing) { self->probed = 0; }
     return true;

@@ -19,6 +19,9 @@
 /// count, since the mean has not settled.
 ///
 /// What was learned is kept with its deviation: each fit is weighed against it, and what was learned grows old with each.
+/// It can be stored while the engine is off (sd_afr_kept_t), as it is on the engine, whatever the calibration of the next start
+/// says. Meanwhile the sensor may have been changed, or what was learned was wrong: until a fit has borne it out, one that
+/// contradicts it by more than 2.5 of its deviations counts as if nothing had been known.
 ///
 /// Float only. Real-time contract: no heap, no globals, no libm; a step costs some 40 flop, cycle divides. Call order: init;
 /// step for every wheel position, missing ones included; cycle once a cycle. One writer per state.
@@ -42,6 +45,13 @@ typedef struct sd_afr_learned {
     float late_s, late_sd_s;  ///< How much later than calibrated the gas is at the sensor, and its standard deviation.
     float lag, lag_sd;        ///< By what share the lags are longer than calibrated.
 } sd_afr_learned_t;
+
+/// What is stored while the engine is off: what was learned, and the calibration that it is relative to.
+typedef struct sd_afr_kept {
+    sd_afr_learned_t learned;
+    float dead_s;             ///< Dead time to the sensor as calibrated then,
+    float tau1_s, tau2_s;     ///< and its lags; all 0: nothing was stored.
+} sd_afr_kept_t;
 
 /// What is known at the end of a cycle.
 typedef struct sd_afr_trims {
@@ -68,6 +78,7 @@ typedef struct sd_afr_delay {
     uint16_t cycles;                             ///< In them.
     uint16_t probed;                             ///< Cycles of the probe so far, 0: none.
     uint8_t  set;
+    uint8_t  unproven;                           ///< 1: `learned` is of an earlier start, and no fit has borne it out.
 } sd_afr_delay_t;
 
 /// What an error of the model leaves: the error's mean square over that of the cylinders' deviations, at the half order.
@@ -75,6 +86,11 @@ typedef struct sd_afr_delay {
 float sd_afr_delay_doubt(const sd_afr_learned_t *known, float speed_radps, float tau1_s, float tau2_s);
 /// SD_OK, or SD_ERR_CONFIG with the state untouched. Nothing is learned yet: late_s 0 +- 10 ms, lag 0 +- 0.2.
 sd_result_t sd_afr_delay_init(sd_afr_delay_t *self, const sd_afr_delay_config_t *config);
+/// Goes on with what was stored; dead_s: as calibrated now, s. To be called behind init. SD_OK; SD_ERR_CONFIG with the state untouched
+/// when a number is not finite, or seen from this calibration the delay is off by more than 50 ms or the lags by more than half.
+sd_result_t sd_afr_delay_resume(sd_afr_delay_t *self, float dead_s, const sd_afr_kept_t *kept);
+/// What to store; dead_s: as calibrated now, s.
+void sd_afr_delay_keep(const sd_afr_delay_t *self, float dead_s, sd_afr_kept_t *kept);
 /// The angle was lost: fits begin anew, what was learned stays.
 void sd_afr_delay_restart(sd_afr_delay_t *self);
 /// Next position, as the joint filter is given it. measured: air fraction, (-2, 2), anything else (NaN too) is no sample.

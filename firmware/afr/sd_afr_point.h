@@ -5,7 +5,8 @@
 /// sd_afr_point_work, called once a tooth while it says that more is left, does it in SD_AFR_PIECES pieces, with the last of which the
 /// new point takes effect as a whole. What is measured of the exhaust moves it further: at another temperature T than the grid's the
 /// turbine lets sqrt(T) as much through, and gas is as much thinner; other vanes have another area; and a turbine that turns
-/// faster than at calibration swallows less (equation (6): d_T depends on the turbocharger's speed).
+/// faster than at calibration swallows less (equation (6): d_T depends on the turbocharger's speed). Where a share r of what leaves the
+/// manifold is recirculated, 1/(1 - r) of what the turbine lets through flows out, and the pipe to the sensor holds so much more of it.
 ///
 /// Two variants from one body: _f32 and _q31, the latter in integers throughout. Tables are read where the caller keeps them, and must
 /// be the same in every call. Real-time contract: no heap, no globals, no libm. One writer per state.
@@ -18,6 +19,7 @@
 extern "C" {
 #endif
 
+#define SD_AFR_EGR_MAX   0.7f
 #define SD_AFR_SPEEDS    4
 #define SD_AFR_PRESSURES 3
 #define SD_AFR_LAMBDAS   2
@@ -56,6 +58,7 @@ typedef struct sd_afr_conditions {
     float exhaust_k;                        ///< Measured in the manifold; 0: not known, as calibrated.
     float vanes;                            ///< Area of the turbine's vanes over the calibration's; 0: not known.
     float turbine_rpm;                      ///< 0: not known.
+    float egr_share;                        ///< Recirculated of all that leaves the manifold, (0, SD_AFR_EGR_MAX]; else: none, or not known.
 } sd_afr_conditions_t;
 
 /// Read by init only.
@@ -94,6 +97,7 @@ typedef enum sd_afr_progress {
     /* Ends a cycle: the operating point of the coming one. Out of the grid its edge stands; speed and intake pressure that */ \
     /* are not above 0 (NaN too) keep the last point: false. What was left to do for an earlier point is left out. */  \
     bool sd_afr_point_begin_##N(sd_afr_point_##N##_t *self, const sd_afr_conditions_t *at, sd_real_##N##_t mean_lambda); \
+    /* mean_lambda is what burned in the cylinders: of recirculated gas it has none. */                               \
     /* The next piece of that; late_s is added to the sensor's dead time. */                                           \
     sd_afr_progress_t sd_afr_point_work_##N(sd_afr_point_##N##_t *self, const sd_afr_grid_t *grid, float late_s);       \
     /* The oscillators' gains at the point. */                                                                         \

@@ -124,11 +124,11 @@ sd_result_t sd_crank_set_stall(sd_crank_t *self, uint32_t stall_ticks) {
 sd_crank_motion_t sd_crank_motion_of(const sd_crank_t *self, const sd_tooth_t *tooth, float tick_hz) {
     sd_crank_motion_t motion = { 0.0f, 0.0f };
     if (tooth->period_ticks == 0u) { return motion; }
-    const float turns = (float)tooth->span_spacings / (float)self->turn_spacings;
-    motion.speed_radps = 6.2831853f * turns * tick_hz / (float)tooth->period_ticks;
+    /* A division costs a controller as much as a dozen products. */
+    motion.speed_radps = 6.2831853f * (float)tooth->span_spacings * tick_hz / ((float)self->turn_spacings * (float)tooth->period_ticks);
     const sd_crank_clock_t *lead = leading(self);
     if ((motion.speed_radps <= 0.0f) || (lead->period <= 0)) { return motion; }
-    const float period_s = (float)lead->period / (64.0f * tick_hz);
-    motion.acceleration_radps2 = -motion.speed_radps * ((float)lead->change / (float)lead->period) / period_s;
+    const float period = (float)lead->period; /* 1/64 tick */
+    motion.acceleration_radps2 = -motion.speed_radps * (float)lead->change * (64.0f * tick_hz) / (period * period);
     return motion;
 }

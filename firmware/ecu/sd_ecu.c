@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "sd_ecu_parts.h"
+#include "sd_math.h"
 #include "sd_say.h"
 
 _Static_assert((SD_AFR_CYLINDERS_MAX == SD_CYLINDERS_MAX) && (SD_BALANCE_CYLINDERS_MAX == SD_CYLINDERS_MAX) &&
@@ -31,10 +32,22 @@ sd_result_t sd_ecu_init(sd_ecu_t *self, const sd_calibration_t *page) {
     return SD_OK;
 }
 
-sd_result_t sd_ecu_resume(sd_ecu_t *self, const sd_calibration_t *page, const sd_pattern_sums_t *learned) {
-    if ((self->ready == 0u) || (sd_firings_resume(&self->firings, &page->kalman, learned) != SD_OK)) { return SD_ERR_CONFIG; }
+sd_result_t sd_ecu_resume(sd_ecu_t *self, const sd_calibration_t *page, const sd_kept_t *kept) {
+    const bool filter = self->firings.enabled != 0u;
+    if ((self->ready == 0u) || (!filter && (page->afr.present == 0u))) { return SD_ERR_CONFIG; }
+    if (sd_stage_mixture_resume(&self->mixture, page, &self->working, &kept->mixture) != SD_OK) { return SD_ERR_CONFIG; }
+    if (!filter) { return SD_OK; }
+    if (sd_firings_resume(&self->firings, &page->kalman, &kept->pattern) != SD_OK) {
+        (void)sd_stage_mixture_init(&self->mixture, page, &self->working); /* as it was: no event has come yet */
+        return SD_ERR_CONFIG;
+    }
     sd_say_pattern(&self->say, &self->firings);
     return SD_OK;
+}
+
+void sd_ecu_keep(const sd_ecu_t *self, const sd_calibration_t *page, sd_kept_t *kept) {
+    sd_firings_keep(&self->firings, &page->kalman, &kept->pattern);
+    sd_stage_mixture_keep(&self->mixture, page, &kept->mixture);
 }
 
 /* ---- a tooth --------------------------------------------------------------------------------------------------- */
@@ -66,9 +79,17 @@ static void end_cycle(sd_ecu_t *self, const sd_calibration_t *page, const sd_por
     sd_ecu_begin_work(self, page, port, cycle);
 }
 
+/* The Fourier observer gets the times that an even wheel would give, as far as the wheel's pattern is known. */
 static void step_torque(sd_ecu_t *self, const sd_calibration_t *page, const sd_tooth_t *tooth) {
+    const sd_firings_pattern_t pattern = sd_firings_believed(&self->firings);
+    sd_tooth_t even = *tooth;
+    if (pattern.late_rad != NULL) {
+        const float late_rad = pattern.late_rad[tooth->position];
+        even.period_ticks = sd_punctual_period(&self->punctual, tooth->period_ticks, tooth->advance, late_rad,
+                                               (float)page->positions * (1.0f / SD_TWO_PI));
+    }
     sd_torque_out_t torque;
-    sd_stage_torque_tooth(&self->torque, page, tooth, &torque);
+    sd_stage_torque_tooth(&self->torque, page, &even, &torque);
     sd_say_torque(&self->say, &torque);
     /* What is read at the end of the cycle has settled by then, or says so itself. */
     const bool good = (torque.status.health != (uint8_t)SD_INVALID) && ((torque.status.why & ~(uint32_t)SD_WHY_CONVERGING) == 0u);
@@ -242,15 +263,18 @@ static void driveline_task(sd_ecu_t *self, const sd_calibration_t *page, const s
 void sd_ecu_task_begin(sd_ecu_t *self, const sd_calibration_t *page, uint32_t tick) {
     self->task_tick = tick;
     self->airpath_crank = sd_say_crank_now(&self->say, page->cylinders);
+    sd_firings_task_begin(&self->firings);
 }
 
-/* Of the inputs only samples and the clock change anything, and these wait for it. */
+/* Of the inputs only samples and the clock change anything, and these wait for it. Firings and teeth share as sd_fired.h says. */
 void sd_ecu_task_work(sd_ecu_t *self, const sd_calibration_t *page) {
+    sd_firings_task_work(&self->firings, &page->kalman);
     if (page->airpath.present == 0u) { return; }
     sd_stage_airpath_step(&self->airpath, page, &self->inputs, &self->airpath_crank, self->task_tick, &self->airpath_out);
 }
 
 void sd_ecu_task_say(sd_ecu_t *self, const sd_calibration_t *page, const sd_port_t *port, uint16_t why) {
+    if (sd_firings_task_end(&self->firings)) { sd_say_pattern(&self->say, &self->firings); }
     if (page->airpath.present != 0u) { sd_say_airpath(&self->say, port, self->task_tick, &self->airpath_out, why); }
     driveline_task(self, page, port, self->task_tick);
 }

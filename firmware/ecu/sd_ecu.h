@@ -29,7 +29,9 @@
 #include "sd_calibration.h"
 #include "sd_firings.h"
 #include "sd_inputs.h"
+#include "sd_learned.h"
 #include "sd_publish.h"
+#include "sd_punctual.h"
 #include "sd_stage_driveline.h"
 #include "sd_stage_airpath.h"
 #include "sd_stage_misfire.h"
@@ -59,6 +61,7 @@ typedef struct sd_ecu {
     sd_crank_t         crank;
     sd_course_t        course;
     sd_stage_torque_t  torque;
+    sd_punctual_t      punctual; ///< Of the teeth that the Fourier observer is given.
     sd_firings_t       firings;
     sd_work_meter_t    energy;  ///< Work of a cycle.
     sd_stage_misfire_t misfire;
@@ -85,9 +88,11 @@ typedef struct sd_ecu {
 /// page goes with every later call.
 sd_result_t sd_ecu_init(sd_ecu_t *self, const sd_calibration_t *page);
 
-/// Goes on with a tooth pattern kept from before. SD_OK, or SD_ERR_CONFIG with nothing changed: it is of another wheel, or
-/// the page has no filter.
-sd_result_t sd_ecu_resume(sd_ecu_t *self, const sd_calibration_t *page, const sd_pattern_sums_t *learned);
+/// Goes on with what was kept from before; behind sd_ecu_init, before the first event. SD_OK, or SD_ERR_CONFIG with nothing changed: it is
+/// of another wheel or another lambda sensor, or the page has neither filter nor exhaust.
+sd_result_t sd_ecu_resume(sd_ecu_t *self, const sd_calibration_t *page, const sd_kept_t *kept);
+/// What to keep while the engine is off.
+void sd_ecu_keep(const sd_ecu_t *self, const sd_calibration_t *page, sd_kept_t *kept);
 
 /// Handles all events waiting at the port; returns how many.
 uint32_t sd_ecu_run(sd_ecu_t *self, const sd_calibration_t *page, const sd_port_t *port);

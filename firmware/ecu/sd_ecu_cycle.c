@@ -73,12 +73,16 @@ static void judge_pressure(const sd_ecu_t *self, sd_status_t *status) {
 static void read_mixture(sd_ecu_t *self, const sd_calibration_t *page) {
     sd_mixture_out_t *out = &self->work.mixture;
     const sd_inputs_t *inputs = &self->inputs;
-    const sd_afr_conditions_t at = { .speed_radps = self->work.cycle.speed_radps,
-                                     .intake_bar = sd_inputs_value(inputs, SD_INPUT_AIR_INTAKE_PRESSURE),
-                                     .fuel_mg = sd_inputs_value(inputs, SD_INPUT_FUEL_INJECTED),
-                                     .exhaust_k = sd_inputs_value_or_0(inputs, SD_INPUT_EXHAUST_TEMPERATURE),
-                                     .vanes = sd_inputs_value_or_0(inputs, SD_INPUT_EXHAUST_VANES),
-                                     .turbine_rpm = sd_inputs_value_or_0(inputs, SD_INPUT_EXHAUST_TURBINE_SPEED) };
+    sd_afr_conditions_t at = { .speed_radps = self->work.cycle.speed_radps,
+                               .intake_bar = sd_inputs_value(inputs, SD_INPUT_AIR_INTAKE_PRESSURE),
+                               .fuel_mg = sd_inputs_value(inputs, SD_INPUT_FUEL_INJECTED),
+                               .exhaust_k = sd_inputs_value_or_0(inputs, SD_INPUT_EXHAUST_TEMPERATURE),
+                               .vanes = sd_inputs_value_or_0(inputs, SD_INPUT_EXHAUST_VANES),
+                               .turbine_rpm = sd_inputs_value_or_0(inputs, SD_INPUT_EXHAUST_TURBINE_SPEED) };
+    const sd_mixture_egr_t egr = { .at = &at, .stoichiometric = self->working.afr_stoichiometric,
+                                   .air_gps = sd_inputs_value_or_0(inputs, SD_INPUT_AIR_FLOW),
+                                   .opening = sd_inputs_value_or_0(inputs, SD_INPUT_EGR_POSITION) };
+    at.egr_share = sd_stage_mixture_recirculated(&self->mixture, page, &egr);
     sd_stage_mixture_read(&self->mixture, &at, out);
     judge_pressure(self, &out->status);
     if (!self->work.cycle.phase_known) { sd_status_worst_of(&out->status, SD_INVALID, SD_WHY_NO_PHASE); }
@@ -99,8 +103,8 @@ static void begin_trims(sd_ecu_t *self, const sd_calibration_t *page) {
 
 static void command_trims(sd_ecu_t *self, const sd_calibration_t *page) {
     float probe[SD_BALANCE_CYLINDERS_MAX];
-    sd_stage_mixture_probe(&self->mixture, self->working.afr_probe, probe);
-    sd_stage_trims_command(&self->trims, probe, self->working.balance_limit);
+    sd_stage_mixture_probe(&self->mixture, self->working.afr_delay_probe, probe);
+    sd_stage_trims_command(&self->trims, probe, self->working.balance_trim_limit);
     sd_status_t status = sd_balance_status(&self->trims.balance);
     sd_inputs_judge(&self->inputs, SD_OWNER_BALANCE, &status);
     sd_publish_judge(&self->say, SD_OWNER_BALANCE, &status);

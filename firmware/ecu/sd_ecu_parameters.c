@@ -7,9 +7,9 @@
 
 sd_firings_config_t sd_ecu_firings_config(const sd_calibration_t *page, const sd_parameters_t *p) {
     return (sd_firings_config_t){ .torque_base_nm = p->torque_torque_base_nm,
-                                  .reject_deg = p->firing_reject_deg,
+                                  .reject_deg = p->firing_reject_lateness_deg,
                                   .settle_cycles = p->firing_settle_cycles,
-                                  .pattern_deg = p->firing_pattern_deg,
+                                  .pattern_deg = p->firing_pattern_sd_deg,
                                   .teeth = (uint8_t)(page->positions - page->missing_count),
                                   .enabled = (p->firing_enabled > 0.5f) ? 1u : 0u };
 }
@@ -20,7 +20,7 @@ static sd_result_t configure_firings(sd_ecu_t *self, const sd_calibration_t *pag
 }
 
 static sd_result_t apply_torque(sd_ecu_t *self, const sd_calibration_t *page, uint32_t index) {
-    if (index == INDEX_OF(torque_tooth_sd_deg)) { return SD_OK; } /* read at the end of each cycle */
+    if (index == INDEX_OF(torque_edge_sd_deg)) { return SD_OK; } /* read at the end of each cycle */
     const sd_result_t result = sd_stage_torque_init(&self->torque, page, &self->working);
     return (result == SD_OK) ? configure_firings(self, page) : result;
 }
@@ -39,8 +39,8 @@ static sd_result_t apply_balance(sd_ecu_t *self, const sd_calibration_t *page, u
 }
 
 static sd_result_t apply_afr(sd_ecu_t *self, const sd_calibration_t *page, uint32_t index) {
-    const bool read_each_cycle = (index == INDEX_OF(afr_identify)) || (index == INDEX_OF(afr_probe)) ||
-                                 (index == INDEX_OF(afr_late_error_s)) || (index == INDEX_OF(afr_lag_error));
+    const bool read_each_cycle = (index == INDEX_OF(afr_delay_learning)) || (index == INDEX_OF(afr_delay_probe)) ||
+                                 (index == INDEX_OF(afr_delay_error_sd_s)) || (index == INDEX_OF(afr_lag_error_sd));
     return read_each_cycle ? SD_OK : sd_stage_mixture_configure(&self->mixture, page, &self->working);
 }
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /// sd_stage_airpath.h - diagnosis of the air path's actuators in the ecu, in its 10 ms task: inputs judged one by one, then the bank.
 ///
-/// A needed reading older than airpath.late, or a pressure or air flow that repeats itself to the last bit, rests the decisions until a
-/// new one comes. Once a sensor has repeated itself for airpath.stuck, or has been silent for its age limit (a reading out of range is as
+/// A needed reading older than airpath.late_after, or a pressure or air flow that repeats itself to the last bit, rests the decisions until
+/// a new one comes. Once a sensor has repeated itself for airpath.stuck_after, or has been silent for its age limit (a reading out of range is as
 /// none), decisions are invalid, sums begin anew, and nothing is learned.
 ///
 /// Two variants from one body: the usual ecu runs either, as airpath.arithmetic has it, an ecu of fixed point _q31, without floating-point

@@ -5,11 +5,15 @@
 
 #include "sd_math.h"
 
-enum { PROBE_AFTER = 40 }; /* cycles of learning trims: what is far off has shown by then without a probe */
+enum { PROBE_AFTER = 40, /* cycles of learning trims: what is far off has shown by then without a probe */
+       EGR_AFTER = 8 };  /* cycles, until the mean lambda is worth anything */
 
 #define KNOWN_RAD     0.175f /* crank: a delay known to this needs no probe */
 #define MENDED_RAD    0.5f   /* crank: a delay found to be off by more makes the trims' loop another one */
 #define FOLLOW_LEAST  0.001f
+#define EGR_OPEN      0.02f  /* the valve, by its position, is open: below, its sensor may be off by so much */
+#define EGR_PACE      0.1f   /* a cycle */
+#define LEAST_BURNED  0.05f
 #define CHAIN_FOLLOWS 0.3f   /* a cycle: it settles to a tenth in some 4 */
 
 static bool ready(const sd_stage_mixture_t *self) { return self->afr.config.cylinders != 0u; }
@@ -24,8 +28,8 @@ static sd_afr_tables_t tables_of(const sd_calibration_t *page) { return (sd_afr_
 
 static sd_result_t init_afr(sd_afr_t *afr, const sd_calibration_t *page, const sd_parameters_t *p) {
     sd_afr_config_t config = { .method = (uint8_t)(p->afr_method + 0.5f), .cycle_positions = (uint16_t)(2u * page->positions),
-                               .cylinders = page->cylinders, .noise_per_rthz = p->afr_noise, .drift = p->afr_drift,
-                               .drift_slow = p->afr_drift_slow, .jump = p->afr_jump, .slow_above = p->afr_slow_above,
+                               .cylinders = page->cylinders, .noise_per_rthz = p->afr_sensor_noise, .drift = p->afr_cylinder_drift,
+                               .drift_slow = p->afr_cylinder_drift_slow, .jump = p->afr_cylinder_jump, .slow_above = p->afr_slow_mode_above,
                                .gain_air = p->afr_gain_air, .gain_cylinder = p->afr_gain_cylinder,
                                .inversion_gain = p->afr_inversion_gain, .inversion_floor = p->afr_inversion_floor,
                                .gain_mass = p->afr_gain_mass, .turbine_drop = p->afr_turbine_drop, .turbine_rpm = p->afr_turbine_rated_rpm };
@@ -136,7 +140,8 @@ static void tell_trims(sd_stage_mixture_t *self, const float *trim) {
 
 static void learn_delay(sd_stage_mixture_t *self, const sd_parameters_t *p, float speed_radps, bool steady) {
     const float s = p->afr_stoichiometric, mean = self->afr.mean_lambda;
-    const float of_lambda = 1.0f - mean / (1.0f + s); /* more fuel is more gas, too */
+    /* More fuel is more gas, too; and recirculated gas has no fuel of this cycle. */
+    const float of_lambda = (1.0f - mean / (1.0f + s)) * (1.0f - self->afr.egr_share);
     float trim[SD_BALANCE_CYLINDERS_MAX] = { 0.0f };
     for (uint32_t i = 0; i < self->afr.config.cylinders; ++i) { trim[i] = of_lambda * self->last_trim[i] / (1.0f + self->last_trim[i]); }
     const sd_afr_trims_t cycle = { .speed_radps = speed_radps, .trim = trim, .mean_lambda = mean, .steady = steady ? 1u : 0u };
@@ -147,16 +152,28 @@ static void learn_delay(sd_stage_mixture_t *self, const sd_parameters_t *p, floa
 static bool take_over(sd_stage_mixture_t *self, const sd_parameters_t *p, float speed_radps, const sd_afr_learned_t *learned) {
     const float moved = speed_radps * (learned->late_s - self->afr.known.late_s);
     sd_afr_learned_t known = *learned; /* what the calibration is sure of nobody need learn */
-    if (!(known.late_sd_s < p->afr_late_error_s)) { known.late_sd_s = p->afr_late_error_s; }
-    if (!(known.lag_sd < p->afr_lag_error)) { known.lag_sd = p->afr_lag_error; }
+    if (!(known.late_sd_s < p->afr_delay_error_sd_s)) { known.late_sd_s = p->afr_delay_error_sd_s; }
+    if (!(known.lag_sd < p->afr_lag_error_sd)) { known.lag_sd = p->afr_lag_error_sd; }
     sd_afr_correct(&self->afr, &known);
     if ((moved > -MENDED_RAD) && (moved < MENDED_RAD)) { return false; }
     sd_afr_restart(&self->afr);
     return true;
 }
 
+sd_result_t sd_stage_mixture_resume(sd_stage_mixture_t *self, const sd_calibration_t *page, const sd_parameters_t *p, const sd_afr_kept_t *kept) {
+    if (!ready(self) || (self->delay.config.cylinders == 0u)) { return SD_OK; }
+    if (sd_afr_delay_resume(&self->delay, page->afr.dead_s, kept) != SD_OK) { return SD_ERR_CONFIG; }
+    if (p->afr_delay_learning >= 0.5f) { (void)take_over(self, p, 0.0f, &self->delay.learned); } /* at rest nothing is under way */
+    return SD_OK;
+}
+
+void sd_stage_mixture_keep(const sd_stage_mixture_t *self, const sd_calibration_t *page, sd_afr_kept_t *kept) {
+    memset(kept, 0, sizeof *kept);
+    if (self->delay.config.cylinders != 0u) { sd_afr_delay_keep(&self->delay, page->afr.dead_s, kept); }
+}
+
 static bool wants_probe(const sd_stage_mixture_t *self, const sd_parameters_t *p, const sd_mixture_cycle_t *cycle) {
-    return (p->afr_identify > 1.5f) && (self->probe_done == 0u) && (self->afr.slow == 0u) &&
+    return (p->afr_delay_learning > 1.5f) && (self->probe_done == 0u) && (self->afr.slow == 0u) &&
            (cycle->diverged ||
             ((cycle->trims_learned > PROBE_AFTER) && (self->delay.learned.late_sd_s * cycle->speed_radps > KNOWN_RAD)));
 }
@@ -165,7 +182,7 @@ bool sd_stage_mixture_learn(sd_stage_mixture_t *self, const sd_parameters_t *p, 
     sd_afr_delay_t *delay = &self->delay;
     if (!ready(self)) { return false; }
     tell_trims(self, cycle->trim);
-    if ((delay->config.cylinders == 0u) || (p->afr_identify < 0.5f)) {
+    if ((delay->config.cylinders == 0u) || (p->afr_delay_learning < 0.5f)) {
         sd_afr_delay_probe(delay, false);
         return take_over(self, p, cycle->speed_radps, &(sd_afr_learned_t){ .late_sd_s = 1.0f, .lag_sd = 1.0f });
     }
@@ -186,6 +203,28 @@ static float follows(sd_stage_mixture_t *self, float sd) {
     const float before = self->last_variance + drift * drift;
     self->last_variance = sd * sd;
     return sd_clamp(1.0f - sd * sd / before, FOLLOW_LEAST, 1.0f);
+}
+
+/* Fresh air and fuel of one cylinder and cycle, mg; 0: not known. */
+static float fresh_mg(const sd_stage_mixture_t *self, const sd_mixture_egr_t *egr) {
+    const sd_afr_conditions_t *at = egr->at;
+    if (egr->air_gps > 0.0f) {
+        return 2000.0f * SD_TWO_PI * egr->air_gps / (at->speed_radps * (float)self->afr.config.cylinders) + at->fuel_mg;
+    }
+    const bool found = (self->afr.cycles > EGR_AFTER) && (self->afr.mean_lambda > LEAST_BURNED);
+    return found ? (1.0f + egr->stoichiometric) * at->fuel_mg / self->afr.mean_lambda : 0.0f;
+}
+
+float sd_stage_mixture_recirculated(sd_stage_mixture_t *self, const sd_calibration_t *page, const sd_mixture_egr_t *egr) {
+    const sd_afr_conditions_t *at = egr->at;
+    const bool moving = ready(self) && (at->speed_radps > 1.0f) && (at->intake_bar > 0.0f) && (at->fuel_mg > 0.0f);
+    if (!moving || !(egr->opening > EGR_OPEN)) {
+        self->egr_share = 0.0f;
+        return 0.0f;
+    }
+    const float fresh = fresh_mg(self, egr), all = 1e6f * page->afr.air_kg_per_bar * at->intake_bar + at->fuel_mg;
+    if (fresh > 0.0f) { self->egr_share += EGR_PACE * (sd_clamp(1.0f - fresh / all, 0.0f, SD_AFR_EGR_MAX) - self->egr_share); }
+    return self->egr_share;
 }
 
 void sd_stage_mixture_read(sd_stage_mixture_t *self, const sd_afr_conditions_t *at, sd_mixture_out_t *out) {

@@ -30,6 +30,7 @@ typedef struct sd_stage_mixture {
     uint8_t  waiting_first, waiting_count;
     float    last_trim[SD_BALANCE_CYLINDERS_MAX]; ///< Of the last cycle, by firing order.
     float    last_variance;         ///< Of a cylinder's mixture, of the mean, last cycle.
+    float    egr_share;             ///< Recirculated of all that leaves the manifold, mean of some cycles; 0: none, or not known.
     uint8_t  probe_done;            ///< With or without an answer, since the trims were allowed.
 } sd_stage_mixture_t;
 
@@ -43,6 +44,14 @@ typedef struct sd_mixture_cycle {
     const float *trim;       ///< As commanded, by firing order.
 } sd_mixture_cycle_t;
 
+/// What is known of recirculation at the end of a cycle; at->egr_share is not read.
+typedef struct sd_mixture_egr {
+    const sd_afr_conditions_t *at;
+    float stoichiometric;    ///< Air to fuel.
+    float air_gps;           ///< Fresh air; 0: not known.
+    float opening;           ///< Of the valve, 0 closed, 1 open; 0: not known, and there is taken to be none.
+} sd_mixture_egr_t;
+
 /// What the stage says of a cycle, by firing order.
 typedef struct sd_mixture_out {
     float   burned[SD_CYLINDERS_MAX]; ///< Burned share of each cylinder's gas: 1 - air/gas.
@@ -52,6 +61,11 @@ typedef struct sd_mixture_out {
 
 /// SD_OK, or SD_ERR_CONFIG with the state untouched.
 sd_result_t sd_stage_mixture_init(sd_stage_mixture_t *self, const sd_calibration_t *page, const sd_parameters_t *p);
+/// Goes on with what was kept of delay and lags; nothing to do without an exhaust in the page. SD_OK, or SD_ERR_CONFIG with the state
+/// untouched: it is of another sensor (sd_afr_delay_resume).
+sd_result_t sd_stage_mixture_resume(sd_stage_mixture_t *self, const sd_calibration_t *page, const sd_parameters_t *p, const sd_afr_kept_t *kept);
+/// What to keep; all 0 without an exhaust in the page.
+void sd_stage_mixture_keep(const sd_stage_mixture_t *self, const sd_calibration_t *page, sd_afr_kept_t *kept);
 /// Other parameters: the filter begins anew, what was learned of the delay stays. SD_OK, or SD_ERR_CONFIG with the state untouched.
 sd_result_t sd_stage_mixture_configure(sd_stage_mixture_t *self, const sd_calibration_t *page, const sd_parameters_t *p);
 /// The angle is lost, or moved.
@@ -68,6 +82,11 @@ bool sd_stage_mixture_tooth(sd_stage_mixture_t *self, const sd_calibration_t *pa
 /// End of a cycle, first piece: the trims are told to the filter, and the delay learns from them. True: the delay was found to be far
 /// off, so that the trims' loop is another one now.
 bool sd_stage_mixture_learn(sd_stage_mixture_t *self, const sd_parameters_t *p, const sd_mixture_cycle_t *cycle);
+/// The share of what leaves the manifold that is recirculated, [0, SD_AFR_EGR_MAX]. By mass: what cylinders aspirate (intake pressure and the
+/// calibration's air for it) and fuel, less fresh air and fuel. Fresh air is the meter's, or what the mean lambda m of the exhaust has left,
+/// (1 + s) fuel/m less the fuel, which holds with recirculation too once the mixture stands. Mean of some 10 cycles; 0 while the valve
+/// is shut.
+float sd_stage_mixture_recirculated(sd_stage_mixture_t *self, const sd_calibration_t *page, const sd_mixture_egr_t *egr);
 /// Next piece: notes the operating point of the coming cycle and says what the filter found.
 void sd_stage_mixture_read(sd_stage_mixture_t *self, const sd_afr_conditions_t *at, sd_mixture_out_t *out);
 /// Last pieces: the operating point's tables. True while more is left.

@@ -52,7 +52,7 @@ void sd_stage_torque_cylinders(const sd_stage_torque_t *self, const sd_calibrati
     } else {
         sd_fourier_read_f32(&self->ended.f32, &ended);
     }
-    const float spacing = p->torque_tooth_sd_deg * SD_RAD_PER_DEG, timer = speed_radps * TIMER_SD_TICKS / page->tick_hz;
+    const float spacing = p->torque_edge_sd_deg * SD_RAD_PER_DEG, timer = speed_radps * TIMER_SD_TICKS / page->tick_hz;
     const float tooth_error = sd_root(spacing * spacing + timer * timer);
     for (uint32_t i = 0; i < map->cylinders; ++i) {
         out->torque_nm[i] = sd_cylinders_torque(map, &ended, intake_bar, i);

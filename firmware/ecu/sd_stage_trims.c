@@ -9,8 +9,9 @@
 #define BURNS_NM       1.0f /* mean torque of the cylinders below which nothing burns */
 
 static sd_balance_config_t config_of(const sd_calibration_t *page, const sd_parameters_t *p) {
-    return (sd_balance_config_t){ .cylinders = page->cylinders, .gain = p->balance_gain, .proportional = p->balance_proportional, .rate = p->balance_rate,
-                                  .limit = p->balance_limit, .sd_max = p->balance_sd_max,
+    return (sd_balance_config_t){ .cylinders = page->cylinders, .gain = p->balance_integral_gain,
+                                  .proportional = p->balance_proportional_gain, .rate = p->balance_trim_rate,
+                                  .limit = p->balance_trim_limit, .sd_max = p->balance_sd_max,
                                   .hold_cycles = (uint16_t)p->balance_hold_cycles };
 }
 

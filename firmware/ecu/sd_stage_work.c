@@ -31,7 +31,7 @@ void sd_stage_work_edge(sd_work_meter_t *self, const sd_calibration_t *page, con
     const uint8_t trusted = (tooth->health == (uint8_t)SD_VALID) ? 1u : 0u;
     if (!sd_work_edge(self, &page->work, tooth->cycle_position, tooth->tick, trusted)) { return; }
     sd_work_out_t out;
-    const sd_value_t edge = V(mul)(V(of)(p->torque_tooth_sd_deg), V(of)(0.017453293f));
+    const sd_value_t edge = V(mul)(V(of)(p->torque_edge_sd_deg), V(of)(0.017453293f));
     READ(self, &page->work, V(float)(edge), &out);
     sd_status_t status;
     judge(page, tooth, out.known != 0u, &status);

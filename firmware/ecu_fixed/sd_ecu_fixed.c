@@ -146,7 +146,7 @@ void sd_ecu_sample(sd_ecu_t *self, sd_input_t input, float value) {
 sd_result_t sd_ecu_apply(sd_ecu_t *self, const sd_calibration_t *page, uint32_t index) {
     switch (sd_parameter_infos[index].owner) {
     case SD_OWNER_CRANK:   return sd_crank_set_stall(&self->crank, sd_calibration_crank(page, &self->working).stall_ticks);
-    case SD_OWNER_TORQUE:  return (index == SD_PARAMETER_INDEX(torque_tooth_sd_deg)) ? SD_OK : init_torque(self, page);
+    case SD_OWNER_TORQUE:  return (index == SD_PARAMETER_INDEX(torque_edge_sd_deg)) ? SD_OK : init_torque(self, page);
     case SD_OWNER_AFR:     return sd_fixed_mixture_init(&self->mixture, page, &self->working);
     case SD_OWNER_MISFIRE: return sd_fixed_misfire_init(&self->misfire, page, &self->working);
     case SD_OWNER_BALANCE: return SD_OK;

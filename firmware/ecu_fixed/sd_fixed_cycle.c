@@ -74,7 +74,7 @@ static bool read_cylinder(sd_ecu_t *self, const sd_calibration_t *page) {
     for (uint32_t j = 0; j <= 2u * map->harmonics; ++j) {
         torque = sd_scaled_add(torque, sd_scaled_mul(sd_scaled_of(map->map[i][j]), sd_scaled_of(self->ended.coefficient_nm[j])));
     }
-    const sd_scaled_t spacing = sd_scaled_mul(sd_scaled_of(self->working.torque_tooth_sd_deg), sd_scaled_of(SD_RAD_PER_DEG));
+    const sd_scaled_t spacing = sd_scaled_mul(sd_scaled_of(self->working.torque_edge_sd_deg), sd_scaled_of(SD_RAD_PER_DEG));
     const sd_scaled_t timer = sd_scaled_div(sd_scaled_mul(speed, sd_scaled_of(TIMER_SD_TICKS)), sd_scaled_of(page->tick_hz));
     const sd_scaled_t error = sd_scaled_root(sd_scaled_add(sd_scaled_mul(spacing, spacing), sd_scaled_mul(timer, timer)));
     const sd_scaled_t sd = sd_scaled_mul(sd_scaled_mul(sd_scaled_mul(sd_scaled_of(map->sd_kgm2[i]), speed), speed), error);
@@ -82,7 +82,8 @@ static bool read_cylinder(sd_ecu_t *self, const sd_calibration_t *page) {
     self->say.signals.cycle_cylinder_torque_nm[physical] = sd_scaled_to_float(torque);
     self->say.signals.cycle_cylinder_sd_nm[physical] = sd_scaled_to_float(sd);
     self->work.part++;
-    return self->work.part >= map->cylinders;
+    if (self->work.part < map->cylinders) { return false; }
+    return true;
 }
 
 static void read_mixture(sd_ecu_t *self, const sd_calibration_t *page) {

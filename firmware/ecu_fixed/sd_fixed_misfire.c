@@ -16,12 +16,14 @@ static sd_wheel_config_q31_t config_of(const sd_calibration_t *page, const sd_pa
                                                    sd_scaled_of(p->misfire_work_per_fuel_jpmg));
     const sd_scaled_t given_mg = sd_scaled_of(p->misfire_fuel_min_mg), cylinders = sd_scaled_int(page->cylinders);
     const sd_scaled_t fuel_min_mg = sd_scaled_less(of_torque_mg, given_mg) ? given_mg : of_torque_mg;
-    const sd_scaled_t change = sd_scaled_mul(sd_scaled_int(2), sd_scaled_of(p->misfire_speed_change)); /* of the square */
-    return (sd_wheel_config_q31_t){ .definition = sd_from_float_q31(p->misfire_definition),
+    const sd_scaled_t change = sd_scaled_mul(sd_scaled_int(2), sd_scaled_of(p->misfire_shift_speed_change)); /* of the square */
+    const sd_scaled_t start = sd_scaled_mul(sd_scaled_of(p->misfire_start_inhibit_cycles), cylinders);
+    const sd_scaled_t resumed = sd_scaled_mul(sd_scaled_of(p->misfire_resume_inhibit_cycles), cylinders);
+    return (sd_wheel_config_q31_t){ .definition = sd_from_float_q31(p->misfire_misfire_below),
                                     .work_min = sd_scaled_to_q31(within(sd_scaled_mul(fuel_min_mg, work_per_mg), 1e-6f, 0.999f)),
                                     .speed_change = sd_scaled_to_q31(within(change, 1e-3f, 0.999f)),
-                                    .start_firings = (uint16_t)sd_scaled_floor(sd_scaled_mul(sd_scaled_of(p->misfire_start_cycles), cylinders)),
-                                    .hold_firings = (uint16_t)sd_scaled_floor(sd_scaled_mul(sd_scaled_of(p->misfire_hold_cycles), cylinders)),
+                                    .start_firings = (uint16_t)sd_scaled_floor(start),
+                                    .hold_firings = (uint16_t)sd_scaled_floor(resumed),
                                     .kind = (uint8_t)(method - 1u) };
 }
 

@@ -88,7 +88,7 @@ void sd_fixed_mixture_pressure(sd_fixed_mixture_t *self, float bar) {
 bool sd_fixed_mixture_takes_pressure(const sd_fixed_mixture_t *self) { return runs(self) && (sd_bits_order(self->point.gain_mass) > 0); }
 
 static void wait_for(sd_fixed_mixture_t *self, sd_q31_t air, sd_q31_t pressure) {
-    if (self->waiting_count == SD_MIXTURE_WAITING) { return; } /* coasted over half a wheel: the angle is about to be lost */
+    if (self->waiting_count >= SD_MIXTURE_WAITING) { return; } /* coasted over half a wheel: the angle is about to be lost */
     const uint32_t at = (self->waiting_first + self->waiting_count) % SD_MIXTURE_WAITING;
     self->waiting_air[at] = air;
     self->waiting_pressure[at] = pressure;
@@ -154,7 +154,7 @@ void sd_fixed_mixture_read(sd_fixed_mixture_t *self, const sd_afr_conditions_t *
 static void take_effect(sd_fixed_mixture_t *self, const sd_calibration_t *page, const sd_parameters_t *p) {
     const sd_scaled_t lags = sd_scaled_add(sd_scaled_of(page->afr.tau1_s), sd_scaled_of(page->afr.tau2_s));
     const sd_scaled_t turns = sd_scaled_mul(sd_scaled_of(self->point.at.speed_radps), lags);
-    const uint8_t slow = sd_scaled_less(sd_scaled_of(p->afr_slow_above), turns) ? 1u : 0u;
+    const uint8_t slow = sd_scaled_less(sd_scaled_of(p->afr_slow_mode_above), turns) ? 1u : 0u;
     sd_uego_gains_t gains;
     if (slow != self->slow) { self->cycles = 0; }
     self->slow = slow;

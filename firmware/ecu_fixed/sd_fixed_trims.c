@@ -16,9 +16,9 @@ static bool usable(const sd_parameters_t *p, uint32_t cylinders, const sd_afr_es
 }
 
 static void learn(sd_fixed_trims_t *self, const sd_parameters_t *p, uint32_t cylinders, const sd_afr_estimate_t *estimate) {
-    const sd_gain_q31_t gain = sd_gain_of_q31(p->balance_gain), proportional = sd_gain_of_q31(p->balance_proportional);
+    const sd_gain_q31_t gain = sd_gain_of_q31(p->balance_integral_gain), proportional = sd_gain_of_q31(p->balance_proportional_gain);
     const sd_gain_q31_t each = sd_real_gain_q31(sd_scaled_div(sd_scaled_int(1), sd_scaled_int((int32_t)cylinders)));
-    const sd_q31_t rate = sd_from_float_q31(p->balance_rate), limit = sd_from_float_q31(p->balance_limit);
+    const sd_q31_t rate = sd_from_float_q31(p->balance_trim_rate), limit = sd_from_float_q31(p->balance_trim_limit);
     sd_q31_t mean = 0;
     for (uint32_t i = 0; i < cylinders; ++i) {
         const sd_q31_t deviation = sd_from_float_q31(estimate->deviation[i]);

@@ -2,7 +2,7 @@
 /// sd_fixed_trims.h - fuel trims in an ecu of fixed point: the PI law of document 004 in q31, once a cycle,
 ///     trim_i -= clamp(gain deviation_i + P (deviation_i - last deviation_i), rate);  trims less their mean;  clamp(trim_i, limit)
 /// as sd_balance.h has it, without that block's quieter gain near noise and without its watch over the phase. Trims hold while
-/// the estimate is not valid, states more than balance.sd_max, or the engine moves, and for balance.hold cycles after.
+/// the estimate is not valid, states more than balance.sd_max, or the engine moves, and for balance.hold_cycles cycles after.
 #ifndef SD_FIXED_TRIMS_H
 #define SD_FIXED_TRIMS_H
 #include "sd_afr_chain.h"

@@ -17,9 +17,11 @@
 #define LEARN_FIRINGS  64u  /* factors are means of so many firings, fewer after init */
 #define LEARN_SCATTER  128u /* the scatter too */
 #define SCATTER_MARGIN 1.05f /* that its deviation, learned, may be short of the true one */
+#define SCATTER_CHANCE 8.0f  /* over n, the square of two deviations by which a mean of n squares is off by chance */
 #define LEARNED_ENOUGH 16u /* firings of a cylinder before its scatter says anything */
 
 static float larger(float a, float b) { return (a > b) ? a : b; }
+static float smaller(float a, float b) { return (a < b) ? a : b; }
 static uint32_t count_up(uint32_t x) { return (x < UINT32_MAX) ? x + 1u : x; }
 
 /* ---- what is not judged ------------------------------------------------------------------------------------------ */
@@ -74,17 +76,22 @@ static uint8_t inhibited(sd_misfire_t *self, const sd_misfire_firing_t *f) {
 
 /* ---- the limit --------------------------------------------------------------------------------------------------- */
 
+static float weight_of(uint32_t seen) { return 1.0f / (4.0f + (float)seen); }
+
 typedef struct sd_spread { float healthy, missed; } sd_spread_t; /* sd_0, sd_1 */
 
 static sd_spread_t spread_of(const sd_misfire_t *self, float relative_sd) {
     const float cyclic = self->config.cyclic * self->config.cyclic, noise = relative_sd * relative_sd;
-    return (sd_spread_t){ sd_root(self->scatter * cyclic + noise), sd_root(larger(self->scatter - 1.0f, 0.0f) * cyclic + noise) };
+    const float chance = sd_root(SCATTER_CHANCE * weight_of(self->scatter_seen));
+    const float disturbed = larger(self->scatter - 1.0f - chance, 0.0f), r = smaller(self->scatter, 1.0f) + disturbed;
+    return (sd_spread_t){ sd_root(r * cyclic + noise), sd_root(disturbed * cyclic + noise) };
 }
 
 static float limit_of(sd_misfire_t *self, sd_spread_t spread) {
-    const float low = self->config.z_missed * spread.missed, gap = SCATTER_MARGIN * self->config.z_false * spread.healthy;
-    self->test_ratio = low + gap;
-    if (self->test_ratio > 1.0f) { return low / (low + gap); }
+    const float low = self->config.z_missed * spread.missed, wanted = self->config.z_false * spread.healthy;
+    const float gap = SCATTER_MARGIN * wanted;
+    self->test_ratio = low + wanted; /* the margin chooses the limit; it is no shortage */
+    if (low + gap > 1.0f) { return low / (low + gap); }
     return sd_clamp(self->config.definition, low, 1.0f - gap);
 }
 
@@ -93,8 +100,6 @@ static uint8_t verdict_of(const sd_misfire_t *self, float index, float limit, sd
     const bool weak = (index < self->config.partial) && (index < 1.0f - self->config.z_false * spread.healthy);
     return weak ? SD_PARTIAL_BURN : SD_HEALTHY;
 }
-
-static float weight_of(uint32_t seen) { return 1.0f / (4.0f + (float)seen); }
 
 /* What the last firing tells of this one's error. */
 static float carried(const sd_misfire_t *self) {

@@ -12,9 +12,9 @@
 /// lag-one correlation of healthy firings, learned; where they are independent it is near 0.
 ///
 /// The healthy index scatters by sd_0 (combustion and estimate), that of a misfire by sd_1 (estimate alone):
-///     sd_0^2 = r cyclic^2 + (torque_sd / expected)^2,   sd_1^2 = max(r - 1, 0) cyclic^2 + (torque_sd / expected)^2
-/// r is learned from the upper half of the scatter, which no misfire reaches. Up to 1 it is combustion; what is beyond
-/// is disturbance that a misfire has too: this is the adaptation to rough roads.
+///     sd_0^2 = (min(r, 1) + d) cyclic^2 + (torque_sd / expected)^2,   sd_1^2 = d cyclic^2 + (torque_sd / expected)^2
+/// r is learned from the upper half of the scatter, which no misfire reaches. Up to 1 it is combustion; sqrt(8/n) more, two deviations of a
+/// mean of n squares (n up to 132), may be chance; what is beyond, d, is disturbance that a misfire has too: the adaptation to rough roads.
 /// A misfire is less than `definition` of the work expected. Where that would break the wanted error rates, the limit
 /// moves to the nearest that keeps both, limit in [z_missed sd_1, 1 - z_false sd_0]; where none does, it shares the
 /// shortage between both in proportion: z_missed sd_1 / (z_missed sd_1 + z_false sd_0). Status is degraded then.

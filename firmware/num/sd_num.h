@@ -53,12 +53,16 @@ static inline sd_q31_t sd_sub_q31(sd_q31_t a, sd_q31_t b) {
 }
 #endif
 
-/* a[0] b[0] + a[1] b[1] of two halves each, |sum| < 2^31: one instruction where the core has it. */
+/* a[0] b[0] + a[1] b[1] of two halves each, |sum| < 2^31; sum + that: one instruction where the core has it. */
 typedef union { int16_t half[2]; int32_t word; } sd_pair_t;
 #ifdef __ARM_FEATURE_SIMD32
 static inline int32_t sd_dot_pair(sd_pair_t a, sd_pair_t b) { return __smuad(a.word, b.word); }
+static inline int64_t sd_dot_pairs(int64_t sum, sd_pair_t a, sd_pair_t b) { return __smlald(a.word, b.word, sum); }
 #else
 static inline int32_t sd_dot_pair(sd_pair_t a, sd_pair_t b) { return a.half[0] * b.half[0] + a.half[1] * b.half[1]; }
+static inline int64_t sd_dot_pairs(int64_t sum, sd_pair_t a, sd_pair_t b) {
+    return sum + (int64_t)(a.half[0] * b.half[0]) + (int64_t)(a.half[1] * b.half[1]);
+}
 #endif
 
 /* x / 2^31 rounded down, |x| <= 2^62: only 2^62 itself saturates, and does so by doubling its upper half. */

@@ -107,7 +107,7 @@ bool sd_calibration_in_range(const sd_calibration_t *page) {
 sd_crank_config_t sd_calibration_crank(const sd_calibration_t *page, const sd_parameters_t *p) {
     sd_crank_config_t config = { .positions = page->positions,
                                  .missing_count = page->missing_count,
-                                 .stall_ticks = V(floor)(V(mul)(V(of)(p->crank_stall_s), V(of)(page->tick_hz))),
+                                 .stall_ticks = V(floor)(V(mul)(V(of)(p->crank_stall_time_s), V(of)(page->tick_hz))),
                                  .has_cam = page->has_cam,
                                  .cam_position = page->cam_position };
     memcpy(config.missing, page->missing, sizeof config.missing);
@@ -121,7 +121,7 @@ sd_fourier_config_t sd_calibration_torque(const sd_calibration_t *page, const sd
                                   .gain_energy = p->torque_gain_energy_per_rad,
                                   .gain_mean = p->torque_gain_mean_per_rad2,
                                   .gain_reference = p->torque_gain_reference_per_rad2,
-                                  .reject_energy = p->torque_reject_energy,
+                                  .reject_energy = p->torque_reject_energy_share,
                                   .settle_steps = (uint16_t)V(floor)(teeth),
                                   .tick_hz = page->tick_hz,
                                   .speed_base_radps = V(float)(V(mul)(V(of)(p->torque_speed_base_rpm), V(of)(0.10471976f))),
@@ -132,17 +132,17 @@ sd_misfire_config_t sd_calibration_misfire(const sd_calibration_t *page, const s
     const float cylinders = (float)page->cylinders;
     sd_misfire_config_t config = { .cylinders = page->cylinders,
                                    .work_per_fuel_jpmg = p->misfire_work_per_fuel_jpmg,
-                                   .cyclic = p->misfire_cyclic,
+                                   .cyclic = p->misfire_cyclic_variation,
                                    .z_false = p->misfire_z_false,
                                    .z_missed = p->misfire_z_missed,
-                                   .definition = p->misfire_definition,
-                                   .partial = p->misfire_partial,
+                                   .definition = p->misfire_misfire_below,
+                                   .partial = p->misfire_partial_burn_below,
                                    .fuel_min_mg = p->misfire_fuel_min_mg,
                                    .torque_min_nm = p->misfire_torque_min_nm,
-                                   .speed_change = p->misfire_speed_change,
-                                   .start_firings = (uint16_t)(p->misfire_start_cycles * cylinders),
-                                   .hold_firings = (uint16_t)(p->misfire_hold_cycles * cylinders),
-                                   .continuous_firings = (uint16_t)p->misfire_continuous,
+                                   .speed_change = p->misfire_shift_speed_change,
+                                   .start_firings = (uint16_t)(p->misfire_start_inhibit_cycles * cylinders),
+                                   .hold_firings = (uint16_t)(p->misfire_resume_inhibit_cycles * cylinders),
+                                   .continuous_firings = (uint16_t)p->misfire_continuous_firings,
                                    .emission_percent = p->misfire_emission_percent,
                                    .catalyst_percent = p->misfire_catalyst_percent,
                                    .emission_exceedances = (uint16_t)p->misfire_emission_windows,
@@ -160,10 +160,10 @@ static float clamp(float x, float low, float high) { return (x < low) ? low : (x
 sd_wheel_config_f32_t sd_calibration_wheel(const sd_calibration_t *page, const sd_parameters_t *p, sd_wheel_kind_t kind) {
     const float cylinders = (float)page->cylinders, of_torque_mg = p->misfire_torque_min_nm * 3.14159265f / p->misfire_work_per_fuel_jpmg;
     const float fuel_min_mg = (p->misfire_fuel_min_mg > of_torque_mg) ? p->misfire_fuel_min_mg : of_torque_mg;
-    return (sd_wheel_config_f32_t){ .definition = p->misfire_definition,
+    return (sd_wheel_config_f32_t){ .definition = p->misfire_misfire_below,
                                     .work_min = clamp(fuel_min_mg * sd_calibration_work(page, p), 1e-6f, 0.999f),
-                                    .speed_change = clamp(2.0f * p->misfire_speed_change, 1e-3f, 0.999f), /* of the square */
-                                    .start_firings = (uint16_t)(p->misfire_start_cycles * cylinders),
-                                    .hold_firings = (uint16_t)(p->misfire_hold_cycles * cylinders),
+                                    .speed_change = clamp(2.0f * p->misfire_shift_speed_change, 1e-3f, 0.999f), /* of the square */
+                                    .start_firings = (uint16_t)(p->misfire_start_inhibit_cycles * cylinders),
+                                    .hold_firings = (uint16_t)(p->misfire_resume_inhibit_cycles * cylinders),
                                     .kind = (uint8_t)kind };
 }

@@ -10,6 +10,38 @@
 
 static const sd_kalman_filter_t *believed(const sd_firings_t *self) { return &self->kalman.filter[self->kalman.believed]; }
 
+/* ---- the pattern that is believed --------------------------------------------------------------------------------- */
+
+#define WORTH 0.25f /* of what a wheel has that is not known, or what was found: where firing leaves less of the pattern, it is believed, */
+#define BETTER 0.5f /* or of what fuel cut leaves, which has fewer doubts that it does not state */
+
+enum { BY_NONE, BY_CUT, BY_FIRING }; /* sd_firings_t.corrects */
+
+/* To be asked where a pattern or what it is held against has changed. */
+static uint8_t known_best(const sd_firings_t *self) {
+    const sd_pattern_t *cut = &self->pattern;
+    const sd_fired_pattern_t *fired = sd_fired_used(&self->fired);
+    const bool by_cut = (cut->sd_rad > 0.0f) && (cut->sd_rad < self->unlearned_rad);
+    const float wheel = (fired->found_rad > self->unlearned_rad) ? fired->found_rad : self->unlearned_rad;
+    const float least = by_cut ? BETTER * cut->sd_rad : WORTH * wheel;
+    if ((fired->sd_rad > 0.0f) && (fired->sd_rad < least)) { return (uint8_t)BY_FIRING; }
+    return by_cut ? (uint8_t)BY_CUT : (uint8_t)BY_NONE;
+}
+
+static inline sd_firings_pattern_t pattern_of(const sd_firings_t *self) {
+    const sd_pattern_t *cut = &self->pattern;
+    const sd_fired_pattern_t *fired = sd_fired_used(&self->fired);
+    if (self->corrects == (uint8_t)BY_FIRING) {
+        return (sd_firings_pattern_t){ fired->late_rad, fired->cycles, fired->sd_rad, fired->tooth_rad, fired->hidden_share };
+    }
+    if (self->corrects == (uint8_t)BY_CUT) {
+        return (sd_firings_pattern_t){ cut->late_rad, cut->sums.cycles, cut->sd_rad, cut->sd_rad, 0.0f };
+    }
+    return (sd_firings_pattern_t){ NULL, cut->sums.cycles, cut->sd_rad, self->unlearned_rad, 0.0f };
+}
+
+sd_firings_pattern_t sd_firings_believed(const sd_firings_t *self) { return pattern_of(self); }
+
 /* ---- configuration --------------------------------------------------------------------------------------------- */
 
 static bool config_ok(const sd_firings_config_t *config, const sd_kalman_choice_t *choice) {
@@ -30,6 +62,7 @@ static void take_config(sd_firings_t *self, const sd_firings_config_t *config, c
     self->kalman.choice = *choice;
     self->unlearned_rad = config->pattern_deg * SD_RAD_PER_DEG;
     self->fired.unlearned_rad = self->unlearned_rad;
+    self->corrects = known_best(self);
     self->enabled = (config->enabled != 0u) ? 1u : 0u;
 }
 
@@ -73,30 +106,27 @@ static bool is_motored(sd_firings_t *self, const sd_kalman_tables_t *tables, con
 static void take_learned(sd_firings_t *self, const sd_kalman_tables_t *tables) {
     self->kalman.tuning = sd_twist_tuning(&self->pattern.sums.twist);
     sd_motion_set_exponent(&self->kalman.charge, tables, self->pattern.exponent);
+    self->corrects = known_best(self);
 }
 
-/* Returns whether the pattern changed. While fuel burns, on a road that lets the load alone, and once the filter has settled. */
-static bool learn_fired(sd_firings_t *self, const sd_kalman_tables_t *tables, const sd_firings_tooth_t *tooth,
-                        const sd_kalman_tooth_t *seen, bool read) {
-    sd_pattern_t *pattern = &self->pattern;
-    const sd_kalman_filter_t *filter = believed(self);
-    const bool known = (tooth->phase_known != 0u) && (tooth->intake_known != 0u) && (tooth->fuel_cut == 0u) && (seen->trusted != 0u);
-    const bool good = known && (self->on_rough == 0u) && (sd_kalman_health(&self->kalman, self->kalman.believed) == (uint8_t)SD_VALID) &&
-        (filter->running != 0u) && (filter->rejected_in_row == 0u) &&
-        (pattern->work.next >= tables->positions);
-    return good ? sd_fired_step(&self->fired, tables, &pattern->sums.fired, pattern->cycle_rad, &self->kalman, seen, tooth->fuel_mg,
-                                sd_firings_believed(self).late_rad != NULL, read || (tooth->advance > 1u))
-                : sd_fired_rest(&self->fired, tables, &pattern->sums.fired, pattern->cycle_rad);
+/* While fuel burns, on a road that lets the load alone. */
+static void learn_fired(sd_firings_t *self, const sd_kalman_tables_t *tables, const sd_firings_tooth_t *tooth, bool well) {
+    if (well && (tooth->health == (uint8_t)SD_VALID) && (tooth->fuel_cut == 0u) && (self->on_rough == 0u)) {
+        sd_fired_step(&self->fired, tables, &self->kalman, tooth->cycle_position, tooth->fuel_mg, self->corrects != (uint8_t)BY_NONE);
+    } else {
+        sd_fired_rest(&self->fired, &self->kalman);
+    }
 }
 
-/* The same. */
+/* Returns whether the pattern changed. */
 static bool learn(sd_firings_t *self, const sd_kalman_tables_t *tables, const sd_firings_tooth_t *tooth, const sd_kalman_tooth_t *seen,
-                  bool read) {
+                  bool well) {
     const bool known = (tooth->phase_known != 0u) && (tooth->intake_known != 0u);
     const bool motored = is_motored(self, tables, tooth) && known;
     const bool changed = motored ? sd_pattern_step(&self->pattern, tables, seen) : sd_pattern_rest(&self->pattern, tables);
     if (changed) { take_learned(self, tables); }
-    return learn_fired(self, tables, tooth, seen, read) || changed;
+    learn_fired(self, tables, tooth, well);
+    return changed;
 }
 
 /* What cylinders read without fuel is their zero. */
@@ -108,28 +138,10 @@ static void learn_zero(sd_firings_t *self, const sd_kalman_tables_t *tables, con
     }
 }
 
-/* ---- the pattern that is believed --------------------------------------------------------------------------------- */
-
-#define WORTH 0.25f /* of what a wheel has that is not known, or what was found: where firing leaves less of the pattern, it is believed, */
-#define BETTER 0.5f /* or of what fuel cut leaves, which has fewer doubts that it does not state */
-
-sd_firings_pattern_t sd_firings_believed(const sd_firings_t *self) {
-    const sd_pattern_t *cut = &self->pattern;
-    const sd_fired_t *fired = &self->fired;
-    const bool by_cut = (cut->sd_rad > 0.0f) && (cut->sd_rad < self->unlearned_rad);
-    const float wheel = (fired->found_rad > self->unlearned_rad) ? fired->found_rad : self->unlearned_rad;
-    const float least = by_cut ? BETTER * cut->sd_rad : WORTH * wheel;
-    if ((fired->sd_rad > 0.0f) && (fired->sd_rad < least)) {
-        return (sd_firings_pattern_t){ fired->late_rad, cut->sums.fired.cycles, fired->sd_rad, fired->tooth_rad, fired->hidden_share };
-    }
-    if (by_cut) { return (sd_firings_pattern_t){ cut->late_rad, cut->sums.cycles, cut->sd_rad, cut->sd_rad, 0.0f }; }
-    return (sd_firings_pattern_t){ NULL, cut->sums.cycles, cut->sd_rad, self->unlearned_rad, 0.0f };
-}
-
 /* ---- a tooth --------------------------------------------------------------------------------------------------- */
 
 static sd_kalman_tooth_t filter_tooth(const sd_firings_t *self, const sd_kalman_tables_t *tables, const sd_firings_tooth_t *tooth) {
-    const sd_firings_pattern_t pattern = sd_firings_believed(self);
+    const sd_firings_pattern_t pattern = pattern_of(self);
     const bool learned = (pattern.late_rad != NULL) && (tooth->position < tables->positions);
     return (sd_kalman_tooth_t){ .cycle_position = tooth->cycle_position,
                                 .advance = tooth->advance,
@@ -163,15 +175,20 @@ static void watch_teeth(sd_firings_t *self, const sd_kalman_tables_t *tables, co
 
 void sd_firings_spurious(sd_firings_t *self, const sd_kalman_tables_t *tables) { self->doubt = (uint16_t)(4u * tables->positions); }
 
-static sd_status_t judge(const sd_firings_t *self, const sd_firings_tooth_t *tooth) {
+/* Returns whether filter and inputs are well, whatever the last teeth were. */
+static bool judge(const sd_firings_t *self, const sd_firings_tooth_t *tooth, sd_status_t *status) {
     const sd_kalman_filter_t *filter = believed(self);
-    sd_status_t status = { .health = sd_kalman_health(&self->kalman, self->kalman.believed), .rejected = filter->rejected,
-                           .innovation = filter->innovation_rad };
-    status.why = (uint16_t)sd_kalman_why(&self->kalman, self->kalman.believed);
-    if (tooth->phase_known == 0u) { sd_status_worst_of(&status, SD_INVALID, SD_WHY_NO_PHASE); }
-    if (self->doubt > 0u) { sd_status_worst_of(&status, SD_DEGRADED, SD_WHY_FAULT); }
-    if (tooth->intake_known == 0u) { sd_status_worst_of(&status, SD_DEGRADED, SD_WHY_NO_INPUT); }
-    return status;
+    uint32_t why = sd_kalman_why(&self->kalman, self->kalman.believed);
+    if (tooth->intake_known == 0u) { why |= (uint32_t)SD_WHY_NO_INPUT; }
+    if (tooth->phase_known == 0u) { why |= (uint32_t)SD_WHY_NO_PHASE; }
+    const bool well = why == 0u, invalid = (filter->running == 0u) || (tooth->phase_known == 0u);
+    if (self->doubt > 0u) { why |= (uint32_t)SD_WHY_FAULT; }
+    status->why = (uint16_t)why;
+    status->rejected = filter->rejected;
+    status->health = invalid ? (uint8_t)SD_INVALID : (why != 0u) ? (uint8_t)SD_DEGRADED : (uint8_t)SD_VALID;
+    status->innovation = filter->innovation_rad;
+    status->test_ratio = 0.0f;
+    return well;
 }
 
 void sd_firings_restart(sd_firings_t *self) {
@@ -196,18 +213,34 @@ void sd_firings_step(sd_firings_t *self, const sd_kalman_tables_t *tables, const
     const sd_kalman_filter_t *filter = believed(self);
     out->rough = self->on_rough;
     out->restarted = ((self->kalman.filter[SMOOTH].teeth == 0u) || (filter->teeth == 0u)) ? 1u : 0u;
-    out->status = judge(self, tooth);
+    const bool well = judge(self, tooth, &out->status);
     const bool runs = (filter->running != 0u) && (tooth->cycle_position < 2u * tables->positions);
     out->waveform_nm = runs ? sd_kalman_torque(&self->kalman, tables, self->kalman.believed, tooth->cycle_position) : 0.0f;
     out->level_nm = runs ? filter->motion.coefficient_nm[0] : 0.0f;
     out->energy_j = filter->motion.energy_j;
-    out->learned = learn(self, tables, tooth, &seen, complete != 0u) ? 1u : 0u;
+    out->learned = learn(self, tables, tooth, &seen, well) ? 1u : 0u;
     out->complete = (uint8_t)((complete >> self->kalman.believed) & 1u);
     if (out->complete == 0u) { return; }
     out->firing = firing[self->kalman.believed];
     out->speed_radps = sd_root(2.0f * filter->motion.energy_j / tables->inertia_mean_kgm2);
     if (out->status.health == (uint8_t)SD_VALID) { learn_zero(self, tables, tooth, &out->firing); }
 }
+
+/* ---- the 10 ms task ------------------------------------------------------------------------------------------------ */
+
+void sd_firings_task_begin(sd_firings_t *self) { sd_fired_hand_over(&self->fired); }
+
+void sd_firings_task_work(sd_firings_t *self, const sd_kalman_tables_t *tables) {
+    sd_fired_work(&self->fired, tables, &self->pattern.sums.fired);
+}
+
+bool sd_firings_task_end(sd_firings_t *self) {
+    if (!sd_fired_take_over(&self->fired)) { return false; }
+    self->corrects = known_best(self);
+    return true;
+}
+
+/* ---- what is kept -------------------------------------------------------------------------------------------------- */
 
 void sd_firings_keep(const sd_firings_t *self, const sd_kalman_tables_t *tables, sd_pattern_sums_t *learned) {
     sd_pattern_keep(&self->pattern, tables, learned);

@@ -11,8 +11,10 @@
 /// its pulse began was doubtful.
 ///
 /// Real-time contract: no heap, no globals, no I/O, no libm in a step. One writer per state, which is plain data without
-/// pointers. Tables are read only and may stand in flash. Call order: init; step for every placed tooth; restart when the
-/// angle was lost or moved; spurious for an edge that is no tooth.
+/// pointers; but the long part of the 10 ms task, sd_firings_task_work, may be interrupted by teeth, as sd_fired.h says. Tables are read
+/// only and may stand in flash. Call order: init; step for every placed tooth; restart when the angle was lost or moved; spurious for an
+/// edge that is no tooth; every 10 ms task_begin, task_work, task_end. What is not said to be for that stays out between the first and the
+/// last.
 #ifndef SD_FIRINGS_H
 #define SD_FIRINGS_H
 #include "sd_pattern.h"
@@ -60,7 +62,7 @@ typedef struct sd_firings_out {
     uint8_t     complete;    ///< 1: `firing` has just been completed; 0: `firing` is not set.
     uint8_t     rough;       ///< 1: the road is rough, and all that is said comes from the filter for rough roads.
     uint8_t     restarted;   ///< 1: a filter began anew at this tooth, so that what follows has no past.
-    uint8_t     learned;     ///< 1: the tooth pattern changed, and what sd_firings_believed says.
+    uint8_t     learned;     ///< 1: the tooth pattern from fuel cut changed, and what sd_firings_believed says.
     sd_firing_t firing;      ///< Torque and deviation of one firing.
     sd_status_t status;      ///< Of the block; innovation in rad, test_ratio 0: sd_kalman_status gives it to who asks. Invalid and
                              ///< uncalibrated while it rests.
@@ -81,6 +83,7 @@ typedef struct sd_firings {
     uint16_t     motored;  ///< Positions since the fuel was cut, saturating.
     uint8_t      on_rough; ///< 1: what is said of firings comes from filter 1.
     uint8_t      enabled;  ///< The block runs; 0 without tables.
+    uint8_t      corrects; ///< Which pattern is believed: 0 none, 1 that from fuel cut, 2 that from firing.
 } sd_firings_t;
 
 /// Forgets everything, learned values included. Tables with positions 0 are none: the block rests. SD_OK, or
@@ -101,6 +104,13 @@ void sd_firings_spurious(sd_firings_t *self, const sd_kalman_tables_t *tables);
 
 /// Takes a placed tooth and fills *out.
 void sd_firings_step(sd_firings_t *self, const sd_kalman_tables_t *tables, const sd_firings_tooth_t *tooth, sd_firings_out_t *out);
+
+/// The 10 ms task, in which the tooth pattern is learned while the engine fires. Between two teeth: a cycle is handed to it.
+void sd_firings_task_begin(sd_firings_t *self);
+/// Its long part. sd_firings_step, restart and spurious may interrupt it at any instruction.
+void sd_firings_task_work(sd_firings_t *self, const sd_kalman_tables_t *tables);
+/// Between two teeth again: what came of it is taken over. Returns true when the tooth pattern changed.
+bool sd_firings_task_end(sd_firings_t *self);
 
 /// The tooth pattern as it is believed now.
 typedef struct sd_firings_pattern {

@@ -12,7 +12,7 @@
 #define JITTER_SQUARE 64.0f   /* a settled filter takes teeth up to 8 times the innovation as met */
 
 #if SD_CYLINDERS_MAX == 8
-_Static_assert(sizeof(sd_kalman_t) == 1080, "without pointers, the same size on every target");
+_Static_assert(sizeof(sd_kalman_t) == 1244, "without pointers, the same size on every target");
 #endif
 
 enum { REJECTED_IN_ROW_MAX = 12 }; /* teeth left out in a row after which the estimate itself must be wrong */
@@ -45,9 +45,9 @@ static inline bool plausible(sd_kalman_filter_t *f, const sd_kalman_tables_t *t,
 
 /* The gain is that of shape times the mean torque. */
 static void bend_pulses(sd_kalman_t *self, const sd_kalman_tables_t *t, const sd_kalman_filter_t *f, float change_nm) {
-    const float mean = sd_kalman_mean_firing(f, t);
-    if (!(mean > t->shape_min_nm)) { return; }
-    const float shape = self->shape + change_nm / mean;
+    const float firings = (float)t->firings, sum = sd_kalman_sum_firings(f, t);
+    if (!(sum > firings * t->shape_min_nm)) { return; }
+    const float shape = self->shape + firings * change_nm / sum;
     self->shape = (shape < SD_KALMAN_SHAPE_MIN) ? SD_KALMAN_SHAPE_MIN : (shape > SD_KALMAN_SHAPE_MAX) ? SD_KALMAN_SHAPE_MAX : shape;
 }
 
@@ -91,6 +91,7 @@ static void take_in(sd_kalman_t *self, const sd_kalman_tables_t *t, uint32_t whi
     f->motion.energy_j += mix(m, 1) * (scale[1] * push);
     x[0] += mix(m, 2) * (scale[2] * push);
     const uint32_t count = t->coefficients;
+    _Pragma("GCC unroll 4")
     for (uint32_t j = 1; j < count; ++j) { x[j] += mix(m, j + 2u) * pull; }
     if (every_fourth(f)) { f->peak_nm = peak_of(x, count); }
     if (settled && (t->shapes != 0u) && (which == self->believed)) {
@@ -99,26 +100,49 @@ static void take_in(sd_kalman_t *self, const sd_kalman_tables_t *t, uint32_t whi
     if (t->modes != 0u) { correct_modes(&f->motion, t, m, count + 2u + t->shapes, &scale[5], r); }
 }
 
-static void correct(sd_kalman_t *self, const sd_kalman_tables_t *t, uint32_t which, const sd_kalman_tooth_t *tooth,
-                    const sd_kalman_word_t *word) {
-    sd_kalman_filter_t *f = &self->filter[which];
-    const float square = f->motion.energy_j * word[SD_ROW_TOOTH].value, speed = sd_sqrt_f32(square);
-    const float scale = t->inertia_mean_kgm2 * square;
-    f->innovation_rad = sd_motion_late(&f->motion, t, speed, &self->tuning) - tooth->late_rad;
-    /* Without modes the normalised map is the same at every speed, so every table is stable at any. That of half the speed
-     * trusts the state less, which is right while there is little to trust. */
-    const bool settled = f->teeth >= self->choice.settle_teeth;
+/* What all filters take at a tooth. */
+typedef struct sd_at_tooth {
+    const sd_kalman_tooth_t *tooth;
+    sd_motion_row_t row; /* of the interval before it */
+    float period_s, shape;
+} sd_at_tooth_t;
+
+enum { SETTLING = 1, SETTLED = 2 };
+
+/* Without modes the normalised map is the same at every speed, so every table is stable at any. That of half the speed trusts the state
+ * less, which is right while there is little to trust. */
+static void find_place(const sd_kalman_t *self, const sd_kalman_tables_t *t, uint32_t which, bool settled, float speed,
+                       sd_kalman_filter_t *f) {
     const float seen = speed * self->tuning.gain_speed;
     const sd_between_t at = sd_kalman_between(t, 0, (settled || (t->modes > 0u)) ? seen : 0.5f * seen);
-    const float *expects = &t->expected_rad[which * t->speeds], expected = expects[at.at] + at.share * (expects[at.next] - expects[at.at]);
-    if (!plausible(f, t, &self->choice, settled, expected, scale)) { return; }
+    const float *expects = &t->expected_rad[which * t->speeds];
+    const int32_t high = (int32_t)(at.share * WEIGHT);
+    sd_kalman_place_t *place = &f->place;
+    place->at = (uint8_t)at.at;
+    place->weight.half[0] = (int16_t)((int32_t)WEIGHT - high);
+    place->weight.half[1] = (int16_t)high;
+    place->expected_rad = expects[at.at] + at.share * (expects[at.next] - expects[at.at]);
+    place->per_expected = 1.0f / place->expected_rad;
+    place->of = settled ? (uint8_t)SETTLED : (uint8_t)SETTLING;
+}
+
+static void correct(sd_kalman_t *self, const sd_kalman_tables_t *t, uint32_t which, const sd_at_tooth_t *at) {
+    sd_kalman_filter_t *f = &self->filter[which];
+    const sd_kalman_word_t *word = at->row.word;
+    const float square = f->motion.energy_j * word[SD_ROW_TOOTH].value, speed = sd_sqrt_f32(square);
+    const float scale = t->inertia_mean_kgm2 * square;
+    f->innovation_rad = sd_motion_late(&f->motion, t, speed, &self->tuning) - at->tooth->late_rad;
+    const bool settled = f->teeth >= self->choice.settle_teeth;
+    const bool due = ((f->teeth + 2u * which + 1u) & 3u) == 0u; /* each filter at a tooth that has nothing else of the kind to do */
+    if (due || (f->place.of != (settled ? (uint8_t)SETTLED : (uint8_t)SETTLING))) {
+        find_place(self, t, which, settled, speed, f);
+    }
+    if (!plausible(f, t, &self->choice, settled, f->place.expected_rad, scale)) { return; }
     if (settled) { /* running mean square over some 2 cycles of what the tables expect to be 1 */
-        const float ratio = f->innovation_rad / expected;
+        const float ratio = f->innovation_rad * f->place.per_expected;
         f->noise_ratio += (ratio * ratio - f->noise_ratio) * (1.0f / 256.0f);
     }
-    const int32_t high = (int32_t)(at.share * WEIGHT);
-    const sd_mix_t m = { word[t->gains_at].gain + which * t->speeds * sd_motion_columns(t) + at.at, t->speeds,
-                         { { (int16_t)((int32_t)WEIGHT - high), (int16_t)high } } };
+    const sd_mix_t m = { word[t->gains_at].gain + which * t->speeds * sd_motion_columns(t) + f->place.at, t->speeds, f->place.weight };
     take_in(self, t, which, &m, settled, speed, f->innovation_rad * scale);
 }
 
@@ -161,13 +185,19 @@ static bool read_due(sd_kalman_t *self, const sd_kalman_tables_t *t, uint32_t wh
     return true;
 }
 
+/* The pulses as the calibration has them: with a shape that is still being learned, what is learned from it would move too. */
+static inline void move_free(sd_kalman_t *self, const sd_kalman_tables_t *t, const sd_motion_row_t *row) {
+    if (!sd_motion_move(&self->free, t, row, 0.0f, &self->tuning)) { self->free_runs = 0; }
+}
+
 /* Every running filter over one interval at whose end no tooth came: those that stand still in it stop. Returns those that completed
  * a firing. */
 static uint32_t coast(sd_kalman_t *self, const sd_kalman_tables_t *t, uint32_t k, const sd_kalman_tooth_t *tooth, sd_firing_t *firing) {
     sd_motion_row_t row;
     uint32_t complete = 0;
-    sd_motion_sum_known(t, k, &self->charge, &row);
+    (void)sd_motion_sum_known(t, k, &self->charge, &row);
     sd_motion_close_valves(&self->charge, t, row.word);
+    if (self->free_runs != 0u) { move_free(self, t, &row); }
     for (uint32_t i = 0; i < self->filters; ++i) {
         sd_kalman_filter_t *f = &self->filter[i];
         if (f->running == 0u) { continue; }
@@ -180,13 +210,6 @@ static uint32_t coast(sd_kalman_t *self, const sd_kalman_tables_t *t, uint32_t k
     return complete;
 }
 
-/* What all filters take at a tooth. */
-typedef struct sd_at_tooth {
-    const sd_kalman_tooth_t *tooth;
-    sd_motion_row_t row; /* of the interval before it */
-    float period_s, shape;
-} sd_at_tooth_t;
-
 /* One filter over the last interval and its correction by the tooth, in one pass. Returns bit `which` when it completed a firing. */
 static inline uint32_t take_tooth(sd_kalman_t *self, const sd_kalman_tables_t *t, uint32_t which, const sd_at_tooth_t *at,
                                   sd_firing_t *firing) {
@@ -195,7 +218,7 @@ static inline uint32_t take_tooth(sd_kalman_t *self, const sd_kalman_tables_t *t
     uint32_t complete = 0;
     if (good && read_due(self, t, which, at->row.word, at->tooth, firing)) { complete = 1u << which; }
     f->motion.lateness_s -= at->period_s;
-    if (good && (at->tooth->trusted != 0u)) { correct(self, t, which, at->tooth, at->row.word); }
+    if (good && (at->tooth->trusted != 0u)) { correct(self, t, which, at); }
     good = good && in_range(f, t, self->choice.torque_base_nm);
     if (!good) { restart(f); return 0u; }
     if (f->teeth < UINT16_MAX) { f->teeth++; }
@@ -223,9 +246,16 @@ uint32_t sd_kalman_step(sd_kalman_t *self, const sd_kalman_tables_t *t, const sd
     uint32_t complete = 0;
     if (none_runs) { sd_motion_fill(&self->charge, self->charge.intake_bar); }
     if (tooth->advance > 1u) { complete = coast_to(self, t, tooth, firing); }
-    sd_at_tooth_t at = { .tooth = tooth, .period_s = (float)tooth->period_ticks / t->tick_hz, .shape = self->shape };
-    sd_motion_sum_known(t, tooth->cycle_position, &self->charge, &at.row);
+    sd_at_tooth_t at; /* field by field: to zero it would cost a call */
+    at.tooth = tooth;
+    at.period_s = (float)tooth->period_ticks * self->tick_s;
+    at.shape = self->shape;
+    self->known_nm = sd_motion_sum_known(t, tooth->cycle_position, &self->charge, &at.row);
     if ((at.row.word[SD_ROW_AT].at.close != 0u) && !none_runs) { sd_motion_close_valves(&self->charge, t, at.row.word); }
+    if (self->free_runs != 0u) {
+        move_free(self, t, &at.row);
+        self->free.lateness_s -= at.period_s;
+    }
     for (uint32_t i = 0; i < self->filters; ++i) {
         sd_kalman_filter_t *f = &self->filter[i];
         if (f->running != 0u) {
@@ -238,13 +268,20 @@ uint32_t sd_kalman_step(sd_kalman_t *self, const sd_kalman_tables_t *t, const sd
     return complete;
 }
 
+void sd_kalman_set_free(sd_kalman_t *self) {
+    self->free = self->filter[self->believed].motion;
+    self->free.lateness_s = 0.0f;
+    self->free_runs = 1;
+}
+
 void sd_kalman_restart(sd_kalman_t *self) {
+    self->free_runs = 0;
     for (uint32_t i = 0; i < SD_KALMAN_SETS_MAX; ++i) { restart(&self->filter[i]); }
     sd_motion_fill(&self->charge, self->charge.intake_bar);
 }
 
 float sd_kalman_torque(const sd_kalman_t *self, const sd_kalman_tables_t *t, uint32_t which, uint32_t k) {
-    return sd_motion_torque(&self->filter[which].motion, t, k, &self->charge, self->shape, &self->tuning);
+    return sd_motion_torque(&self->filter[which].motion, t, k, self->known_nm, self->shape, &self->tuning);
 }
 
 /* ---- status ---------------------------------------------------------------------------------------------------- */
@@ -267,6 +304,7 @@ sd_result_t sd_kalman_init(sd_kalman_t *self, const sd_kalman_tables_t *tables, 
     memset(self, 0, sizeof *self);
     self->choice = chosen;
     self->filters = filters;
+    self->tick_s = 1.0f / tables->tick_hz;
     self->tuning = (sd_motion_tuning_t){ 1.0f, 1.0f, 1.0f };
     self->charge.intake_bar = 1.0f;
     sd_kalman_restart(self);

@@ -69,12 +69,21 @@ typedef struct sd_firing {
     uint8_t index;      ///< In firing order.
     float   raw_nm;     ///< torque_nm before zero_nm_per_bar was taken out.
     float   torque_nm;  ///< Mean combustion torque over the 180 deg after its TDC.
-    float   sd_nm;      ///< Standard deviation of that less the mean of all cylinders: timing noise as met, what is not
-                        ///< known of the engine, and with the gains for rough roads what the load's walk gives.
+    float   sd_nm;      ///< Standard deviation of that less the mean of all cylinders (of one cylinder, of itself): timing noise as met,
+                        ///< what is not known of the engine, and with the gains for rough roads what the load's walk gives.
     float   noise_nm;   ///< From timing errors that are new at each edge: as met, and no less than the gains were made for.
     float   mean_nm;    ///< Of this cylinder's last SD_KALMAN_MEAN cycles, fewer after a start.
     float   mean_sd_nm;
 } sd_firing_t;
+
+/// What the tables say at a filter's speed, looked up every fourth tooth: in so few the speed hardly changes.
+typedef struct sd_kalman_place {
+    sd_pair_t weight;        ///< Of the lower and the upper of two speeds.
+    float     expected_rad;  ///< Rms of the innovation.
+    float     per_expected;  ///< 1 over that.
+    uint8_t   at;            ///< The lower speed.
+    uint8_t   of;            ///< 0: nothing yet; 1: the filter was settling; 2: it had settled.
+} sd_kalman_place_t;
 
 /// One filter: its estimate, and what it knows of itself.
 typedef struct sd_kalman_filter {
@@ -83,6 +92,7 @@ typedef struct sd_kalman_filter {
     float    jitter_square;  ///< Square of the lateness that jitter explains, rad^2: the innovation was held against that first.
     float    noise_ratio;    ///< Running mean square of the innovation over its expectation.
     float    peak_nm;        ///< Largest |coefficient|, looked up every fourth tooth.
+    sd_kalman_place_t place;
     float    ring_nm[SD_KALMAN_FIRINGS_MAX][SD_KALMAN_MEAN]; ///< Last torques of each cylinder.
     uint8_t  kept[SD_KALMAN_FIRINGS_MAX]; ///< Filled places of each ring.
     uint8_t  next[SD_KALMAN_FIRINGS_MAX]; ///< Where the next firing goes.
@@ -99,7 +109,12 @@ typedef struct sd_kalman {
     /// What each cylinder reads without combustion, over its charge; 0: not learned; kept by restart.
     float    zero_nm_per_bar[SD_KALMAN_FIRINGS_MAX];
     sd_motion_tuning_t tuning; ///< Kept by restart.
+    float    tick_s;      ///< 1 / tick_hz.
+    float    known_nm;    ///< Motored torque at the last tooth.
     sd_kalman_choice_t choice; ///< Kept by restart; may be changed between two steps to another that sd_kalman_choice_ok takes.
+    /// An estimate over the same intervals and charges, with pulses whose shape is 0, that no tooth corrects: sd_kalman_set_free.
+    sd_motion_t free;
+    uint8_t  free_runs;   ///< 1: it moves with each step. 0: nobody began it, it would have stood still, or the filters began anew.
     uint8_t  filters;     ///< How many run, 1 to tables.sets.
     uint8_t  believed;    ///< Which of them learns the shape of the pulses, below `filters`; the caller's to change between two steps.
     sd_kalman_filter_t filter[SD_KALMAN_SETS_MAX]; ///< Filter i runs with set i of gains.
@@ -119,8 +134,11 @@ void sd_kalman_restart(sd_kalman_t *self);
 /// many as filters run. A tooth out of range changes nothing.
 uint32_t sd_kalman_step(sd_kalman_t *self, const sd_kalman_tables_t *tables, const sd_kalman_tooth_t *tooth, sd_firing_t *firing);
 
-/// Torque of the engine at tooth `cycle_position`, [0, 2 N), as filter `which` has it, Nm, with what a dual-mass flywheel's
-/// spring takes away.
+/// The free estimate begins anew as the believed filter has it now, with no lateness at the last tooth.
+void sd_kalman_set_free(sd_kalman_t *self);
+
+/// Torque of the engine at tooth `cycle_position`, [0, 2 N), which is that of the last step, as filter `which` has it, Nm, with what a
+/// dual-mass flywheel's spring takes away.
 float sd_kalman_torque(const sd_kalman_t *self, const sd_kalman_tables_t *tables, uint32_t which, uint32_t cycle_position);
 
 /// Why filter `which` is not valid, sd_why_t bits.

@@ -4,25 +4,28 @@
 
 /* Puts a torque among the cylinder's last ones and returns their mean. */
 static float remember(sd_kalman_filter_t *f, uint32_t i, float torque_nm) {
-    f->ring_nm[i][f->next[i]] = torque_nm;
-    f->next[i] = (uint8_t)((f->next[i] + 1u < SD_KALMAN_MEAN) ? f->next[i] + 1u : 0u);
-    if (f->kept[i] < SD_KALMAN_MEAN) { f->kept[i]++; }
+    const uint32_t place = f->next[i], next = place + 1u, before = f->kept[i], kept = (before < SD_KALMAN_MEAN) ? before + 1u : SD_KALMAN_MEAN;
+    f->ring_nm[i][place] = torque_nm;
+    f->next[i] = (uint8_t)((next < SD_KALMAN_MEAN) ? next : 0u);
+    f->kept[i] = (uint8_t)kept;
     float sum = 0.0f;
-    for (uint32_t j = 0; j < f->kept[i]; ++j) { sum += f->ring_nm[i][j]; }
-    return sum / (float)f->kept[i];
+    for (uint32_t j = 0; j < kept; ++j) { sum += f->ring_nm[i][j]; }
+    return sum / (float)kept;
 }
 
-/* Variance of a firing less the mean of all, from what is not known of the engine. */
+/* Variance of a firing less the mean of all (of one cylinder, of the firing), from what is not known of the engine. */
 static float model_variance(const sd_kalman_t *self, const sd_kalman_tables_t *t, const sd_kalman_filter_t *f, sd_between_t at,
                             uint32_t i) {
-    const float mean = sd_kalman_mean_firing(f, t);
+    const float mean = sd_kalman_sum_firings(f, t) / (float)t->firings;
     float spread = 0.0f;
     for (uint32_t j = 1; j <= t->firings; ++j) {
         const float apart = f->motion.coefficient_nm[j] - mean;
         spread += apart * apart / (float)t->firings;
     }
     const float of_mean = sd_kalman_blend(t->mean_share, at), of_spread = sd_kalman_blend(t->spread_share, at);
-    const float *doubt_nm_per_bar = (self->zero_nm_per_bar[i] != 0.0f) ? t->learned_nm_per_bar : t->charge_nm_per_bar;
+    /* One cylinder has no zero beside the exponent, which takes what it reads in fuel cut. */
+    const bool learned = (self->zero_nm_per_bar[i] != 0.0f) || ((t->firings == 1u) && (self->charge.exponent != 0.0f));
+    const float *doubt_nm_per_bar = learned ? t->learned_nm_per_bar : t->charge_nm_per_bar;
     const float of_charge = sd_kalman_blend(doubt_nm_per_bar, at) * self->charge.charge_bar[i];
     return of_mean * of_mean * mean * mean + of_spread * of_spread * spread + of_charge * of_charge;
 }

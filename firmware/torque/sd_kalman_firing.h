@@ -30,11 +30,11 @@ static inline sd_between_t sd_kalman_between(const sd_kalman_tables_t *t, uint32
 
 static inline float sd_kalman_blend(const float *table, sd_between_t b) { return table[b.at] + b.share * (table[b.next] - table[b.at]); }
 
-static inline float sd_kalman_mean_firing(const sd_kalman_filter_t *f, const sd_kalman_tables_t *t) {
+static inline float sd_kalman_sum_firings(const sd_kalman_filter_t *f, const sd_kalman_tables_t *t) {
     float sum = 0.0f;
     _Pragma("GCC unroll 4")
     for (uint32_t j = 1; j <= t->firings; ++j) { sum += f->motion.coefficient_nm[j]; }
-    return sum / (float)t->firings;
+    return sum;
 }
 
 /* Fills *firing with firing i < firings, at a tooth, as filter `which` has it now, and keeps it for the mean. */

@@ -40,7 +40,7 @@ static bool gains_ok(const sd_kalman_tables_t *t) {
            sd_all_within(t->charge_nm_per_bar, gains, 0.0f, 1e4f) && sd_all_within(t->learned_nm_per_bar, gains, 0.0f, 1e4f);
 }
 
-/* Any 16 bits are a gain. */
+/* Any 16 bits are a gain, or an entry of a column. */
 static bool row_ok(const sd_kalman_tables_t *t, const sd_kalman_word_t *word) {
     const uint32_t cylinders = (1u << t->cylinders) - 1u;
     bool ok = (word[SD_ROW_AT].at.first + 1u < t->coefficients) || (t->window == 0u);
@@ -62,7 +62,8 @@ bool sd_kalman_tables_ok(const sd_kalman_tables_t *t) {
         ok = row_ok(t, sd_motion_word(t, k));
         teeth += sd_motion_word(t, k)[SD_ROW_AT].at.tooth;
     }
-    for (uint32_t i = 2u * t->positions * t->row_words; ok && (i < sd_kalman_pool_used(t)); ++i) {
+    const uint32_t behind_columns = 2u * t->positions * t->row_words + (uint32_t)t->parts * t->positions;
+    for (uint32_t i = behind_columns; ok && (i < sd_kalman_pool_used(t)); ++i) {
         ok = sd_within(t->pool[i].value, -1e6f, 1e6f);
     }
     return ok && (teeth == 2u * t->teeth);

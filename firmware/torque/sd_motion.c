@@ -8,11 +8,12 @@ uint32_t sd_motion_gains_at(const sd_kalman_tables_t *t) {
 }
 
 uint32_t sd_motion_row_words(const sd_kalman_tables_t *t) {
-    return sd_motion_gains_at(t) + ((uint32_t)t->sets * t->speeds * sd_motion_columns(t) + 2u) / 2u + (t->parts + 1u) / 2u;
+    return sd_motion_gains_at(t) + ((uint32_t)t->sets * t->speeds * sd_motion_columns(t) + 2u) / 2u;
 }
 
 uint32_t sd_kalman_pool_used(const sd_kalman_tables_t *t) {
-    return 2u * t->positions * sd_motion_row_words(t) + (uint32_t)t->parts * t->parts + t->hidden * sd_motion_hidden_words(t);
+    const uint32_t parts = t->parts;
+    return 2u * t->positions * sd_motion_row_words(t) + parts * t->positions + parts * parts + t->hidden * sd_motion_hidden_words(t);
 }
 
 /* ---- charges --------------------------------------------------------------------------------------------------- */
@@ -51,7 +52,7 @@ float sd_motion_held_by_known(const sd_kalman_tables_t *t, const sd_kalman_word_
 }
 
 void sd_motion_known(const sd_kalman_tables_t *t, uint32_t k, const sd_motion_charge_t *charge, sd_motion_row_t *row) {
-    sd_motion_sum_known(t, k, charge, row);
+    (void)sd_motion_sum_known(t, k, charge, row);
 }
 
 /* exp(x A) = a I + b A with A = [0 1; -1 -2 z], for x >= 0: Taylor's series at a small part of x, then squared, both by
@@ -127,13 +128,10 @@ static float through_spring(const sd_motion_t *self, const sd_kalman_tables_t *t
     return r * torque;
 }
 
-float sd_motion_torque(const sd_motion_t *self, const sd_kalman_tables_t *t, uint32_t k, const sd_motion_charge_t *charge, float shape,
+float sd_motion_torque(const sd_motion_t *self, const sd_kalman_tables_t *t, uint32_t k, float known_nm, float shape,
                        const sd_motion_tuning_t *tuning) {
-    const sd_kalman_word_t *word = sd_motion_word(t, k), *motored = word + SD_ROW_MOTORED, *pulse = pulses_of(t, word);
-    float sum = word[SD_ROW_KNOWN + POINT].value + word[SD_ROW_COMMON + POINT].value * charge->common_bar + self->coefficient_nm[0];
-    const float *bar = charge->charge_bar;
-    _Pragma("GCC unroll 4")
-    for (uint32_t left = t->cylinders; left > 0u; --left, motored += 3, ++bar) { sum += motored[POINT].value * *bar; }
+    const sd_kalman_word_t *word = sd_motion_word(t, k), *pulse = pulses_of(t, word);
+    float sum = known_nm + self->coefficient_nm[0];
     uint32_t j = 1u + word[SD_ROW_AT].at.first;
     for (uint32_t left = t->window; left > 0u; --left, pulse += PULSE_WORDS) {
         sum += (pulse[POINT].value + shape * pulse[BEND + POINT].value) * self->coefficient_nm[j];

@@ -72,10 +72,11 @@ enum {
 /// its bend g_j; pulses that are not in the row are 0 there. A mode: the twist that its mean known torques hold that do not
 /// scale with intake pressure: rad, and rad a w^2 of (rad/s)^2. Gains, as multiples of their scale, 16 bits each: for each
 /// set the columns K_0, K_1, K_x[m], K_s with a shape, and K_q, K_v of each mode, all speeds of a column side by side, so that
-/// the two that a speed lies between are a pair; then one more and up to a whole word; then, for sd_fired.h, one column each of
-/// the parts, times 32767. Behind the rows: `restore`, parts by parts, and for each hidden direction its pattern over the
-/// parts, what it reads of the parts and of the firings, the rms of its torque over the firings less their mean over J w^2, the sum
-/// of the sizes of what it reads of the firings, and the share of the mean torque that they may be off by as speed and fuel change.
+/// the two that a speed lies between are a pair; then one more and up to a whole word. Behind the rows, for sd_fired.h: for each tooth of
+/// a revolution the columns of the parts, times 32767, a word with the entries of both revolutions for each part; `restore`, parts by
+/// parts; and for each hidden direction its pattern over the parts, what it reads of the parts and of the firings, the rms of its torque
+/// over the firings less their mean over J w^2, the sum of the sizes of what it reads of the firings, and the share of the mean torque that
+/// they may be off by as speed and fuel change.
 typedef struct sd_kalman_tables {
     uint8_t  positions;    ///< Wheel positions a revolution N, even, 12 to 120. 0: there are no tables.
     uint8_t  coefficients; ///< m, 1 to SD_KALMAN_COEFFICIENTS_MAX, x_0 included.
@@ -101,8 +102,8 @@ typedef struct sd_kalman_tables {
     float    gain_scale[SD_KALMAN_SETS_MAX][SD_KALMAN_SCALES];
     float    noise_rad[SD_KALMAN_GAINS_MAX];    ///< Of each speed of each set: timing error that the gains were made for, > 0.
     float    expected_rad[SD_KALMAN_GAINS_MAX]; ///< Expected rms of the innovation, no less than that.
-    /// Standard deviation of a firing less the mean of all cylinders, per rad of timing error, over J_mean w^2: one
-    /// firing, errors new at each edge; mean of SD_KALMAN_MEAN cycles, the same; either, errors that stay with a tooth.
+    /// Standard deviation of a firing less the mean of all cylinders (of one cylinder, of itself), per rad of timing error, over J_mean w^2:
+    /// one firing, errors new at each edge; mean of SD_KALMAN_MEAN cycles, the same; either, errors that stay with a tooth.
     float    single_sd[SD_KALMAN_GAINS_MAX], mean_sd[SD_KALMAN_GAINS_MAX], pattern_sd[SD_KALMAN_GAINS_MAX];
     float    load_sd_nm[SD_KALMAN_GAINS_MAX]; ///< Of a firing, from the load's walk that the gains were made for, >= 0.
     /// Standard deviation of a firing less the mean of all cylinders from what is not known of the engine: share of the mean torque, share
@@ -202,8 +203,8 @@ static inline float sd_motion_late(const sd_motion_t *self, const sd_kalman_tabl
     return ahead - self->lateness_s * speed;
 }
 
-/// Torque at tooth k, Nm, with what a dual-mass flywheel's spring takes away.
-float sd_motion_torque(const sd_motion_t *self, const sd_kalman_tables_t *t, uint32_t k, const sd_motion_charge_t *charge, float shape,
+/// Torque at tooth k, Nm, with what a dual-mass flywheel's spring takes away; known_nm is what is motored of it.
+float sd_motion_torque(const sd_motion_t *self, const sd_kalman_tables_t *t, uint32_t k, float known_nm, float shape,
                        const sd_motion_tuning_t *tuning);
 
 #ifdef __cplusplus

@@ -28,21 +28,25 @@ bool sd_motion_swing(sd_motion_t *self, const sd_kalman_tables_t *t, const sd_mo
                      const sd_motion_tuning_t *tuning,
                      float dt, float square);
 
-/* As sd_motion_known. */
-static inline void sd_motion_sum_known(const sd_kalman_tables_t *t, uint32_t k, const sd_motion_charge_t *charge, sd_motion_row_t *row) {
+/* As sd_motion_known. Returns the known torque at tooth k itself. */
+static inline float sd_motion_sum_known(const sd_kalman_tables_t *t, uint32_t k, const sd_motion_charge_t *charge,
+                                        sd_motion_row_t *row) {
     const sd_kalman_word_t *word = sd_motion_word(t, k), *motored = word + SD_ROW_MOTORED;
-    float mean = word[SD_ROW_KNOWN + MEAN].value + word[SD_ROW_COMMON + MEAN].value * charge->common_bar;
-    float moment = word[SD_ROW_KNOWN + MOMENT].value + word[SD_ROW_COMMON + MOMENT].value * charge->common_bar;
-    const float *bar = charge->charge_bar;
+    const float common = charge->common_bar, *bar = charge->charge_bar;
+    float mean = word[SD_ROW_KNOWN + MEAN].value + word[SD_ROW_COMMON + MEAN].value * common;
+    float moment = word[SD_ROW_KNOWN + MOMENT].value + word[SD_ROW_COMMON + MOMENT].value * common;
+    float point = word[SD_ROW_KNOWN + POINT].value + word[SD_ROW_COMMON + POINT].value * common;
     _Pragma("GCC unroll 4")
     for (uint32_t left = t->cylinders; left > 0u; --left, motored += 3, ++bar) {
         mean += motored[MEAN].value * *bar;
         moment += motored[MOMENT].value * *bar;
+        point += motored[POINT].value * *bar;
     }
     row->word = word;
     row->mean_nm = mean;
     row->moment_nm = moment;
     for (uint32_t m = 0; m < t->modes; ++m) { row->held_rad[m] = sd_motion_held_by_known(t, word, m, charge); }
+    return point;
 }
 
 /* As sd_motion_predict. */

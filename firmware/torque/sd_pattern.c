@@ -16,7 +16,7 @@
 #define PIECE       2u     /* positions of the last cycle that go into the sums at a tooth */
 
 #if SD_CYLINDERS_MAX == 8
-_Static_assert(sizeof(sd_pattern_t) == 4772, "without pointers, the same size on every target");
+_Static_assert(sizeof(sd_pattern_t) == 4684, "without pointers, the same size on every target");
 #endif
 
 /* ---- the last cycle goes into the sums ------------------------------------------------------------------------- */
@@ -223,7 +223,8 @@ static bool run_free(sd_pattern_t *self, const sd_kalman_tables_t *t, const sd_k
     const uint32_t cycle = 2u * t->positions;
     bool moving = (tooth->advance >= 1u) && (tooth->advance <= cycle);
     sd_motion_take_intake(&self->charge, tooth->intake_bar);
-    for (uint32_t left = tooth->advance; (left-- > 0u) && moving;) {
+    for (uint32_t left = tooth->advance; (left > 0u) && moving;) {
+        left--;
         const uint32_t ahead = tooth->cycle_position + cycle - left, k = (ahead >= cycle) ? ahead - cycle : ahead;
         sd_motion_row_t row;
         sd_motion_known(t, k, &self->charge, &row);

@@ -44,7 +44,7 @@ static void end_window(sd_work_meter_t *self, uint32_t ticks, bool good) {
     const bool before = (self->seen & bit) != 0u;
     self->ticks = good ? ticks : 0u;
     self->last_ticks = (good && before) ? self->passed_ticks[self->at] : 0u;
-    self->passed_ticks[self->at] = ticks;
+    self->passed_ticks[self->at] = self->ticks; /* 0 is not read: its bit is not set */
     self->seen = (uint8_t)(good ? (self->seen | bit) : (self->seen & ~(uint32_t)bit));
 }
 

@@ -11,7 +11,7 @@ extern "C" {
 #endif
 
 /// Changes whenever the table does; calibration pages and logs carry it.
-#define SD_SIGNALS_SIGNATURE 0x5cf19b39u
+#define SD_SIGNALS_SIGNATURE 0x4ebd0fd3u
 
 /// Channel of an SD_EVENT_SAMPLE.
 typedef enum sd_input {
@@ -48,7 +48,7 @@ typedef enum sd_signal {
     SD_SIGNAL_TORQUE_INNOVATION = 7, ///< Measured less predicted kinetic energy at the last corrected tooth. [J]
     SD_SIGNAL_CYCLE_SPEED = 8, ///< Mean speed of the cycle just ended. [rpm]
     SD_SIGNAL_CYCLE_CYLINDER_TORQUE = 9, ///< Combustion torque of a cylinder over the 180 deg after its TDC, mean of the last cycles, by physical number; from the harmonics, the known pulse shape and the intake pressure. [Nm, 8 channels]
-    SD_SIGNAL_CYCLE_CYLINDER_SD = 17, ///< Standard deviation of cycle.cylinder_torque from errors of the tooth times (torque.tooth_sd, timer); errors of the engine model are not in it. [Nm, 8 channels]
+    SD_SIGNAL_CYCLE_CYLINDER_SD = 17, ///< Standard deviation of cycle.cylinder_torque from errors of the tooth times (torque.edge_sd, timer); errors of the engine model are not in it. [Nm, 8 channels]
     SD_SIGNAL_FIRING_WAVEFORM = 25, ///< Torque at the tooth from the filter on tooth times: combustion and motored torque less load. [Nm]
     SD_SIGNAL_WHEEL_PATTERN_SD = 26, ///< Standard deviation of the learned error of a tooth; 0: nothing learned. [deg]
     SD_SIGNAL_WHEEL_LEARNED_CYCLES = 27, ///< Motored cycles the tooth pattern was learned from. [-]
@@ -59,7 +59,7 @@ typedef enum sd_signal {
     SD_SIGNAL_FIRING_MEAN_SD = 32, ///< Standard deviation of firing.mean less that of all cylinders: of the imbalance. [Nm]
     SD_SIGNAL_FIRING_ROUGH = 33, ///< 1: the road is rough, and all of firing comes from the filter whose gains let the load move. [-]
     SD_SIGNAL_WORK_CYCLE = 34, ///< Kinetic energy that the crank has gained over the last 720 deg: indicated work of all cylinders less that of load and friction, so about 0 in steady running. Less its own mean, how far the indicated work is from its mean while the load stays. In proportion to the inertia. [J]
-    SD_SIGNAL_WORK_SD = 35, ///< Standard deviation of work.cycle from errors of the tooth times (torque.tooth_sd, timer); an error of the inertia is not in it. Of work.change 1.4 times as much. [J]
+    SD_SIGNAL_WORK_SD = 35, ///< Standard deviation of work.cycle from errors of the tooth times (torque.edge_sd, timer); an error of the inertia is not in it. Of work.change 1.4 times as much. [J]
     SD_SIGNAL_WORK_CHANGE = 36, ///< work.cycle less that of the firing before: how much more work this firing did than the same cylinder's firing a cycle earlier. 0 where not known. [J]
     SD_SIGNAL_WORK_FIRING = 37, ///< Which firing of the firing order the stretch of teeth lies behind, from 0. [-]
     SD_SIGNAL_WORK_CYLINDER = 38, ///< Physical cylinder whose own work.change is; 0: not known, or firings are so close that over a tenth of it is another's. [-]
@@ -185,14 +185,14 @@ typedef struct sd_signals {
 
 /// Parameters of the working page; names, ranges and defaults in sd_parameter_infos.
 typedef struct sd_parameters {
-    float crank_stall_s; ///< Longest time between two edges; beyond it the engine stands still.
+    float crank_stall_time_s; ///< Longest time between two edges; beyond it the engine stands still.
     float torque_harmonics; ///< n_h, harmonics of the cycle in the torque estimate; 0: 5, or as many as cylinders where these are more.
     float torque_gain_energy_per_rad; ///< L_ke, how fast the kinetic energy follows its measurement.
     float torque_gain_mean_per_rad2; ///< L_a0, adaptation of the mean torque.
     float torque_gain_reference_per_rad2; ///< L_ref; harmonic i adapts with i L_ref. `sixdeg calibrate` refuses a set that does not converge.
-    float torque_reject_energy; ///< Share of the kinetic energy by which a tooth may miss its prediction before it is left out.
+    float torque_reject_energy_share; ///< Share of the kinetic energy by which a tooth may miss its prediction before it is left out.
     float torque_settle_cycles; ///< Cycles after a start during which the estimate is flagged as converging.
-    float torque_tooth_sd_deg; ///< Random error of a tooth edge, standard deviation, beside the timer's rounding; scales cycle.cylinder_sd and work.sd.
+    float torque_edge_sd_deg; ///< Random error of a tooth edge, standard deviation, beside the timer's rounding; scales cycle.cylinder_sd and work.sd.
     float torque_speed_base_rpm; ///< Highest speed; base of the fixed-point variant.
     float torque_torque_base_nm; ///< Highest instantaneous torque, beyond which the observer starts anew; base of the fixed-point variant; 0: 40 bar times a cylinder's displacement.
     float torque_fixed_point; ///< 1 runs the q31 variant, 0 the float one.
@@ -200,26 +200,26 @@ typedef struct sd_parameters {
     float firing_enabled; ///< 1 runs the filter on tooth times beside the Fourier observer; it needs the engine file's heat release.
     float firing_harmonics; ///< 0: the filter's basis is the known pulse of each cylinder. Otherwise harmonics of the cycle: a waveform, but no single firings.
     float firing_edge_sd_deg; ///< Timing error of an edge that the gains are made for, the timer's rounding not included.
-    float firing_pattern_deg; ///< Standard deviation of a tooth's own error while it is not learned.
+    float firing_pattern_sd_deg; ///< Standard deviation of a tooth's own error while it is not learned.
     float firing_load_walk_nm; ///< Change of load and friction from tooth to tooth.
     float firing_rough_walk_nm; ///< The same on rough roads: of the second filter, which is used when the two disagree. 0: there is none.
-    float firing_change_nm; ///< Change of a cylinder's torque from one firing to the next.
+    float firing_torque_change_nm; ///< Change of a cylinder's torque from one firing to the next.
     float firing_shape_walk_nm; ///< Change from tooth to tooth of the pulses' shape, times the mean torque. 0: the calibration's shape is kept.
-    float firing_reject_deg; ///< Lateness of a tooth beyond which it is left out, besides what torque.torque_base explains.
+    float firing_reject_lateness_deg; ///< Lateness of a tooth beyond which it is left out, besides what torque.torque_base explains.
     float firing_settle_cycles; ///< Cycles after a start during which firings are flagged as converging.
     float misfire_work_per_fuel_jpmg; ///< Work of combustion that a healthy firing is expected to give; each cylinder learns its own within 0.6 to 1.5 of it.
-    float misfire_cyclic; ///< Largest usual cyclic variation: standard deviation of a healthy firing's work over its mean. Scatter beyond it counts as disturbance.
+    float misfire_cyclic_variation; ///< Largest usual cyclic variation: standard deviation of a healthy firing's work over its mean. Scatter beyond it counts as disturbance.
     float misfire_z_false; ///< Wanted distance of a healthy firing from the limit, in standard deviations; 3.54 is 2 false alarms in 10,000.
     float misfire_z_missed; ///< The same of a misfire; 2.58 is 5 of 1000 overlooked.
-    float misfire_definition; ///< Share of the expected work below which a firing is a misfire, where noise leaves the choice.
-    float misfire_partial; ///< Share below which it is a partial burn; not below definition.
+    float misfire_misfire_below; ///< Share of the expected work below which a firing is a misfire, where noise leaves the choice.
+    float misfire_partial_burn_below; ///< Share of the expected work below which a firing is a partial burn; never below misfire.misfire_below.
     float misfire_fuel_min_mg; ///< Commanded fuel a stroke below which nothing is judged.
     float misfire_fuel_level_min_percent; ///< Tank level below which nothing is judged: an empty line misfires without a fault of the engine's. Unknown levels pass.
     float misfire_torque_min_nm; ///< Expected mean torque below which nothing is judged.
-    float misfire_speed_change; ///< Change of speed from one firing to the next, beyond what a missing firing does, that only a shift makes. A gentle shift is below it.
-    float misfire_start_cycles; ///< Not judged after a start, beyond the estimate's own settling.
-    float misfire_hold_cycles; ///< Not judged after fuel cut or a gear shift.
-    float misfire_continuous; ///< Misfires of a cylinder in a row that make it continuous.
+    float misfire_shift_speed_change; ///< Change of speed from one firing to the next, beyond what a missing firing does, that only a shift makes. A gentle shift is below it.
+    float misfire_start_inhibit_cycles; ///< Not judged after a start, beyond the estimate's own settling.
+    float misfire_resume_inhibit_cycles; ///< Not judged after fuel cut or a gear shift.
+    float misfire_continuous_firings; ///< Misfires of a cylinder in a row that make it continuous.
     float misfire_emission_percent; ///< Misfires in 1000 revolutions, of all firings, that count against emissions.
     float misfire_catalyst_percent; ///< Misfires in 200 revolutions that harm the catalyst.
     float misfire_emission_windows; ///< Windows of 1000 over the limit that light the lamp; one is enough in the first.
@@ -235,29 +235,29 @@ typedef struct sd_parameters {
     float afr_gain_cylinder; ///< L_cyl of the chain: of the cylinders, over the charge squared.
     float afr_inversion_gain; ///< g of the chain's Fourier law, a position.
     float afr_inversion_floor; ///< rho of the chain's Fourier law: responses of the sensor below it are not inverted in full.
-    float afr_noise; ///< Density of the lambda sensor's noise, of burned share over sqrt(Hz), one-sided: what the filter expects.
-    float afr_drift; ///< q: how far a cylinder is expected to move in one cycle, of the mean burned share. Larger is noisier; steps are for afr.jump.
-    float afr_jump; ///< How far a cylinder may have moved where innovations keep to one side, of the mean burned share. 0: steps are followed by drift alone.
-    float afr_drift_slow; ///< The same in slow mode.
-    float afr_slow_above; ///< Slow mode where crank speed (rad/s) times the sum of the sensor's lags (s) is above this.
+    float afr_sensor_noise; ///< Density of the lambda sensor's noise, of burned share over sqrt(Hz), one-sided: what the filter expects.
+    float afr_cylinder_drift; ///< q: how far a cylinder is expected to move in one cycle, of the mean burned share. Larger is noisier; steps are for afr.cylinder_jump.
+    float afr_cylinder_jump; ///< How far a cylinder may have moved where innovations keep to one side, of the mean burned share. 0: steps are followed by drift alone.
+    float afr_cylinder_drift_slow; ///< The same in slow mode.
+    float afr_slow_mode_above; ///< Slow mode where crank speed (rad/s) times the sum of the sensor's lags (s) is above this.
     float afr_stoichiometric; ///< Air to fuel of the fuel in use.
-    float afr_identify; ///< Delay of the lambda sensor: 0 as calibrated, 1 learned from what the trims do, 2 also by a probe where trims are allowed and it is not known to 10 deg crank, or trims had to be given up.
-    float afr_probe; ///< Size of the probe: fuel trim on one cylinder.
-    float afr_late_error_s; ///< Standard deviation of the calibrated delay to the lambda sensor until better is learned; goes into afr.cylinder_sd. 10 deg crank either way at 1500 rpm is 0.0006.
-    float afr_lag_error; ///< The same of the sensor's lags, as a share; 20 % either way is 0.115.
+    float afr_delay_learning; ///< Delay of the lambda sensor: 0 as calibrated, 1 learned from what the trims do, 2 also by a probe where trims are allowed and it is not known to 10 deg crank, or trims had to be given up.
+    float afr_delay_probe; ///< Size of the probe: fuel trim on one cylinder.
+    float afr_delay_error_sd_s; ///< Standard deviation of the calibrated delay to the lambda sensor until better is learned; goes into afr.cylinder_sd. 10 deg crank either way at 1500 rpm is 0.0006.
+    float afr_lag_error_sd; ///< The same of the sensor's lags, as a share; 20 % either way is 0.115.
     float balance_source; ///< 0 no trims, 1 from afr.cylinder_burned, 2 from firing.torque; no trims follow a misfire.
-    float balance_gain; ///< Of the deviation, taken off the trim each cycle.
-    float balance_proportional; ///< P of a PI law, as in document 004: of the deviation's change in a cycle, taken off the trim. 0: an integrator.
-    float balance_rate; ///< Largest change of a trim in a cycle.
-    float balance_limit; ///< Largest trim.
+    float balance_integral_gain; ///< Of the deviation, taken off the trim each cycle.
+    float balance_proportional_gain; ///< P of a PI law, as in document 004: of the deviation's change in a cycle, taken off the trim. 0: an integrator.
+    float balance_trim_rate; ///< Largest change of a trim in a cycle.
+    float balance_trim_limit; ///< Largest trim.
     float balance_sd_max; ///< Stated standard deviation of a deviation above which nothing is learned.
     float balance_hold_cycles; ///< How long trims hold after a transient or an estimate that is not valid.
-    float airpath_detect; ///< Threshold of detection; what it means in false alarms: docs/theory/airpath.md.
-    float airpath_isolate; ///< Threshold by which the named fault must be ahead of any other.
-    float airpath_settle_s; ///< Time for which the observers settle after a start, or after an input was missing.
-    float airpath_window_s; ///< Time in which the residuals' offsets are learned after a start; 0: they are taken to be 0.
-    float airpath_late_s; ///< Age of a reading from which on decisions rest until the next one comes.
-    float airpath_stuck_s; ///< Time for which a pressure or the air flow may read the same to the last bit before its sensor counts as stuck; decisions rest meanwhile.
+    float airpath_detect_threshold; ///< Threshold of detection; what it means in false alarms: docs/theory/airpath.md.
+    float airpath_isolate_threshold; ///< Threshold by which the named fault must be ahead of any other.
+    float airpath_settle_time_s; ///< Time for which the observers settle after a start, or after an input was missing.
+    float airpath_offset_window_s; ///< Time in which the residuals' offsets are learned after a start; 0: they are taken to be 0.
+    float airpath_late_after_s; ///< Age of a reading from which on decisions rest until the next one comes.
+    float airpath_stuck_after_s; ///< Time for which a pressure or the air flow may read the same to the last bit before its sensor counts as stuck; decisions rest meanwhile.
     float airpath_tracking; ///< Distance of a position from its command, for half a second on average, that is said as not tracking.
     float airpath_arithmetic; ///< Of the diagnosis: 0 single precision, 1 fixed point (q31). Another one begins anew.
     float driveline_damping; ///< 1: the damping asks for torque. It needs the engine file's driveline.

@@ -52,9 +52,9 @@ nlohmann::ordered_json firing_json(const RunResult &result, const std::optional<
         json["single_over_walk_bound"] = f.single_percent / bounds->single_walk_percent;
         json["imbalance_over_walk_bound"] = f.imbalance_percent / bounds->imbalance_walk_percent;
     }
-    if (result.learned.twist.variance > 0) {
-        json["twist_percent"] = 100 * double(result.learned.twist.deviation);
-        json["twist_sd_percent"] = 100 * double(sd_twist_sd(&result.learned.twist));
+    if (result.learned.pattern.twist.variance > 0) {
+        json["twist_percent"] = 100 * double(result.learned.pattern.twist.deviation);
+        json["twist_sd_percent"] = 100 * double(sd_twist_sd(&result.learned.pattern.twist));
     }
     if (result.waveform) {
         json["waveform_rms_percent"] = result.waveform->rms_true_percent, json["waveform_shift_deg"] = result.waveform->shift_deg;
@@ -83,10 +83,10 @@ void print_firing(const char *heading, const RunResult &result, const std::optio
     if (result.waveform)
         row("  waveform", fmt::format("{:.2f} % rms, shift {:+.3f} deg", result.waveform->rms_true_percent, result.waveform->shift_deg));
     if (result.pattern_sd_deg > 0)
-        row("  tooth pattern learned to", fmt::format("{:.4f} deg over {:.0f} cycles", result.pattern_sd_deg, double(result.learned.cycles)));
+        row("  tooth pattern learned to", fmt::format("{:.4f} deg over {:.0f} cycles", result.pattern_sd_deg, double(result.learned.pattern.cycles)));
     if (result.exponent != 0)
         row("  exponent of compression", fmt::format("{:+.4f} beyond the calibration's, stated to {:.4f}", result.exponent, result.exponent_sd));
-    const sd_twist_sums_t &twist = result.learned.twist;
+    const sd_twist_sums_t &twist = result.learned.pattern.twist;
     if (twist.variance > 0)
         row("  frequency of the crank's twist", fmt::format("{:+.3f} % beyond the tables, stated to {:.3f} %", 100 * double(twist.deviation),
                                                             100 * double(sd_twist_sd(&twist))));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The tooth pattern between runs, alike in `run` and `replay`.
+// What the firmware learned, between runs, alike in `run` and `replay`.
 #pragma once
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -12,18 +13,27 @@ extern "C" {
 
 namespace sixdeg {
 
-/// Throws InputError for a page that is damaged. Its checksum goes into `files`.
-inline sd_pattern_sums_t read_learned_page(const std::string &path, nlohmann::ordered_json &files) {
-    const std::string bytes = read_file(path);
-    const sd_pattern_sums_t *learned = sd_learned_view(bytes.data(), std::uint32_t(bytes.size()));
-    if (!learned) throw InputError(path, "learned page", "it is damaged, or of another version of the signal table");
-    files[path] = sha256(bytes);
-    return *learned;
+/// Why these bytes are no learned page, in words.
+inline std::string no_learned_page(const std::string &bytes) {
+    const std::uint32_t magic = SD_LEARNED_MAGIC;
+    const std::string format(reinterpret_cast<const char *>(&magic), sizeof magic), found = bytes.substr(0, format.size());
+    if (found != format && found.substr(0, 3) == format.substr(0, 3))
+        return fmt::format("it is of format {}, and this firmware reads {}: let it learn anew (--learn)", found, format);
+    return "it is damaged, or of another version of the signal table";
 }
 
-inline std::string learned_page(const sd_pattern_sums_t &learned) {
+/// Throws InputError for a page that is damaged or of another format. Its checksum goes into `files`.
+inline sd_kept_t read_learned_page(const std::string &path, nlohmann::ordered_json &files) {
+    const std::string bytes = read_file(path);
+    const sd_kept_t *kept = sd_learned_view(bytes.data(), std::uint32_t(bytes.size()));
+    if (!kept) throw InputError(path, "learned page", no_learned_page(bytes));
+    files[path] = sha256(bytes);
+    return *kept;
+}
+
+inline std::string learned_page(const sd_kept_t &kept) {
     sd_learned_t page{};
-    sd_learned_make(&page, &learned);
+    sd_learned_make(&page, &kept);
     return {reinterpret_cast<const char *>(&page), sizeof page};
 }
 

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "cli/commands.hpp"
+#include "cli/contradictions.hpp"
 #include "cli/learned_page.hpp"
 #include "cli/tune_options.hpp"
 #include "common/error.hpp"
@@ -40,7 +41,7 @@ struct Inputs {
     sd_parameters_t tune{};
     std::string tune_name;
     std::vector<SensorSource> sensors;
-    std::optional<sd_pattern_sums_t> learned;
+    std::optional<sd_kept_t> learned;
     std::optional<int> parity;
     Json files;
     std::vector<std::string> notes;
@@ -153,7 +154,7 @@ ReplayResult run_recording(const ReplayOptions &options, Inputs &inputs, ReplayS
     if (cam && cam->teeth > 1) plan.cam_position = cam_position(*cam, inputs.engine.wheel);
     if (inputs.learned) plan.learned = &*inputs.learned;
     if (!page) {
-        CrankAlone crank(options.file, inputs.engine, double(inputs.tune.crank_stall_s));
+        CrankAlone crank(options.file, inputs.engine, double(inputs.tune.crank_stall_time_s));
         return replay(plan, crank, sink);
     }
     plan.parity_position = page->cam_position;
@@ -199,7 +200,7 @@ void run(const ReplayOptions &options) {
     if (!options.truth.empty()) throw InputError(options.file, "--truth", "a recording has none; allowed beside an event log");
     Inputs inputs = read_inputs(options);
     if (inputs.engine_given && !inputs.parity && !inputs.found.guess.cam) {
-        const ParityFound found = find_parity(options.file, inputs.found.guess, inputs.engine, double(inputs.tune.crank_stall_s));
+        const ParityFound found = find_parity(options.file, inputs.found.guess, inputs.engine, double(inputs.tune.crank_stall_time_s));
         if (found.parity) set_parity(inputs, *found.parity);
         inputs.notes.push_back(found.note);
     }
@@ -209,6 +210,9 @@ void run(const ReplayOptions &options) {
     for (std::string &note : cam_notes(inputs.found, inputs.engine, result)) inputs.notes.push_back(std::move(note));
     const std::optional<std::string> failure = why_not_followed(inputs.found, result);
     Json summary = summarise(inputs, result);
+    const bool judged = inputs.engine_given && page; // a nameless engine fits none
+    const auto warnings = judged ? contradictions(inputs.engine, page->parameters, result.evidence) : std::vector<std::string>();
+    summary["warnings"] = warnings;
     summary["not_followed"] = failure ? Json(*failure) : Json();
     out.commit(summary);
     if (!options.learn.empty()) write_file(options.learn, learned_page(result.learned));
@@ -217,6 +221,7 @@ void run(const ReplayOptions &options) {
     print_misfires(result);
     for (const std::string &note : inputs.notes) fmt::print("note: {}\n", note);
     for (const std::string &assumption : list_assumptions(inputs)) fmt::print("assumed: {}\n", assumption);
+    print_contradictions(warnings);
     if (failure) throw NotFollowed(options.file, *failure);
 }
 
@@ -246,8 +251,8 @@ void add_replay(Command &app) {
     command.option("--tune", options->tune, "tune file");
     command.settings(options->set, "key=value, over the tune file");
     command.number(options->number);
-    command.option("--learned", options->learned, "tooth pattern learned before, as in run");
-    command.option("--learn", options->learn, "where the tooth pattern goes at the end");
+    command.option("--learned", options->learned, "what was learned before, as in run");
+    command.option("--learn", options->learn, "where what was learned goes at the end");
     command.option("--truth", options->truth, "folder of the run that an event log is of: its truth beside the replay");
     command.output_folder(options->out, "folder for summary.json, teeth.csv, cycles.csv, firings.csv and work.csv");
     command.option("--json", options->json, "the summary alone");

@@ -14,6 +14,7 @@
 #include "design/calibration.hpp"
 #include "design/kept_pages.hpp"
 #include "cli/commands.hpp"
+#include "cli/contradictions.hpp"
 #include "cli/learned_page.hpp"
 #include "cli/run_figures.hpp"
 #include "cli/tune_options.hpp"
@@ -46,11 +47,11 @@ struct Inputs {
     sd_parameters_t tune;
     std::string tune_name;
     sd_calibration_t calibration;
-    std::optional<sd_pattern_sums_t> learned;
+    std::optional<sd_kept_t> learned;
     std::optional<Scenario> lesson; ///< Instead of `learned`: each calibration learns from it by itself.
     Json files;
 
-    std::optional<sd_pattern_sums_t> learned_with(const sd_calibration_t &page) const {
+    std::optional<sd_kept_t> learned_with(const sd_calibration_t &page) const {
         return lesson ? run_on_bench(*lesson, page, nullptr).learned : learned;
     }
 };
@@ -121,6 +122,11 @@ Json thresholds() {
             {"health_counted", {{"torque", "valid"}, {"cylinders", "valid, degraded"}}}};
 }
 
+/// Where the calibration does not fit what was seen.
+std::vector<std::string> warnings_of(const Inputs &inputs, const RunResult &result) {
+    return contradictions(inputs.scenario.engine.shared, inputs.calibration.parameters, result.evidence);
+}
+
 Json summarise(const Options &options, const Inputs &inputs, const RunResult &result,
                const std::optional<PerturbedRun> &perturbed, double realtime_factor) {
     const EngineFile &engine = inputs.scenario.engine.shared;
@@ -150,6 +156,7 @@ Json summarise(const Options &options, const Inputs &inputs, const RunResult &re
     summary["parameters"] = parameters_json(inputs.calibration.parameters);
     summary["thresholds"] = thresholds();
     summary["engine"] = {{"name", engine.name}, {"guessed", engine.guessed}};
+    summary["warnings"] = warnings_of(inputs, result);
     summary["versions"] = {{"sixdeg", SD_VERSION}, {"signals", fmt::format("{:08x}", SD_SIGNALS_SIGNATURE)}};
     summary["files"] = inputs.files;
     return summary;
@@ -176,6 +183,7 @@ void print_figures(const Inputs &inputs, const RunResult &result, const std::opt
     if (perturbed) print_misfire("the same, perturbed", perturbed->result.misfire, 0);
     print_firing("single firings over", result, bounds);
     if (perturbed) print_firing("the same, perturbed, over", perturbed->result, std::nullopt);
+    print_contradictions(warnings_of(inputs, result));
 }
 
 /// The same run with a calibration that is wrong, drawn from the scenario's seed.
@@ -196,7 +204,7 @@ void check_transport(const Options &options) {
     if ((in_process || emulated) && (options.pace.real_time || options.pace.at_most > 0))
         throw InputError("--real-time, --pace", "", "are for a bus; give --transport");
     if (!in_process && !(options.learn + options.learned).empty())
-        throw InputError("--learn, --learned", "", "the tooth pattern stays in the ecu over a bus; leave them out");
+        throw InputError("--learn, --learned", "", "what is learned stays in the ecu over a bus; leave them out");
     if (options.restart() && !in_process && !emulated)
         throw InputError("--restart", "", "the ecu at the other end of a bus is not in this program's hands; kill it");
     if (options.restart() && !options.record.empty())
@@ -277,7 +285,7 @@ void add_options(Command &command, const std::shared_ptr<Options> &options) {
     command.output_folder(options->out, "folder for summary.json, teeth.csv and cycles.csv");
     command.option("--json", options->json, "the summary alone");
     command.option("--learned", options->learned, "what was learned before, or a scenario whose fuel cut is learned from first (by each calibration for itself); not over a bus");
-    command.option("--learn", options->learn, "where the tooth pattern goes at the end of the run; not over a bus");
+    command.option("--learn", options->learn, "where what was learned goes at the end of the run; not over a bus");
     command.flag("--nominal", options->nominal, "skip the second run, whose calibration is wrong on purpose; over a bus there is none");
     const Option cache = command.option("--cache", options->cache,
                                         "folder of pages seen before, in place of ~/.cache/sixdeg (docs/reference/files.md)");

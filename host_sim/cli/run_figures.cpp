@@ -31,14 +31,16 @@ Json cylinders_json(const std::optional<CylinderFigures> &cylinders) {
             {"imbalance_rms_percent", cylinders->imbalance_rms_percent}};
 }
 
-Json afr_json(const std::optional<AfrFigures> &afr) {
+Json afr_json(const RunResult &result) {
+    const std::optional<AfrFigures> &afr = result.afr;
     if (!afr) return Json();
     return {{"cycles_measured", afr->cycles},
             {"rms_points", afr->rms_points},
             {"bias_points", afr->bias_points},
             {"stated_points", afr->stated_points},
             {"spread_true_percent", afr->spread_percent},
-            {"wrong_cylinder_percent", afr->wrong_cylinder_percent}};
+            {"wrong_cylinder_percent", afr->wrong_cylinder_percent},
+            {"learned_late_ms", 1e3 * result.afr_late_s}};
 }
 
 Json balance_json(const std::optional<BalanceFigures> &balance) {
@@ -117,7 +119,7 @@ void row(const char *name, const RunResult &nominal, const std::optional<Perturb
 void add_figures(Json &summary, const RunResult &nominal, const std::optional<PerturbedRun> &perturbed) {
     summary["torque"] = torque_json(nominal.torque);
     summary["cylinders"] = cylinders_json(nominal.cylinders);
-    summary["afr"] = afr_json(nominal.afr);
+    summary["afr"] = afr_json(nominal);
     summary["balance"] = balance_json(nominal.balance);
     summary["work"] = work_json(nominal.work);
     if (nominal.driveline) summary["driveline"] = driveline_json(nominal.driveline);
@@ -125,7 +127,7 @@ void add_figures(Json &summary, const RunResult &nominal, const std::optional<Pe
     if (!perturbed) return;
     summary["perturbed"] = {{"torque", torque_json(perturbed->result.torque)},
                             {"cylinders", cylinders_json(perturbed->result.cylinders)},
-                            {"afr", afr_json(perturbed->result.afr)},
+                            {"afr", afr_json(perturbed->result)},
                             {"balance", balance_json(perturbed->result.balance)},
                             {"calibration", perturbation_json(perturbed->perturbation)}};
 }
@@ -149,6 +151,7 @@ void print_mixture(const RunResult &nominal, const std::optional<PerturbedRun> &
     afr("stated deviation", "{:.2f} points", &AfrFigures::stated_points);
     afr("wrong cylinder", "{:.1f} %", &AfrFigures::wrong_cylinder_percent);
     afr("true spread", "{:.2f} %", &AfrFigures::spread_percent);
+    row("delay to the sensor learned", nominal, perturbed, [](const RunResult &r) { return fmt::format("{:+.2f} ms", 1e3 * r.afr_late_s); });
     balance("spread before balancing", "{:.2f} %", &BalanceFigures::spread_before_percent);
     balance("cycles to below 3 %, -1 never", "{:.0f}", &BalanceFigures::cycles_to_3_percent);
     balance("largest spread since", "{:.2f} %", &BalanceFigures::largest_spread_percent);

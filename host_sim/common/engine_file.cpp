@@ -32,8 +32,15 @@ void check_cylinders(const TomlFile &file, const EngineFile &engine) {
     if (engine.rod_m <= engine.stroke_m / 2) file.fail("cylinders.rod_m", "is not longer than half the stroke");
 }
 
-Tolerance read_tolerance(TomlFile &file) {
+/// What a drawing or a data sheet leaves open, where the file says nothing (docs/theory/firing.md has a reason for each).
+Tolerance usual_tolerance() {
     Tolerance t;
+    t.inertia_percent = 4, t.compression_percent = 1, t.trapped_mass_percent = 1, t.wheel_offset_deg = 0.5;
+    return t;
+}
+
+Tolerance read_tolerance(TomlFile &file) {
+    Tolerance t = usual_tolerance();
     const auto read = [&](const char *name, double &value, double most, const char *unit) {
         value = file.number_or(std::string("tolerance.") + name, {0, most, unit}, value);
     };

@@ -36,7 +36,7 @@ struct HeatPulse {
 };
 
 /// How far the file may be off: the largest error of a value, any within being as likely. What `sixdeg calibrate` makes of it:
-/// design/torque/model_error.hpp.
+/// design/torque/model_error.hpp. A file that says nothing has its reader's usual values; 0 says that a value is exact.
 struct Tolerance {
     double inertia_percent = 0, compression_percent = 0, trapped_mass_percent = 0; ///< The last two of each cylinder by itself.
     double wheel_offset_deg = 0;

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "renamed_parameters.hpp"
+
 namespace fs = std::filesystem;
 namespace sixdeg {
 
@@ -36,6 +38,9 @@ std::size_t same_table(const std::string &a, const std::string &b) {
 } // namespace
 
 std::string nearest_hint(const std::string &word, const std::vector<std::string> &names) {
+    for (const Renamed &parameter : renamed_parameters) {
+        if (word == parameter.before) return std::string("; it is called '") + parameter.now + "' now";
+    }
     const std::string *nearest = nullptr;
     int least = int(word.size());
     for (const std::string &name : names) {

@@ -66,7 +66,7 @@ class Run {
     /// No edge tells of standing still, so the clock must; a run of cycles has no end of its own then.
     double rest_ends_s() const {
         if (scenario_.duration_s > 0) return scenario_.duration_s;
-        return result_.simulated_s + 2 * double(calibration_.parameters.crank_stall_s);
+        return result_.simulated_s + 2 * double(calibration_.parameters.crank_stall_time_s);
     }
 
     void take(const EncoderEdge &edge) {
@@ -98,6 +98,9 @@ class Run {
     }
 
     void show_exhaust() {
+        // Without an air path of its own the valve is an opening of one size, or none.
+        const bool recirculates = plant_.exhaust() && scenario_.engine.exhaust.egr_area_m2 > 0;
+        if (recirculates && !scenario_.air_path) ecu_.show(SD_INPUT_EGR_POSITION, 1);
         if (!scenario_.exhaust_sensors) return;
         const exhaust::ExhaustModel &e = *plant_.exhaust();
         if (scenario_.exhaust_sensors->temperature) ecu_.show(SD_INPUT_EXHAUST_TEMPERATURE, e.manifold().temperature_k());
@@ -283,14 +286,15 @@ RunResult run_scenario(const Scenario &scenario, const sd_calibration_t &calibra
 }
 
 RunResult run_on_bench(const Scenario &scenario, const sd_calibration_t &calibration, RunTables *tables,
-                       const sd_pattern_sums_t *learned, const EventListener &listener, std::optional<double> restart_s) {
+                       const sd_kept_t *learned, const EventListener &listener, std::optional<double> restart_s) {
     const auto bench = std::make_unique<EcuBench>(calibration);
     if (restart_s) bench->restart_at(*restart_s);
     if (listener) bench->listen(listener);
     if (learned && !bench->resume(*learned))
-        throw InputError("learned page", "pattern", "it is of another wheel, or the engine file has no heat release");
+        throw InputError("learned page", "", "it is of another wheel or another lambda sensor, or the engine file has neither heat release nor exhaust");
     RunResult result = run_scenario(scenario, calibration, *bench, tables);
     result.learned = bench->learned();
+    result.evidence = bench->evidence();
     result.pattern_sd_deg = double(bench->pattern().sd_rad) * kDegPerRad;
     if (bench->pattern().exponent != 0) {
         result.exponent = double(bench->pattern().exponent), result.exponent_sd = double(bench->pattern().exponent_sd);

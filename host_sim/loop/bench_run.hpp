@@ -41,12 +41,13 @@ struct RunResult {
     std::optional<WorkFigures> work;
     MisfireFigures misfire; ///< Of the method that judges.
     MisfireFigures monitor; ///< Of the monitor beside it; the same where it is the method.
-    sd_pattern_sums_t learned{};         ///< Tooth pattern at the end of the run,
-    double pattern_sd_deg = 0;           ///< and its standard deviation; 0: nothing learned.
+    sd_kept_t learned{};                  ///< At the end of the run.
+    double pattern_sd_deg = 0;            ///< Of its tooth pattern; 0: nothing learned.
     double exponent = 0, exponent_sd = 0; ///< By which compression's exponent is larger than the calibration's, as learned with it; both 0: not learned.
     std::optional<AfrFigures> afr;            ///< With a wideband sensor only.
     std::optional<BalanceFigures> balance;    ///< Where fuel trims were allowed.
     std::optional<DrivelineFigures> driveline; ///< With a car in the scenario, and a driveline in the page, only.
+    Evidence evidence;                        ///< Of how well the calibration fits; over a bus none.
     double afr_late_s = 0;                    ///< What was learned of the delay to the lambda sensor (signal afr.late).
 };
 
@@ -65,9 +66,9 @@ RunResult run_scenario(const Scenario &scenario, const sd_calibration_t &calibra
 
 /// Runs the scenario to its end. `calibration` comes from calibrate() and need not be of the scenario's
 /// engine. `tables` (nullptr: nothing is kept per tooth) takes the rows, `listener` (may be empty) every event in and
-/// out. `learned` (nullptr: none) is a tooth pattern from before. A signal that wants the program to stop ends the run
+/// out. `learned` (nullptr: none) is what was kept from before. A signal that wants the program to stop ends the run
 /// early. `restart_s`: when the ecu begins anew. Throws InputError.
 RunResult run_on_bench(const Scenario &scenario, const sd_calibration_t &calibration, RunTables *tables,
-                       const sd_pattern_sums_t *learned = nullptr, const EventListener &listener = {}, std::optional<double> restart_s = std::nullopt);
+                       const sd_kept_t *learned = nullptr, const EventListener &listener = {}, std::optional<double> restart_s = std::nullopt);
 
 } // namespace sixdeg

@@ -25,6 +25,7 @@ bool EcuBench::exchange(const sd_event_t &event) {
     host_side_.send(host_side_.context, &event, 1);
     sd_ecu_run(&ecu_, page_.view(), &ecu_side_);
     bool cycle_ended = false;
+    const std::size_t firings = said_.firings();
     sd_event_t answers[16];
     std::uint32_t count;
     while ((count = host_side_.receive(host_side_.context, answers, 16)) > 0) {
@@ -33,7 +34,15 @@ bool EcuBench::exchange(const sd_event_t &event) {
             hear(answers[i]);
         }
     }
+    if (said_.firings() != firings)
+        fuel_cut_.firing(ecu_, page_.view()->cylinders, double(said_.signals().firing_torque_nm), said_.health(SD_OWNER_FIRING) == SD_VALID);
     return cycle_ended;
+}
+
+Evidence EcuBench::evidence() const {
+    Evidence evidence = evidence_of(ecu_, *page_.view());
+    fuel_cut_.add_to(evidence);
+    return evidence;
 }
 
 } // namespace sixdeg

@@ -6,6 +6,7 @@
 #include "io/log/port_tap.hpp"
 #include "io/page/page_bytes.hpp"
 #include "io/events/ecu_feed.hpp"
+#include "loop/evidence.hpp"
 
 extern "C" {
 #include "sd_ecu.h"
@@ -36,14 +37,16 @@ class EcuBench : public EcuFeed {
     std::uint8_t health(sd_owner_t owner) const { return said_.health(owner); }
     const sd_crank_t &crank() const { return ecu_.crank; }
     const sd_ecu_t &ecu() const { return ecu_; }
-    /// Tooth pattern as learned so far, and learning that goes on from one kept. False: it is of another wheel.
     const sd_pattern_t &pattern() const { return ecu_.firings.pattern; }
-    sd_pattern_sums_t learned() const {
-        sd_pattern_sums_t sums;
-        sd_firings_keep(&ecu_.firings, &page_.view()->kalman, &sums);
-        return sums;
+    /// What was learned so far, and learning that goes on from what was kept. False: it is of another wheel or lambda sensor.
+    sd_kept_t learned() const {
+        sd_kept_t kept;
+        sd_ecu_keep(&ecu_, page_.view(), &kept);
+        return kept;
     }
-    bool resume(const sd_pattern_sums_t &learned) { return sd_ecu_resume(&ecu_, page_.view(), &learned) == SD_OK; }
+    /// What was seen so far that says how well the page fits the engine.
+    Evidence evidence() const;
+    bool resume(const sd_kept_t &learned) { return sd_ecu_resume(&ecu_, page_.view(), &learned) == SD_OK; }
 
   private:
     StoredPage page_;
@@ -52,6 +55,7 @@ class EcuBench : public EcuFeed {
     std::unique_ptr<PortTap> tap_;
     sd_ecu_t ecu_{};
     EcuSaid said_;
+    FuelCutReading fuel_cut_;
 };
 
 } // namespace sixdeg

@@ -69,7 +69,8 @@ struct ReplayResult {
     double phased_s = 0;              ///< And that in which the revolution of the cycle was.
     std::size_t cam_edges = 0;        ///< Told to the ecu.
     std::array<MisfireCounts, 8> misfires{}; ///< By physical cylinder.
-    sd_pattern_sums_t learned{};      ///< The tooth pattern as learned at the end; empty where only the decoder ran.
+    sd_kept_t learned{};              ///< At the end; empty where only the decoder ran.
+    Evidence evidence;                ///< Of how well the calibration fits; none where only the decoder ran.
     sd_signals_t last{};              ///< What was said last.
 };
 
@@ -124,11 +125,11 @@ struct ReplayPlan {
     /// was lost.
     std::optional<int> parity;
     int positions = 60, parity_position = 0; ///< Of the wheel; where the cam edge belongs, [0, 2 positions).
-    const sd_pattern_sums_t *learned = nullptr; ///< Tooth pattern to begin with.
+    const sd_kept_t *learned = nullptr; ///< What was kept from before, to begin with.
 };
 
 /// Feeds the events and a time event every 10 ms to a fresh ecu through the in-process port. Throws InputError naming `file` when what
-/// was learned is of another wheel.
+/// was learned is of another wheel or lambda sensor.
 ReplayResult replay(const std::string &file, const ReplayPlan &plan, const sd_calibration_t &calibration, ReplaySink &sink);
 /// The same through the decoder alone.
 ReplayResult replay(const ReplayPlan &plan, CrankAlone &crank, ReplaySink &sink);

@@ -46,7 +46,7 @@ std::optional<AfrFigures> AfrScore::estimate() const {
     if (kept_.empty()) return std::nullopt;
     const std::size_t n = kept_.front().truth.size();
     std::vector<double> bias(n, 0.0);
-    AfrFigures f{int(kept_.size()), 0, 0, 0, 0, 0};
+    AfrFigures f{int(kept_.size()), 0, 0, 0, 0, 0, {}};
     const double count = double(kept_.size());
     for (const Cycle &c : kept_) {
         const double mean = mean_of(c.truth);
@@ -62,6 +62,7 @@ std::optional<AfrFigures> AfrScore::estimate() const {
     }
     f.rms_points = std::sqrt(f.rms_points);
     for (double b : bias) f.bias_points = std::max(f.bias_points, std::abs(b));
+    f.bias_by_cylinder = std::move(bias);
     return f;
 }
 

@@ -17,6 +17,7 @@ struct AfrFigures {
     double spread_percent;         ///< True: largest less smallest cylinder, of the mean.
     double wrong_cylinder_percent; ///< Of cycles, where the estimate's farthest cylinder is not the true one;
                                    ///< 0 when balanced.
+    std::vector<double> bias_by_cylinder; ///< Mean error of each cylinder, points.
 };
 
 /// Of values of all cylinders: largest less smallest, and the mean distance from their mean, percent of that mean.

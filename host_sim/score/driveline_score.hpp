@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What an ecu says of the driveline every 10 ms, against the simulated car. Figures: docs/theory/driveline.md.
+// What an ecu says of the driveline every 10 ms, against the simulated car. Figures: docs/results/driveline.md.
 #pragma once
 #include <cstddef>
 #include <cstdint>

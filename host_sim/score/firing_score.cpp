@@ -7,7 +7,7 @@
 
 namespace sixdeg {
 
-/// Errors of all firings of a cycle, the cycle's mean taken out.
+/// Errors of all firings of a cycle, the cycle's mean taken out; of one cylinder, whose mean is itself, as they are.
 struct FiringScore::Cycle {
     Eigen::ArrayXd single, mean, single_sd, mean_sd;
     double bias = 0, truth = 0, speed = 0;
@@ -55,8 +55,10 @@ std::optional<FiringScore::Cycle> FiringScore::cycle_at(std::int64_t number) con
         cycle.invalid += !said->second.valid;
     }
     cycle.bias = cycle.single.mean();
-    cycle.single -= cycle.single.mean();
-    cycle.mean -= cycle.mean.mean();
+    if (n > 1) {
+        cycle.single -= cycle.single.mean();
+        cycle.mean -= cycle.mean.mean();
+    }
     return cycle;
 }
 

@@ -128,7 +128,9 @@ def of_run(run):
     for event_class in budget.PLAN["classes"]:
         if ("event", event_class) in run.counts and event_class not in ("setup", "other"):
             figures[event_class] = row([run.counts["event", event_class]])
-    groups = [name for name in budget.PLAN["groups"] if name != "event"]
+    if ("task", "clock") in run.counts:
+        figures["task"] = row([run.counts["task", "clock"]])
+    groups = [name for name in budget.PLAN["groups"] if name not in ("event", "task")]
     for name in ["event"] + groups:
         of = {c: run.counts[name, c] for c in placed if (name, c) in run.counts}
         if any(c in settled for c in of):

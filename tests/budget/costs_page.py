@@ -127,10 +127,19 @@ class Figures:
         kinds = [kind for kind in ("clock", "cam", "lambda", "sample") if self.get(core, run, kind)]
         return sum(self.get(core, run, kind)[0] * (self.cycles(core, run, kind, way=way) + INTERRUPT) for kind in kinds) / seconds
 
+    def learning_cycles(self, core, run, way):
+        """Cycles of the task's long part for a cycle of the engine, in which it learns; and a second of the run."""
+        task = self.get(core, run, "task")
+        total = task[0] * self.cycles(core, run, "task", way=way) if task else 0
+        kinds = ("regular", "firing", "mark", "mark_firing", "cycle_end", "coasted", "starting")
+        placed = sum(self.get(core, run, kind)[0] for kind in kinds if self.get(core, run, kind))
+        return total / (placed / (2 * TEETH)), total / (self.get(core, run, "clock")[0] / 100)
+
     def load(self, core, run, rpm, way="slow"):
-        """Percent of the core at a speed: teeth, and the rest at the rate of the run."""
+        """Percent of the core at a speed: teeth, what is learned of each cycle, and the rest at the rate of the run."""
         teeth = rpm / 60 * TEETH * (self.cycles(core, run, "tooth", way=way) + INTERRUPT)
-        return 100 * (teeth + self.other_cycles(core, run, way)) / CLOCK[core]
+        of_a_cycle, of_a_second = self.learning_cycles(core, run, way)
+        return 100 * (teeth + rpm / 120 * of_a_cycle + self.other_cycles(core, run, way) - of_a_second) / CLOCK[core]
 
     def first_overrun(self, core, run, way="slow"):
         """Speed at which the worst tooth lasts as long as it takes until the next one."""

@@ -32,7 +32,7 @@ PLAIN = (
 ).split()
 MULTIPLY = {
     "mla": (1, 2), "mls": (1, 2), "smmla": (1, 2), "smmlar": (1, 2), "smlabb": (1, 2), "smlad": (1, 2), "smull": (1, 5),
-    "umull": (1, 5), "smlal": (1, 7), "umlal": (1, 7), "umaal": (1, 7), "smlalbb": (1, 7),
+    "umull": (1, 5), "smlal": (1, 7), "umlal": (1, 7), "umaal": (1, 7), "smlalbb": (1, 7), "smlald": (1, 7),
 }  # M4, M3's longest
 UNCHANGING = {"cmp", "cmn", "tst", "teq", "nop", "cpsie", "cpsid"}  # no result
 M3_SHORTEST = {"smull": 3, "umull": 3, "smlal": 4, "umlal": 4}

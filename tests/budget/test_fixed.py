@@ -107,7 +107,7 @@ class Fixed(unittest.TestCase):
         slower = [round(2.9e6 * 1.12**n) for n in range(8)]
         run = self.folder / "slow.run"
         head = ["engine diesel_22.toml", "tune torque.fixed_point 1", "tune afr.method 3", "tune afr.arithmetic 1", "tune misfire.method 1",
-                "tune misfire.arithmetic 1", "tune firing.enabled 0", "tune crank.stall 10", "events"]
+                "tune misfire.arithmetic 1", "tune firing.enabled 0", "tune crank.stall_time 10", "events"]
         steps = [round(1e6 * 1.08**n) for n in range(14)]
         run.write_text("\n".join(head + [f"c{wait}" for wait in waits * 4 + steps + slower + slower[::-1]]) + "\n")
         files = [self.folder / f"slow_{name}" for name in ("page", "events", "float", "fixed")]

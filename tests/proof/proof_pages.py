@@ -7,14 +7,9 @@ import tomllib
 # What no driver has, with what stands in the place of a proof.
 OTHERS = [
     (
-        "learning of tooth pattern, twist and zeros; single firings (sd_pattern.c, sd_twist.c, sd_firings.c)",
-        "no driver yet",
-        "innovations and states are clamped or rejected: test_pattern, test_twist; sanitized in each",
-    ),
-    (
-        "the driveline's guard filter in q31",
-        "no driver yet",
-        "sanitized in its unit test",
+        "stages and wiring of the usual ecu (firmware/ecu, sd_afr.c, sd_cylinders.c), stored pages (sd_page.c, sd_learned.c)",
+        "no driver; they call the kernels above, and the ecu of fixed point, whose events and inputs they share, has one",
+        "sanitized in test_ecu, which runs them with faults, parameters and damaged pages, and in the unit test of each",
     ),
     (
         "numbers of float kernels: that they stay finite and in range",
@@ -34,6 +29,10 @@ NO_NUMBER = (
     "Frama-C 25 keeps NaN in the range of x where x > 0 has been asked; the conversion is bounded on both sides by comparisons, which leave"
     " NaN out"
 )
+BETWEEN = (
+    "where a speed lies between two of the page, of which it is above one and below the next, is a share of 0 to 1, which intervals do not"
+    " see; it becomes a whole number, and the weights of two gains"
+)
 KEPT = {
     "f32_airpath": (1, NO_NUMBER),
     "f32_exhaust": (2, NO_NUMBER),
@@ -41,7 +40,11 @@ KEPT = {
     "f32_joint": (1, NO_NUMBER),
     "f32_point": (1, NO_NUMBER),
     "f32_misfire": (1, "a firing's cylinder is set where its index is one of the engine's, and asked for where it is again"),
-    "f32_driveline": (2, "the octave of a step is read from the bits of a float that was clamped to [1, 256)"),
+    "f32_firings": (1, NO_NUMBER),
+    "f32_fired": (1, NO_NUMBER),
+    "f32_kalman_4": (5, BETWEEN),
+    "f32_kalman_8": (5, BETWEEN),
+    "f32_kalman_fourier": (5, BETWEEN),
 }
 WHAT = {
     "verbs": "every verb of q31 (sd_num.h) and every function of scaled numbers (sd_scaled.h)",
@@ -73,10 +76,23 @@ WHAT = {
     "f32_balance": "fuel balance and its watch",
     "f32_driveline": "guard filter, document 003's observers, damping",
     "f32_airpath": "air path's diagnosis",
-    "f32_kalman": (
-        "filters on tooth times, motion, road; 4 cylinders, 8 with two modes, 12 harmonics (400 s of a busy machine were not"
-        " enough)"
+    "f32_kalman_4": "filters on tooth times, motion, road; 4 cylinders, 60 positions",
+    "f32_kalman_8": "the same; 8 cylinders, two modes of twist, 60 positions",
+    "f32_kalman_fourier": "the same; 12 harmonics, 36 positions",
+    "f32_pattern": "learning in fuel cut: tooth pattern, exponent, twist, zeros; 4 cylinders, and 8 with two modes",
+    "f32_fired": "learning of the tooth pattern while the engine fires, hidden directions: teeth, the three steps of the task; 4 cylinders",
+    "f32_firings": (
+        "single firings: which filter is believed, what is learned when; any wheel, 1 to 8 cylinders, filters and learning by contract"
     ),
+    "f32_work": "work of a cycle read; any windows",
+    "guard_q31": (
+        "driveline's guard filter: tooth, edge of the wheels, init, restart; any state, tables and model that init takes, 1 to 8 gears"
+    ),
+    "fixed_ecu": (
+        "ecu of fixed point: init, one event of each kind, parameters, 10 ms task, with decoder, misfires, mixture, what is said; any state"
+        " and page in range, kernels by contract"
+    ),
+    "fixed_cycle": "the same ecu's pieces of a cycle's work and their begin: cylinders, mixture, trims, signals, operating point",
     "crank_inverse": "the contract of sd_inverse_of, which the decoder's driver uses in place of its body",
     "chain_q31": "sensor inverted, observer of cylinders, chain: step, set, reading; cycles of 24, 132, 240 positions",
     "broken": "the negative control: four faults of the kinds that matter",
@@ -104,7 +120,8 @@ ever. The air path's sums of residuals are taken to be of at most a million step
 
 Three functions go by Newton's steps or digit by digit, which intervals cannot follow: `every_number.c` tries sd_reciprocal, sd_root_q31 and
 sd_sqrt_by_bits_f32 with every argument under a sanitizer, the last against the hardware's root, bit for bit. Drivers take what they promise
-(eva/contracts_*.h) for granted.
+(eva/contracts_*.h) for granted. So do the drivers of the ecu of fixed point and of single firings with the kernels that they call: a kernel
+may leave anything in its state and its answer, but for the few indices that its own driver asserts.
 """
 NOT_COVERED = """
 What this does not cover:

@@ -39,7 +39,6 @@ LOOPS = {
     "firmware/crank/sd_crank_memory.c: while (clear == 0u)": "as many marks as follow one another by a single tooth: SD_CRANK_MARKS_MAX",
     "firmware/airpath/sd_airpath_q31.c: while ((d > INT32_MAX)": "halves of a number of 64 bits: 33",
     "firmware/torque/sd_fourier.inc: for (uint32_t left = self->harmonics; ; c += 2)": "harmonics: 12 at most",
-    "firmware/torque/sd_fired.c: while ((w->next < t->positions)": "missing teeth of a wheel, one after another: 3",
     "firmware/torque/sd_motion.c: while ((x > 0.5f)": "10 at most",
     "firmware/torque/sd_kalman_firing.h: while ((at + 1u < t->speeds)": "speeds of the page, a number of 8 bits",
 }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Runs the AFR blocks over some cycles of a gas, for test_afr_cost.py to count what each step executes. Nothing is printed but
 // the sizes of their states.
-//   afr_probe                                                              sizes
-//   afr_probe fourier|oscillator|joint|joint_fixed ENGINE.toml [q31]       a run
+//   afr_delay_probe                                                              sizes
+//   afr_delay_probe fourier|oscillator|joint|joint_fixed ENGINE.toml [q31]       a run
 #include <cmath>
 #include <cstdio>
 
@@ -36,7 +36,7 @@ AfrMethod method_of(const std::string &name) {
     if (name == "oscillator") return AfrMethod::oscillator;
     if (name == "joint") return AfrMethod::joint;
     if (name == "joint_fixed") return AfrMethod::joint_fixed;
-    throw InputError("afr_probe", name, "is none of fourier, oscillator, joint, joint_fixed");
+    throw InputError("afr_delay_probe", name, "is none of fourier, oscillator, joint, joint_fixed");
 }
 
 } // namespace

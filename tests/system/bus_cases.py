@@ -74,9 +74,9 @@ class BusCases:
     def test_the_chain_in_q31_says_the_same_bytes_over_the_bus(self):
         """Document 004's chain in fixed point, with a pressure sensor in the manifold and trims by a PI law."""
         scenario = self.scenario(more=MIXTURE + "[exhaust_sensors]\npressure_noise_bar = 0.005\ntemperature = true\n")
-        choices = [word for setting in ("afr.method=3", "afr.arithmetic=1", "balance.proportional=0.1") for word in ("--set", setting)]
+        choices = [word for setting in ("afr.method=3", "afr.arithmetic=1", "balance.proportional_gain=0.1") for word in ("--set", setting)]
         self.sixdeg("run", scenario, "--nominal", "--out", self.folder / "one", *choices)
-        self.sixdeg("run", scenario, "--nominal", "--out", self.folder / "f32", "--set", "afr.method=3", "--set", "balance.proportional=0.1")
+        self.sixdeg("run", scenario, "--nominal", "--out", self.folder / "f32", "--set", "afr.method=3", "--set", "balance.proportional_gain=0.1")
         self.sixdeg("run", scenario, "--out", self.folder / "two", "--transport", self.transport, *choices)
         self.assertEqual(self.csv_bytes("one"), self.csv_bytes("two"))
         q31, f32 = (table(self.folder / name / "cycles.csv") for name in ("two", "f32"))
@@ -115,13 +115,13 @@ class BusCases:
         ask = lambda *words, status=0: self.sixdeg("parameter", *words, "--transport", self.transport, status=status)
         self.assertEqual(ask("get", "torque.harmonics").out, "torque.harmonics = 4\n")
         self.assertEqual(ask("diff").out, "")
-        ask("set", "torque.harmonics=6", "crank.stall=0.25", "misfire.partial=0.7", "balance.gain=0.1", "firing.settle=5")
-        changed = ("crank.stall: 0.25, reference 0.5\ntorque.harmonics: 6, reference 4\nfiring.settle: 5, reference 3\n"
-                   "misfire.partial: 0.7, reference 0.8\nbalance.gain: 0.1, reference 0.25\n")
+        ask("set", "torque.harmonics=6", "crank.stall_time=0.25", "misfire.partial_burn_below=0.7", "balance.integral_gain=0.1", "firing.settle_cycles=5")
+        changed = ("crank.stall_time: 0.25, reference 0.5\ntorque.harmonics: 6, reference 4\nfiring.settle_cycles: 5, reference 3\n"
+                   "misfire.partial_burn_below: 0.7, reference 0.8\nbalance.integral_gain: 0.1, reference 0.25\n")
         self.assertEqual(ask("diff").out, changed)
         for assignment, says in (("torque.harmonics=99", "out of range; allowed is [0, 12]"),
-                                 ("firing.change=30", "goes into tables that `sixdeg calibrate` makes"),
-                                 ("misfire.partial=0.3", "its block cannot run with this value")):
+                                 ("firing.torque_change=30", "goes into tables that `sixdeg calibrate` makes"),
+                                 ("misfire.partial_burn_below=0.3", "its block cannot run with this value")):
             refused = ask("set", assignment, status=2)
             self.assertIn(f"{assignment.split('=')[0]}: {says}", refused.err)
             self.assertEqual(refused.err.count("\n"), 1)
@@ -130,7 +130,7 @@ class BusCases:
         tune = self.folder / "dumped.toml"
         tune.write_text(ask("dump").out)
         self.assertEqual(len(re.findall(" = ", tune.read_text())), len(re.findall(r"^\[\[parameter\]\]", (ROOT / "hal/signals.toml").read_text(), re.M)))
-        ask("restore", "crank.stall")
+        ask("restore", "crank.stall_time")
         self.assertEqual(ask("diff").out, changed.split("\n", 1)[1])
         ask("restore")
         self.assertEqual(ask("diff").out, "")

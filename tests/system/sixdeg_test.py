@@ -1,7 +1,11 @@
 # SPDX-License-Identifier: MIT
 """What the tests of commands share."""
+import base64
 import csv
+import json
 import pathlib
+import re
+import struct
 import subprocess
 import sys
 import tempfile
@@ -23,6 +27,21 @@ class Folder(unittest.TestCase):
         self.addCleanup(temporary.cleanup)
 
 
+def charts(page):
+    """The pictures of a page of tools/report: what plotly.js is given."""
+    return [json.loads(data) for data in re.findall(r'<figure class="chart".*?<script type="application/json">(.*?)</script>', page, re.S)]
+
+
+def values(of):
+    """Numbers of a trace, as the page packs them."""
+    return struct.unpack(f"<{len(base64.b64decode(of['bdata'])) // 4}f", base64.b64decode(of["bdata"]))
+
+
+def outside(page):
+    """What a page asks of other places, the packed library aside: it should be nothing."""
+    return re.findall(r"https?://[^\s\"<]*|file://[^\s\"<]*|\bsrc=|<link", page)
+
+
 class ReportFolder(Folder):
     """A test of tools/report/report.py, which writes self.page."""
 
@@ -35,6 +54,10 @@ class ReportFolder(Folder):
     def report(self, *arguments):
         return subprocess.run([sys.executable, str(self.SCRIPT), "--out", str(self.page), *map(str, arguments)],
                               capture_output=True, text=True, check=False)
+
+    def says(self, page, words):
+        """A page is long, so that only the words are shown where they are missing."""
+        self.assertTrue(words in page, words)
 
     def drawn(self, *arguments):
         done = self.report(*arguments)

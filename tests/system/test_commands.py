@@ -28,9 +28,10 @@ PLACES = {"SCENARIO.toml": "scenario.toml", "ENGINE.toml": str(DATA / "engines/d
 # Where a command is one of many cases, the rest of it is as good shorter.
 SHORTER = {"run": ["--nominal", "--set", "run.cycles=3"], "plant": ["--nominal", "--set", "run.cycles=3"],
            "sweep": ["--nominal", "--set", "run.cycles=3", "--jobs", "1"], "study afr": ["--seeds", "1", "--cases", "1"],
-           "study loop": ["--seeds", "1"], "study observers": ["--cycles", "60", "--rpm", "1500", "--bar", "1"], "study trips": ["--trips", "2"],
-           "study identify": ["--engines", "1"], "study misfire": ["--engines", "1", "--cycles", "40", "--rpm", "1500", "--bar", "1"], "study driveline": ["--seconds", "10"], "study airpath": ["--runs", "10", "--hours", "0.1"], "bench": ["--seconds", "0.0005", "--repetitions", "1"]}
-ONE_PART = {"study afr": "blame", "study loop": "figure-16", "study driveline": "figure-6", "study misfire": "rigid",
+           "study loop": ["--seeds", "1"], "study observers": ["--cycles", "60", "--rpm", "1500", "--bar", "1"], "study trips": ["--trips", "2"], "study gas": ["--set", "run.duration_s=0.5"],
+           "study engines": ["--engines", "1"], "study identify": ["--engines", "1"],
+           "study misfire": ["--engines", "1", "--cycles", "40", "--rpm", "1500", "--bar", "1"], "study driveline": ["--seconds", "10"], "study airpath": ["--runs", "10", "--hours", "0.1"], "bench": ["--seconds", "0.0005", "--repetitions", "1"]}
+ONE_PART = {"study afr": "blame", "study loop": "figure-16", "study driveline": "figure-6", "study misfire": "rigid", "study engines": "one-speed",
             "study airpath": "decoupling"}
 
 
@@ -115,7 +116,7 @@ class Docs(Folder):
         rest = [recordings.get(path, w) if w == "FILE" else w for w in rest]
         shorter = SHORTER.get(name, [])
         if "run.cycles=3" in shorter and "duration_s" in (self.folder / rest[0]).read_text():
-            shorter = [w for w in shorter if w not in ("--set", "run.cycles=3")]
+            shorter = [w.replace("run.cycles=3", "run.duration_s=0.5") for w in shorter]
         for i, word in enumerate(rest):  # an option stands once, but for --set
             if word and word.startswith("--") and word in shorter and word != "--set":
                 rest[i:i + (1 if word == "--nominal" else 2)] = [None] * (1 if word == "--nominal" else 2)

@@ -60,6 +60,58 @@ class Docs(unittest.TestCase):
         self.assertEqual(set(PAGES) - reached, set())
 
 
+class Figures(unittest.TestCase):
+    """A figure of README stands on the page that its row leads to, which is where a command or a test keeps it true."""
+
+    def numbers(self, text):
+        return {number.replace(",", "") for number in re.findall(r"\d[\d,]*(?:\.\d+)?(?:e-?\d+)?", text)}
+
+    def test_figures_of_readme_stand_on_the_pages_they_lead_to(self):
+        rows = re.findall(r"^\| (.+?) \| .+? \| (`.+?`.*?\]\(docs/.+?) \|$", (ROOT / "README.md").read_text(), re.M)
+        self.assertGreaterEqual(len(rows), 10)
+        for claim, shown in rows:
+            pages = [(ROOT / link).read_text() for link in re.findall(r"\]\((docs/[^)#]+)", shown)]
+            with self.subTest(claim=claim):
+                self.assertEqual(self.numbers(claim) - self.numbers(" ".join(pages)), set())
+
+
+class TwelveQuestions(unittest.TestCase):
+    """docs/start/twelve-questions.md: a reader finds each answer from README in at most three steps."""
+
+    PAGE = DOCS / "start/twelve-questions.md"
+
+    @staticmethod
+    def links(page):
+        return [(page.parent / target).resolve() for target in re.findall(r"\]\(([^)#\s]+)[^)]*\)",
+                                                                          page.read_text()) if "://" not in target]
+
+    def rows(self):
+        for line in self.PAGE.read_text().splitlines():
+            cells = [cell.strip().replace("\\|", "|") for cell in re.split(r"(?<!\\)\|", line)[1:-1]]
+            if len(cells) == 3 and cells[0].endswith("?"):
+                yield cells
+
+    def test_each_answer_is_found(self):
+        rows = list(self.rows())
+        self.assertEqual(len(rows), 12)
+        for question, steps, answer in rows:
+            with self.subTest(question=question):
+                pages = [(self.PAGE.parent / target).resolve() for target in re.findall(r"\]\(([^)]+)\)", steps)]
+                self.assertTrue(1 <= len(pages) <= 3)
+                here = ROOT / "README.md"
+                for page in pages:
+                    self.assertIn(page, self.links(here), f"a step from {here.name}")
+                    here = page
+                self.assertIn(" ".join(answer.split()), " ".join(here.read_text().split()), here.name)
+
+
+class Tuning(unittest.TestCase):
+    @unittest.skipUnless(os.environ.get("SD_FULL") == "1", "36 runs, 15 s of a core; SD_FULL=1 asks for them")
+    def test_each_change_does_what_the_page_says(self):
+        done = subprocess.run([sys.executable, ROOT / "tests/system/tuning_effects.py"], capture_output=True, text=True, check=False)
+        self.assertEqual(done.returncode, 0, done.stdout)
+
+
 class Overview(Folder):
     def test_the_picture_of_readme_is_drawn_from_a_run(self):
         scenario = ROOT / "host_sim/data/scenarios/balance_1000rpm_5bar.toml"

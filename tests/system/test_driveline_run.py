@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""The driveline in the ecu, on the simulated engine with a car, by `sixdeg run`. Bounds on both sides: docs/theory/driveline.md."""
+"""The driveline in the ecu, on the simulated engine with a car, by `sixdeg run`. Bounds on both sides: docs/results/driveline.md."""
 import json
 import os
 import pathlib

@@ -112,7 +112,7 @@ class Page(Folder):
     def test_docs_say_what_the_command_says(self):
         text, figures = self.evidence("--bar", "51.95")
         docs = (ROOT / "docs/results/evidence.md").read_text()
-        self.assertEqual(text.replace(f"--out {self.folder}", "--out docs"), docs, "run the command of docs/results/evidence.md")
+        self.assertEqual(text.replace(f"--out {self.folder}", "--out docs/results"), docs, "run the command of docs/results/evidence.md")
         same = figures["work"]["0"]["energy at the same teeth (`work.cycle`)"]
         self.assertGreaterEqual(same["correlation"], page.GOALS["correlation"])
         self.assertLessEqual(same["rms_percent"], page.GOALS["rms"])

@@ -98,7 +98,7 @@ class Replay(LogFolder):
         fast = self.folder / "fast.toml"
         fast.write_text(DIESEL.read_text().replace("tick_hz = 1e6", "tick_hz = 2e8"))
         # 2^32 ticks are 21.5 s; the decoder's longest stall is shorter then.
-        summary, *_ = self.replay(self.record("a", "--set", "crank.stall=0.08", cycles=190, engine=fast))
+        summary, *_ = self.replay(self.record("a", "--set", "crank.stall_time=0.08", cycles=190, engine=fast))
         self.assertTrue(summary["outputs"]["identical"])
         self.assertGreater(float(table(self.folder / "replayed" / "teeth.csv")[-1]["t_s"]), 22)
 

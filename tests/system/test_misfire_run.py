@@ -37,6 +37,8 @@ class Monitor(Folder):
         cycles, summary = self.run_it(more=more)
         found = {(int(r["cycle"]), int(r["cylinder"])) for r in cycles if r["misfire_verdict"] == MISFIRE}
         self.assertEqual(found, set(events))
+        below = {(int(r["cycle"]), int(r["cylinder"])) for r in self.judged(cycles) if float(r["misfire_index"]) < float(r["misfire_limit"])}
+        self.assertEqual(below, set(events), "the limit of each firing is what it was judged by")
         self.assertEqual((summary["detected"]["hits"], summary["detected"]["of"]), (6, 6))
         self.assertEqual((summary["false_alarms"]["hits"], summary["wrong_cylinder"]), (0, 0))
 

@@ -42,11 +42,20 @@ class Outputs(Folder):
         for words, meant in ((["rplay", self.wheel], "replay"), (["replay", self.wheel, "--jsno", "x"], "--json"),
                              (["study", "drivelin"], "driveline"), (["replay", self.folder / "whel.csv"], "wheel.csv"),
                              (["calibrate", engine], "cylinders.boore_m"),
-                             (["calibrate", ENGINES / "diesel_22.toml", "--set", "misfire.strat=3"], "misfire.start")):
+                             (["calibrate", ENGINES / "diesel_22.toml", "--set", "misfire.start_inhibit_cylces=3"],
+                              "misfire.start_inhibit_cycles")):
             done = sixdeg(*words)
             self.assertEqual(done.returncode, 2)
             self.assertIn(f"; the nearest is '{meant}'\n", done.stderr)
         self.assertNotIn("nearest", sixdeg("replay", self.folder / "quite_another").stderr)
+
+    def test_a_name_of_before_is_answered_with_the_present_one(self):
+        tune = self.folder / "tune.toml"
+        tune.write_text("[misfire]\nstart = 3\n")
+        for words in (["--set", "misfire.start=3"], [tune]):
+            done = sixdeg("calibrate", ENGINES / "diesel_22.toml", *words)
+            self.assertEqual(done.returncode, 2)
+            self.assertIn("misfire.start: is not a known field; it is called 'misfire.start_inhibit_cycles' now\n", done.stderr)
 
     def test_a_fifo_is_written_through(self):
         fifo = self.folder / "fifo"

@@ -42,6 +42,28 @@ class RunFolder(Folder):
         return table(self.folder / "out" / "teeth.csv"), table(self.folder / "out" / "cycles.csv")
 
 
+class Warnings(RunFolder):
+    """Where what was seen contradicts the engine file, and only there."""
+    CUT = ("--nominal", "--set", "load.fuel_cut_s=[0.1, 4]")
+
+    def cut(self, cylinders=""):
+        return self.scenario("duration_s = 4", "rpm = 1500", bmep=0, cylinders=cylinders)
+
+    def test_an_engine_that_fits_gets_none(self):
+        self.assertEqual(self.summary(self.cut(), *self.CUT)["warnings"], [])
+        self.assertEqual(self.summary(self.scenario(cylinders=FUEL), "--nominal")["warnings"], [])
+
+    def test_a_compression_ratio_that_does_not_fit(self):
+        done = self.sixdeg(self.cut("compression_percent = [20, 20, 20, 20]"), *self.CUT)
+        self.assertRegex(done.stdout, r"(?m)^warning: the fuel-cut reading says [-+]\d+\.\d Nm a cylinder at 1\.\d\d bar")
+        self.assertEqual(done.stdout.count("warning: "), 1)
+
+    def test_a_wheel_that_is_not_known(self):
+        scenario = self.scenario("cycles = 14", cylinders=FUEL, more="[encoder]\npattern_rms_deg = 0.3")
+        [warning] = self.summary(scenario, "--nominal")["warnings"]
+        self.assertRegex(warning, r"^teeth pass 0\.\d+ deg from where the filter expects them")
+
+
 class Torque(RunFolder):
     def test_shift_against_true_torque_with_an_ideal_timer(self):
         """33 ns: the shift left is the observer's own."""
@@ -106,7 +128,7 @@ class Torque(RunFolder):
 
     def test_stated_deviation_is_the_actual_scatter(self):
         scenario = self.scenario("cycles = 400", "rpm = 2000", more="[encoder]\njitter_deg = 0.05\n")
-        _, cycles = self.tables(scenario, "--set", "torque.tooth_sd=0.05", "--nominal")
+        _, cycles = self.tables(scenario, "--set", "torque.edge_sd=0.05", "--nominal")
         rows = [r for r in cycles if r["health"] == "valid" and r["cylinder"] == "1"]
         torque = [float(r["torque_nm"]) for r in rows]
         stated = sum(float(r["sd_nm"]) for r in rows) / len(rows)
@@ -156,7 +178,7 @@ class Firing(RunFolder):
                 path = ROOT / "host_sim" / "data" / "engines" / f"{engine}.toml"
                 scenario = self.scenario("cycles = 80", "rpm = 3000", cylinders=f"fuel_percent = [{weak}]", engine=path,
                                          more=f"[encoder]\njitter_deg = 0.01\n[elastic]\nstiffness_percent = {stiffness}\n")
-                f = self.summary(scenario, "--nominal", "--set", "firing.pattern=0")["firing"]
+                f = self.summary(scenario, "--nominal", "--set", "firing.pattern_sd=0")["firing"]
                 self.assertLess(f["imbalance_percent"], limit)
                 self.assertLess(f["waveform_rms_percent"], 5)
 
@@ -174,6 +196,7 @@ class Firing(RunFolder):
         done = self.sixdeg(self.scenario("cycles = 10"), "--nominal", "--learned", damaged)
         self.assertEqual((done.returncode, done.stderr.count("\n")), (2, 1))
         self.assertIn("learned page", done.stderr)
+        self.assertIn("of format SDL1, and this firmware reads SDL6", done.stderr)
 
 
 class Teeth(RunFolder):

@@ -43,6 +43,10 @@ class Types:
             if self.all[j][1] == depth + 1:
                 yield j
 
+    def named_type(self, name):
+        return next(i for i, (_, _, tag, names) in enumerate(self.all)
+                    if tag == "DW_TAG_typedef" and names.get("DW_AT_name", "").split()[-1:] == [name])
+
     def of(self, i):
         return self.at[number(self.all[i][3]["DW_AT_type"])]
 
@@ -74,30 +78,40 @@ class Types:
         return number(attributes["DW_AT_byte_size"])
 
 
-def pool_numbers(page, named):
-    """Of kalman.pool, whose words are unions: a row begins with four bytes, floats follow, then pairs of gains (sd_motion.h)."""
-    words, gains = (struct.unpack_from("<H", page, named[f"kalman.{name}"])[0] for name in ("row_words", "gains_at"))
-    for i, start in enumerate(range(named["kalman.pool"], len(page), 4)):
-        at = i % words if words else 0
-        if at >= gains:
+def pool_numbers(page, named, driveline):
+    """Of kalman.pool, whose words are unions (sd_motion.h): a row begins with four bytes, floats follow, then pairs of gains. Behind the rows
+    pairs of entries, one for each part of each tooth; then floats, and where the page has one, the driveline, whose numbers are given."""
+    def said(name, form="B"):
+        return struct.unpack_from(f"<{form}", page, named[name])[0]
+    row, gains, first = said("kalman.row_words", "H"), said("kalman.gains_at", "H"), named["kalman.pool"]
+    rows = 2 * said("kalman.positions") * row
+    columns, driveline_at = rows + said("kalman.parts") * said("kalman.positions"), said("driveline_at", "I")
+    words = driveline_at or (len(page) - first) // 4
+    for i in range(words):
+        start = first + 4 * i
+        if rows <= i < columns or (i < rows and i % row >= gains):
             yield from ((start, 2), (start + 2, 2))
-        elif at > 0:
+        elif i >= columns or i % row > 0:
             yield start, 4
+    if driveline_at:
+        behind = first + 4 * driveline_at
+        yield from ((behind + start, width) for start, width in driveline if behind + start + width <= len(page))
 
 
 def page_numbers():
-    """(offset, width) of every number of sd_calibration_t outside its pool, and offsets of its members by name."""
+    """(offset, width) of every number of sd_calibration_t outside its pool, offsets of its members by name, and the numbers of
+    sd_page_driveline_t, which may stand in the pool."""
     folders = [f"-I{path.parent}" for path in (ROOT / "firmware").glob("*/*.h")] + [f"-I{ROOT}/hal/generated", f"-I{ROOT}/hal"]
     with tempfile.TemporaryDirectory() as folder:
         source, built = pathlib.Path(folder, "page.c"), pathlib.Path(folder, "page.o")
-        source.write_text('#include "sd_calibration.h"\nsd_calibration_t page;\n')
+        source.write_text('#include "sd_calibration.h"\nsd_calibration_t page;\nsd_page_driveline_t driveline;\n')
         subprocess.run(["gcc", "-g", "-gdwarf-4", "-c", source, "-o", built, *sorted(set(folders))], check=True)
         text = subprocess.run(["readelf", "--debug-dump=info", built], capture_output=True, text=True, check=True).stdout
-    types, found = Types(text), []
-    page = next(i for i, (_, _, tag, names) in enumerate(types.all)
-                if tag == "DW_TAG_typedef" and names.get("DW_AT_name", "").endswith("sd_calibration_t"))
-    types.numbers(page, 0, found)
-    return found, types.named
+    types, page, driveline = Types(text), [], []
+    types.numbers(types.named_type("sd_page_driveline_t"), 0, driveline)
+    types.named.clear()
+    types.numbers(types.named_type("sd_calibration_t"), 0, page)
+    return page, types.named, driveline
 
 
 def swapped(data, numbers):
@@ -109,8 +123,9 @@ def swapped(data, numbers):
 
 def other_page(page, layout):
     """A sealed page for a processor of the other byte order. layout: of page_numbers()."""
-    numbers, named = layout
-    body = swapped(page, [(start, width) for start, width in numbers if start + width <= len(page)] + list(pool_numbers(page, named)))
+    numbers, named, driveline = layout
+    body = swapped(page, [(start, width) for start, width in numbers if start + width <= len(page)] +
+                   list(pool_numbers(page, named, driveline)))
     magic, size, signature, _ = struct.unpack("<4I", page[:HEAD.size])
     return struct.pack(">4I", magic, size, signature, zlib.crc32(body[HEAD.size:])) + body[HEAD.size:]
 

@@ -3,8 +3,9 @@
 """The golden runs on every processor, one hash of all outputs each (docs/start/porting.md).
 
     tests/target/same_bits.py                     every golden run once, on every processor
-    tests/target/same_bits.py --teeth 1000000     again and again with crank edges moved by up to a tick, until so many teeth have passed
+    tests/target/same_bits.py --teeth 1000000     again and again with crank edges moved by up to a tick, until each ecu has had so many teeth
     tests/target/same_bits.py --run q31 --on powerpc --on armel
+    tests/target/same_bits.py --teeth 1000000 --ecu sd_ecu_fixed     of one ecu only
 
 Builds what is missing. powerpc and armel take their compilers and the user-mode emulator: tools/setup --foreign. Ends with 1 when a
 processor says anything else than this machine.
@@ -83,11 +84,11 @@ class Run:
         return hash_of(done.stdout + done.stderr)
 
 
-def compare(run, processors, turn):
-    """Prints a line for each ecu; returns those that say something else, as "PROCESSOR ECU"."""
+def compare(run, processors, turn, ecus):
+    """Prints a line for each of these ecus; returns those that say something else, as "PROCESSOR ECU"."""
     run.turn(turn)
     wrong = []
-    for ecu in ECUS if run.name in FIXED else ["sd_ecu"]:
+    for ecu in ecus:
         here = run.on_host(ecu)
         differ = [name for name in processors if here.startswith("none") or run.on(name, ecu) != here]
         same = [name for name in processors if name not in differ]
@@ -101,27 +102,32 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--run", action="append", choices=RUNS, help="of these golden runs only; may be given again")
     parser.add_argument("--on", action="append", choices=[*BOARDS, *FOREIGN], help="on these processors only; may be given again")
-    parser.add_argument("--teeth", type=int, default=0, metavar="N", help="go on until so many teeth have passed on each processor")
+    parser.add_argument("--ecu", action="append", choices=[*ECUS], help="of this ecu only")
+    parser.add_argument("--teeth", type=int, default=0, metavar="N", help="go on until each ecu has had so many teeth on each processor")
     options = parser.parse_args()
     processors = options.on or [*BOARDS, *FOREIGN]
     tools = [FOREIGN[p] for p in processors if p in FOREIGN] + ["qemu-system-arm"] * any(p in BOARDS for p in processors)
     if missing := [tool for tool in tools if shutil.which(tool) is None]:
         raise SystemExit(f"same_bits: {', '.join(missing)} not installed; tools/setup --cross --foreign installs all")
     build(processors)
-    numbers, wrong, teeth, of_fixed, turn = page_numbers(), [], 0, 0, 0
+    numbers, wrong, turn, teeth = page_numbers(), [], 0, dict.fromkeys(options.ecu or ECUS, 0)
     with tempfile.TemporaryDirectory() as folder:
         runs = []
         for name in options.run or RUNS:
             (own := pathlib.Path(folder, name)).mkdir()
             runs.append(Run(name, own, numbers))
-        while turn == 0 or teeth < options.teeth:
+        while turn == 0 or any(count < options.teeth for count in teeth.values()):
+            goes_on = [ecu for ecu, count in teeth.items() if turn == 0 or count < options.teeth]
             for run in runs:
-                wrong += compare(run, processors, turn)
-                teeth += run.teeth
-                of_fixed += run.teeth if run.name in FIXED else 0
+                ecus = [ecu for ecu in goes_on if ecu == "sd_ecu" or run.name in FIXED]
+                wrong += compare(run, processors, turn, ecus) if ecus else []
+                for ecu in ecus:
+                    teeth[ecu] += run.teeth
+            if not any(teeth[ecu] for ecu in goes_on):
+                break  # none of the runs is for this ecu
             turn += 1
-    print(f"{teeth} teeth, {of_fixed} of them also by the ecu of fixed point, on {', '.join(processors)}: "
-          + ("NOT the same bits" if wrong else "the same bits as on this machine"))
+    print(" and ".join(f"{count} teeth by {ecu}" for ecu, count in teeth.items()) + f", on {', '.join(processors)}: "
+          + ("NOT the same bits" if wrong else "the same bits as on this machine"), flush=True)
     return 1 if wrong else 0
 
 

@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <complex>
+#include <cstring>
 #include <gtest/gtest.h>
 #include <vector>
 
@@ -143,6 +144,66 @@ TEST(AfrDelay, TrimsOfABalanceTellALargeErrorAndLeaveASmallOne) {
             EXPECT_LT(std::abs(b.error_deg()), 45) << late << " " << seed;
             EXPECT_EQ(b.kernel.learned.lag, 0) << "only a probe tells it";
         }
+    }
+}
+
+/// Cycles until the trims of a balance have taught the delay to 45 deg, which is what they are good for; 200: never.
+int cycles_to_learn(Bench &b, const Trial &trial) {
+    std::array<double, 4> trim{};
+    for (int k = 0; k < 200; ++k) {
+        for (std::size_t i = 0; k >= 30 && i < 4; ++i) trim[i] += 0.2 * (1 / (1 + trial.injector[i]) - 1 - trim[i]);
+        b.cycle(trim);
+        if (std::abs(b.error_deg()) < 45) return k;
+    }
+    return 200;
+}
+
+/// What an earlier start believed, and was sure of, does no more harm than what the calibration believes.
+TEST(AfrDelay, AWrongDelayThatWasKeptIsUnlearnedAsQuicklyAsACalibratedOne) {
+    for (double late : {-120.0, -90.0, -60.0, 60.0, 90.0, 120.0}) {
+        int kept_cycles = 0, fresh_cycles = 0;
+        for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+            const Trial of_calibration{late, 0, 0.005, seed, {0.06, -0.03, -0.08, 0.09}}, of_file{0, 0, 0.005, seed, {0.06, -0.03, -0.08, 0.09}};
+            Bench fresh(of_calibration), kept(of_file);
+            const sd_afr_kept_t file{{float(-late / kDegPerS), float(12 / kDegPerS), 0, 0.2f}, 0.01f, float(kTau1_s), float(kTau2_s)};
+            ASSERT_EQ(sd_afr_delay_resume(&kept.kernel, 0.01f, &file), SD_OK);
+            fresh_cycles += cycles_to_learn(fresh, of_calibration), kept_cycles += cycles_to_learn(kept, of_file);
+        }
+        EXPECT_LT(fresh_cycles, 4 * 150) << late;
+        EXPECT_LE(kept_cycles, 1.1 * fresh_cycles) << late;
+    }
+}
+
+TEST(AfrDelay, WhatIsKeptIsOfTheEngineAndNotOfTheCalibration) {
+    Bench b({60, 0.15});
+    ASSERT_TRUE(b.probe() && b.probe());
+    sd_afr_kept_t kept;
+    sd_afr_delay_keep(&b.kernel, 0.01f, &kept);
+    const sd_afr_delay_config_t other{kPositions, 4, float(1.1 * kTau1_s), float(1.1 * kTau2_s)};
+    sd_afr_delay_t next;
+    ASSERT_EQ(sd_afr_delay_init(&next, &other), SD_OK);
+    ASSERT_EQ(sd_afr_delay_resume(&next, 0.012f, &kept), SD_OK);
+    EXPECT_NEAR(next.learned.late_s, b.kernel.learned.late_s - 0.002f, 1e-6);
+    EXPECT_NEAR(1.1f * (1 + next.learned.lag), 1 + b.kernel.learned.lag, 1e-5);
+    EXPECT_EQ(next.learned.late_sd_s, b.kernel.learned.late_sd_s);
+    EXPECT_EQ(next.learned.lag_sd, b.kernel.learned.lag_sd);
+    const sd_afr_learned_t before = next.learned;
+    for (auto spoil : {+[](sd_afr_kept_t &k) { k.learned.late_s = NAN; }, +[](sd_afr_kept_t &k) { k.dead_s = 0.2f; }, +[](sd_afr_kept_t &k) { k.tau1_s = 0.2f; },
+                       +[](sd_afr_kept_t &k) { k.learned.lag = -0.9f; }, +[](sd_afr_kept_t &k) { k.learned.lag_sd = NAN; }, +[](sd_afr_kept_t &k) { k.tau2_s = 0; }}) {
+        sd_afr_kept_t bad = kept;
+        spoil(bad);
+        EXPECT_EQ(sd_afr_delay_resume(&next, 0.012f, &bad), SD_ERR_CONFIG);
+        EXPECT_EQ(std::memcmp(&before, &next.learned, sizeof before), 0) << "untouched";
+    }
+    // Nothing learned, or nothing kept: the calibration's own word stands.
+    ASSERT_EQ(sd_afr_delay_init(&b.kernel, &other), SD_OK);
+    sd_afr_delay_keep(&b.kernel, 0.01f, &kept);
+    const sd_afr_kept_t none{};
+    for (const sd_afr_kept_t *file : std::initializer_list<const sd_afr_kept_t *>{&kept, &none}) {
+        ASSERT_EQ(sd_afr_delay_init(&next, &other), SD_OK);
+        ASSERT_EQ(sd_afr_delay_resume(&next, 0.02f, file), SD_OK);
+        EXPECT_EQ(next.learned.late_s, 0);
+        EXPECT_FLOAT_EQ(next.learned.late_sd_s, 0.01f);
     }
 }
 

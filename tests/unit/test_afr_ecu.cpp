@@ -112,6 +112,66 @@ TEST(AfrEcu, APressureSensorThatFallsSilentIsSaid) {
     }
 }
 
+sd_parameters_t default_tune() {
+    TomlFile tune("t", "");
+    return read_tune(tune);
+}
+
+/// An ecu that hears nothing of the EGR valve.
+class Deaf : public EcuBench {
+  public:
+    using EcuBench::EcuBench;
+    void send(const sd_event_t &event) override {
+        if (event.kind != SD_EVENT_SAMPLE || event.channel != SD_INPUT_EGR_POSITION) EcuBench::send(event);
+    }
+};
+
+/// Some 20 % of what leaves the manifold goes back into the intake.
+TEST(AfrEcu, RecirculatedGasIsNoMixtureOfTheCylinders) {
+    TomlFile file("s", "engine = \"diesel_22.toml\"\n[run]\ncycles = 70\n[speed]\nmode = \"prescribed\"\nrpm = 1500\n[uego]\n[load]\nbmep_bar = 9\n"
+                       "[cylinders]\nfuel_percent = [15, -5, -5, -5]\n");
+    Scenario scenario = read_scenario(file, SD_ENGINES);
+    scenario.engine.intake_pressure_pa = Profile(1.3e5);
+    scenario.engine.exhaust.egr_area_m2 = 2e-4;
+    const double share = afr_trace(scenario).egr_share;
+    EXPECT_NEAR(share, 0.2, 0.03);
+    const sd_calibration_t page = calibrate(scenario.engine.shared, default_tune(), "t");
+    EcuBench told(page);
+    Deaf deaf(page);
+    const auto with = run_scenario(scenario, page, told, nullptr).afr, without = run_scenario(scenario, page, deaf, nullptr).afr;
+    ASSERT_TRUE(with && without);
+    std::printf("20 %% recirculated: error of a cylinder's mixture %.2f points, %.2f where the ecu knows the valve; share %.3f, found %.3f\n", without->rms_points,
+                with->rms_points, share, double(told.ecu().mixture.egr_share));
+    EXPECT_GT(without->rms_points, 1);
+    EXPECT_LT(with->rms_points, 0.5 * without->rms_points);
+    EXPECT_NEAR(double(told.ecu().mixture.egr_share), share, 0.03);
+    EXPECT_EQ(deaf.ecu().mixture.egr_share, 0);
+}
+
+TEST(AfrEcu, TheRecirculatedShareIsABalanceOfMasses) {
+    const Scenario scenario = step_scenario(1500, 9);
+    const sd_calibration_t page = calibrate(scenario.engine.shared, default_tune(), "t");
+    const auto ecu = std::make_unique<sd_ecu_t>();
+    ASSERT_EQ(sd_ecu_init(ecu.get(), &page), SD_OK);
+    sd_stage_mixture_t &mixture = ecu->mixture;
+    const double fuel_mg = 30, all_mg = 1e6 * double(page.afr.air_kg_per_bar) * 1.3 + fuel_mg, fresh_mg = 0.75 * all_mg, s = 14.6, radps = 157;
+    sd_afr_conditions_t at{float(radps), 1.3f, float(fuel_mg), 0, 0, 0, 0};
+    const auto share = [&](double air_mg, double opening) {
+        const sd_mixture_egr_t egr{&at, float(s), float(air_mg * 1e-3 * 4 * radps / (4 * M_PI)), float(opening)};
+        float found = 0;
+        for (int k = 0; k < 100; ++k) found = sd_stage_mixture_recirculated(&mixture, &page, &egr);
+        return double(found);
+    };
+    EXPECT_NEAR(share(fresh_mg - fuel_mg, 0.5), 0.25, 1e-3) << "by the air meter";
+    EXPECT_EQ(share(fresh_mg - fuel_mg, 0.01), 0) << "the valve is shut";
+    EXPECT_EQ(share(0, 1), 0) << "neither air nor mixture is known";
+    mixture.afr.cycles = 20, mixture.afr.mean_lambda = float((1 + s) * fuel_mg / fresh_mg);
+    EXPECT_NEAR(share(0, 1), 0.25, 1e-3) << "by what the exhaust has left";
+    EXPECT_NEAR(share(2 * all_mg, 1), 0, 1e-4) << "more air than the cylinders take";
+    at.intake_bar = NAN;
+    EXPECT_EQ(share(0, 1), 0);
+}
+
 /// The operating point where it is known: temperature, vanes and the turbine's speed against what the grid takes for granted.
 TEST(AfrPoint, FollowsWhatIsMeasuredOfTheExhaust) {
     const Scenario scenario = step_scenario(1500, 9);
@@ -133,11 +193,12 @@ TEST(AfrPoint, FollowsWhatIsMeasuredOfTheExhaust) {
         while (sd_afr_point_work_q31(&p, &page.afr, 0) == SD_AFR_MORE) {}
         return p;
     };
-    const sd_afr_conditions_t usual{157, 1.5f, 20, 0, 0, 0};
+    const sd_afr_conditions_t usual{157, 1.5f, 20, 0, 0, 0, 0};
     const sd_afr_point_f32_t before = f32_at(usual);
-    for (const auto &[at, rate, mass] : {std::tuple{sd_afr_conditions_t{157, 1.5f, 20, 0, 0.8f, 0}, 0.8, 1.0},
-                                         {sd_afr_conditions_t{157, 1.5f, 20, 0, 0, 200000}, 1 - 0.3 * 3, 1.0},
-                                         {sd_afr_conditions_t{157, 1.5f, 20, 0, 0, 100000}, 1.0, 1.0}, {usual, 1.0, 1.0}}) {
+    for (const auto &[at, rate, mass] : {std::tuple{sd_afr_conditions_t{157, 1.5f, 20, 0, 0.8f, 0, 0}, 0.8, 1.0},
+                                         {sd_afr_conditions_t{157, 1.5f, 20, 0, 0, 200000, 0}, 1 - 0.3 * 3, 1.0},
+                                         {sd_afr_conditions_t{157, 1.5f, 20, 0, 0, 100000, 0}, 1.0, 1.0},
+                                         {sd_afr_conditions_t{157, 1.5f, 20, 0, 0, 0, 0.2f}, 1.25, 1.0}, {usual, 1.0, 1.0}}) {
         const sd_afr_point_f32_t f32 = f32_at(at);
         const sd_afr_point_q31_t q31 = q31_at(at);
         EXPECT_NEAR(double(f32.rate_hz / before.rate_hz), rate, 1e-5);
@@ -146,13 +207,13 @@ TEST(AfrPoint, FollowsWhatIsMeasuredOfTheExhaust) {
         for (std::size_t k = 0; k < SD_EXHAUST_OPEN; ++k)
             ASSERT_NEAR(double(sd_to_float_q31(q31.exhaust.share[q31.exhaust.present][k + 1])), double(f32.exhaust.share[f32.exhaust.present][k + 1]), 1e-5);
     }
-    const sd_afr_point_f32_t hot = f32_at({157, 1.5f, 20, 1600, 0, 0}), cold = f32_at({157, 1.5f, 20, 400, 0, 0});
+    const sd_afr_point_f32_t hot = f32_at({157, 1.5f, 20, 1600, 0, 0, 0}), cold = f32_at({157, 1.5f, 20, 400, 0, 0, 0});
     EXPECT_NEAR(double(hot.rate_hz / cold.rate_hz), 2, 1e-4) << "the square root of the temperatures";
     EXPECT_NEAR(double(hot.z0_kg / cold.z0_kg), 0.25, 1e-5);
-    EXPECT_NEAR(double(sd_scaled_to_float(q31_at({157, 1.5f, 20, 1600, 0, 0}).z0_kg) / cold.z0_kg), 0.25, 1e-5);
+    EXPECT_NEAR(double(sd_scaled_to_float(q31_at({157, 1.5f, 20, 1600, 0, 0, 0}).z0_kg) / cold.z0_kg), 0.25, 1e-5);
     sd_afr_point_f32_t p;
     EXPECT_EQ(sd_afr_point_init_f32(&p, &c, &page.afr), SD_OK);
-    const sd_afr_conditions_t stopped{0, 1.5f, 20, 0, 0, 0}, nothing{NAN, 1, 1, 0, 0, 0};
+    const sd_afr_conditions_t stopped{0, 1.5f, 20, 0, 0, 0, 0}, nothing{NAN, 1, 1, 0, 0, 0, 0};
     EXPECT_FALSE(sd_afr_point_begin_f32(&p, &stopped, 0.5f));
     EXPECT_FALSE(sd_afr_point_begin_f32(&p, &nothing, 0.5f));
     EXPECT_EQ(sd_afr_point_work_f32(&p, &page.afr, 0), SD_AFR_DONE);

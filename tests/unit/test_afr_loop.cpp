@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <functional>
+#include <map>
 #include <gtest/gtest.h>
 #include <memory>
 #include <numeric>
@@ -157,10 +158,48 @@ TEST(AfrLoop, AnInjectorThatMovesAtRestIsNoDelayAndIsFoundQuietly) {
     EXPECT_GT(square, 0);
 }
 
+/// A start whose calibration believes the delay wrongly; made once.
+const RunResult &first_start(double error) {
+    static std::map<double, RunResult> made;
+    if (made.count(error) == 0) made[error] = run_loop({{}, {}, error});
+    return made[error];
+}
+
+/// What is stored at power-off is as good as if it had not been off: before any trim, and once they are allowed.
+TEST(AfrLoop, ASecondStartKnowsTheDelay) {
+    for (double error : {90.0, -90.0}) {
+        const RunResult &first = first_start(error);
+        const LoopCase cold{{"run.duration_s=1.9"}, {}, error, false, 2, {}, nullptr}, warm{{"run.duration_s=1.9"}, {}, error, false, 2, {}, &first.learned};
+        const RunResult before = run_loop(cold), after = run_loop(warm);
+        ASSERT_TRUE(before.afr && after.afr);
+        EXPECT_GT(before.afr->rms_points, 4) << error;
+        EXPECT_LT(after.afr->rms_points, 0.5 * before.afr->rms_points) << error;
+        EXPECT_EQ(after.afr_late_s, first.afr_late_s) << error;
+        const RunResult second = run_loop({{}, {}, error, false, 1, {}, &first.learned});
+        ASSERT_TRUE(first.balance && second.balance);
+        EXPECT_GE(second.balance->cycles_to_3_percent, 4) << error;
+        EXPECT_LE(second.balance->cycles_to_3_percent, 0.7 * first.balance->cycles_to_3_percent) << error;
+    }
+}
+
+/// A delay that was stored and is wrong: it was learned from an injector that moved, or the sensor has been changed since.
+TEST(AfrLoop, AWrongDelayThatWasKeptIsMendedLikeAWrongCalibration) {
+    for (double error : {90.0, -90.0}) {
+        sd_kept_t wrong = first_start(error).learned;
+        if (error > 0) wrong.mixture.dead_s -= float(error / (6 * 1500)); // now it says the same of an engine that is as calibrated
+        const RunResult r = run_loop({{}, {}, 0, false, 2, {}, &wrong});
+        ASSERT_TRUE(r.balance);
+        EXPECT_GE(r.balance->cycles_to_3_percent, 4) << error;
+        EXPECT_LE(r.balance->cycles_to_3_percent, 100) << error;
+        EXPECT_EQ(r.balance->gave_up_cycles, -1) << error;
+        EXPECT_NEAR(r.afr_late_s * 1500 * 6, 0, 45) << error;
+    }
+}
+
 /// A loop that gave up asks the sensor, and balances then.
 TEST(AfrLoop, AProbeMendsALoopThatGaveUp) {
     for (double error : {180.0, -180.0}) {
-        const RunResult r = run_loop({{"run.duration_s=26"}, {"afr.identify=2"}, error});
+        const RunResult r = run_loop({{"run.duration_s=26"}, {"afr.delay_learning=2"}, error});
         ASSERT_TRUE(r.balance);
         EXPECT_GE(r.balance->gave_up_cycles, 4) << error;
         EXPECT_GE(r.balance->cycles_to_3_percent, 4) << error;
@@ -171,7 +210,7 @@ TEST(AfrLoop, AProbeMendsALoopThatGaveUp) {
 
 /// Document 004's chain in place of the filter: noisier, so with less gain.
 TEST(AfrLoop, BalancesFromTheDocumentsChain) {
-    const auto chain = [](const char *method, double error) { return balanced({{}, {method, "balance.gain=0.1", "afr.identify=0"}, error}); };
+    const auto chain = [](const char *method, double error) { return balanced({{}, {method, "balance.integral_gain=0.1", "afr.delay_learning=0"}, error}); };
     for (const BalanceFigures &b : {chain("afr.method=2", 0), chain("afr.method=3", 0), chain("afr.method=3", 30)}) {
         EXPECT_GE(b.cycles_to_3_percent, 4);
         EXPECT_LE(b.cycles_to_3_percent, 60);
@@ -189,7 +228,7 @@ TEST(AfrLoop, BalancesFromTheDocumentsChain) {
 /// At 90 deg the alternating pattern is neither corrected nor driven; beyond, it is driven apart, and the watch stops that.
 TEST(AfrLoop, GivesUpBeforeAWrongPhaseDoesHarm) {
     for (double error : {90.0, -90.0, 120.0, -120.0, 150.0, -150.0, 180.0}) {
-        const BalanceFigures b = balanced({{}, {"afr.identify=0"}, error});
+        const BalanceFigures b = balanced({{}, {"afr.delay_learning=0"}, error});
         EXPECT_LT(b.largest_spread_percent, 2 * b.spread_before_percent) << error;
         if (std::abs(error) > 100) {
             EXPECT_GE(b.gave_up_cycles, 4) << error;
@@ -243,7 +282,7 @@ TEST(AfrLoop, ASensorThatFailsMovesNoTrimAndNeedsNoRestart) {
     fails(page, "out of range", 0.005, 1.5, [] { return -1e30f; });
     fails(page, "stuck", 0.005, 1.5, [] { return 2.0f; });
     fails(page, "any number", 0.005, 1.5, [&] { return std::uniform_real_distribution<float>(0.3f, 9)(random); });
-    page.parameters.afr_method = SD_AFR_FOURIER, page.parameters.balance_gain = 0.1f;
+    page.parameters.afr_method = SD_AFR_FOURIER, page.parameters.balance_integral_gain = 0.1f;
     fails(page, "chain, not a number", 0.005, 2, [] { return NAN; });
     fails(page, "chain, stuck", 0.02, 2, [] { return 2.0f; });
 }

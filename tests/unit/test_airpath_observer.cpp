@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Document 001's observers, decision and ecu stage on the four-state model: what docs/theory/airpath.md says of the matched plant.
+// Document 001's observers, decision and ecu stage on the four-state model: what docs/results/airpath.md says of the matched plant.
 #include <Eigen/Core>
 #include <cmath>
 #include <cstring>
@@ -136,7 +136,7 @@ TEST(AirPathMatched, AResidualIsBlindToItsOwnFault) {
     }
 }
 
-// Thresholds of one false alarm in 4 h and in 2,000 h: docs/theory/airpath.md.
+// Thresholds of one false alarm in 4 h and in 2,000 h: docs/results/airpath.md.
 TEST(AirPathMatched, DelaysAreWithinTheirGoals) {
     const double threshold[2] = {kUsual, kRare}, goal[2][4] = {{0.18, 0.07, 0.32, 0.14}, {0.26, 0.11, 0.45, 0.20}};
     for (const std::size_t rare : {0u, 1u}) {

@@ -11,50 +11,12 @@ using namespace test;
 
 constexpr double kDeg = M_PI / 180;
 
-/// An operating point of a drive.
-struct Point {
-    double rpm, intake_bar, heat_j;
-};
-
 /// Of the teeth, their mean taken out.
 double pattern_error_deg(const OtherBench &bench, const float *late_rad) {
     double mean = 0, square = 0;
     for (int k = 0; k < 58; ++k) mean += (double(late_rad[k]) - bench.late_rad[k]) / 58;
     for (int k = 0; k < 58; ++k) square += std::pow(double(late_rad[k]) - bench.late_rad[k] - mean, 2) / 58;
     return std::sqrt(square) / kDeg;
-}
-
-struct Imbalance {
-    double mean_percent = 0, single_percent = 0, over_stated = 0, single_over_stated = 0;
-};
-
-/// Of the mean of all firings, their mean taken out; rms.
-Imbalance imbalance(OtherBench &bench, const Point &at, int cycles) {
-    const OtherEngine engine = bench.engine(at.rpm, at.intake_bar, at.heat_j);
-    std::vector<std::array<sd_firing_t, 4>> read(1);
-    bench.on_firing = [&](const sd_firings_out_t &out) {
-        if (out.firing.index == 0) read.emplace_back();
-        read.back()[out.firing.index] = out.firing;
-    };
-    bench.run(engine, cycles, false);
-    bench.on_firing = {};
-    Imbalance out;
-    double count = 0, truth = 0;
-    for (double fuel : engine.fuel) truth += fuel / 4;
-    for (std::size_t i = 1; i + 1 < read.size(); ++i) {
-        double mean = 0, single = 0;
-        for (const sd_firing_t &f : read[i]) mean += double(f.mean_nm) / 4, single += double(f.torque_nm) / 4;
-        for (std::size_t j = 0; j < 4; ++j) {
-            const double true_nm = (engine.fuel[j] - truth) * engine.firing_nm();
-            const double off = double(read[i][j].mean_nm) - mean - true_nm, one = double(read[i][j].torque_nm) - single - true_nm;
-            out.mean_percent += off * off, out.single_percent += one * one, ++count;
-            out.over_stated += std::pow(off / double(read[i][j].mean_sd_nm), 2);
-            out.single_over_stated += std::pow(one / double(read[i][j].sd_nm), 2);
-        }
-    }
-    const double full = truth * engine.firing_nm() / 100;
-    return {std::sqrt(out.mean_percent / count) / full, std::sqrt(out.single_percent / count) / full, std::sqrt(out.over_stated / count),
-            std::sqrt(out.single_over_stated / count)};
 }
 
 OtherEngine kind_of(double gamma, bool wrong_file = false) {
@@ -83,7 +45,7 @@ struct FiredBench : OtherBench {
         }
         fuel = {1.1, 1, 1, 0.8}, fuel_mg = -1;
     }
-    const sd_fired_t &fired() const { return block.fired; }
+    const sd_fired_pattern_t &fired() const { return *sd_fired_used(&block.fired); }
     double error_deg() const { return pattern_error_deg(*this, fired().late_rad); }
     double stated_deg() const { return double(fired().sd_rad) / kDeg; }
 };
@@ -129,16 +91,16 @@ TEST(Fired, PatternAndImbalanceAfterADriveOfAMinute) {
         EXPECT_LT(right.error_deg, 0.004);
         EXPECT_LT(right.error_over_stated, 1.5);
         EXPECT_LT(right.percent[0], 0.25);
-        EXPECT_LT(right.percent[1], 0.6);
-        EXPECT_LT(right.percent[2], 1.2);
+        EXPECT_LT(right.percent[1], 0.35);
+        EXPECT_LT(right.percent[2], 0.75);
         for (double ratio : right.over_stated) EXPECT_LT(ratio, 1.3);
     }
     if (!full) return;
     const AfterDrives wrong = after_drives(true, 0.5);
     EXPECT_LT(wrong.error_deg, 0.008);
     EXPECT_LT(wrong.percent[0], 0.6);
-    EXPECT_LT(wrong.percent[1], 0.8);
-    EXPECT_LT(wrong.percent[2], 1.6);
+    EXPECT_LT(wrong.percent[1], 0.7);
+    EXPECT_LT(wrong.percent[2], 1.2);
 }
 
 TEST(Fired, OnePointSaysWhatItDoesNotKnow) {
@@ -184,6 +146,19 @@ TEST(Fired, AFuelCutThatKnowsBetterIsBelieved) {
     EXPECT_EQ(believed.late_rad, bench.learned().late_rad);
     EXPECT_LT(believed.sd_rad, bench.fired().sd_rad);
     EXPECT_EQ(believed.hidden_share, 0);
+}
+
+TEST(Fired, TeethThatInterruptTheTaskChangeNothingOfIt) {
+    FiredBench first(33, kind_of(1.33)), last(33, kind_of(1.33));
+    first.task = OtherBench::Task::kFirst, last.task = OtherBench::Task::kLast;
+    for (FiredBench *bench : {&first, &last}) {
+        bench->fuel_mg = 60;
+        for (double rpm : {1000., 3000., 6000.}) bench->run(bench->engine(rpm, 1.4, 1000), int(rpm / 25), false);
+    }
+    sd_firings_task_work(&last.block, &last.tables); // of the last clock
+    EXPECT_GT(first.fired().cycles, 300);
+    EXPECT_GT(first.block.pattern.sums.fired.hidden[0].c[0], 0) << "fuel was known";
+    EXPECT_EQ(std::memcmp(&first.block, &last.block, sizeof first.block), 0);
 }
 
 /// What is taken for torque and what for pattern, against equations solved by themselves.

@@ -99,7 +99,7 @@ TEST(FiringBound, NoFilterIsBelowItAndOursIsNear) {
     const EngineFile engine = engine_file();
     const ToothModel model = tooth_model(engine, known_torque(), kSpeed);
     KalmanTune tune;
-    tune.firing_change_nm = 20; // so wide that it costs nothing: the deviations are of timing errors alone
+    tune.firing_torque_change_nm = 20; // so wide that it costs nothing: the deviations are of timing errors alone
     for (double rpm : {1000.0, 3000.0, 6000.0}) {
         const ToothNoise noise = tooth_noise(engine, tune, rpm * M_PI / 30);
         const PeriodicGains gains = design_gains(model, noise, 10);

@@ -5,8 +5,12 @@
 #include <cmath>
 #include <gtest/gtest.h>
 #include <limits>
+#include <random>
 
 #include "support/fourier_bench.hpp"
+extern "C" {
+#include "sd_punctual.h"
+}
 
 using namespace sixdeg::test;
 
@@ -106,6 +110,54 @@ TYPED_TEST(Fourier, TenMicrosecondTimerAt1000RpmStillSettlesInFourCycles) {
     const Run r = run<TypeParam>(TorqueSignal{}, kSmooth, 1e5);
     EXPECT_LE(r.cycles_to_tenth_of_peak, 4);
     EXPECT_LT(r.rms_of_peak, 0.015);
+}
+
+TEST(Punctual, AnUnevenWheelGivesThePeriodsOfAnEvenOne) {
+    // Capture rounds a period by less than 1; what is rounded off, 0.5 at most, goes into the next tooth: differences of differences, 2.
+    constexpr double kSpeed = 314, kTicks = 1e6, kMostTicks = 3;
+    std::mt19937 random(3);
+    std::normal_distribution<double> pattern_deg(0, 0.2);
+    std::vector<float> late(kN);
+    for (float &rad : late) rad = float(pattern_deg(random) * M_PI / 180);
+    const auto tick = [&](int k, double late_rad) { return std::uint32_t((k * kPitch + late_rad + 1) / kSpeed * kTicks); };
+    sd_punctual_t self{};
+    int last = 0;
+    std::int64_t moved = 0;
+    for (int k = 1; k < 100 * kN; ++k) {
+        if (missing(k)) continue;
+        const std::uint32_t period = tick(k, double(late[std::size_t(k % kN)])) - tick(last, double(late[std::size_t(last % kN)]));
+        const std::uint32_t even =
+            sd_punctual_period(&self, period, std::uint32_t(k - last), late[std::size_t(k % kN)], float(kN / (2 * M_PI)));
+        if (last > 0) { // the first period knows one of its ends
+            EXPECT_NEAR(even, (k - last) * kPitch / kSpeed * kTicks, kMostTicks) << k;
+            moved += even;
+        }
+        last = k;
+    }
+    EXPECT_NEAR(double(moved), (last - 1) * kPitch / kSpeed * kTicks, kMostTicks); // whatever is rounded comes back at the next tooth
+}
+
+// 0.3 of a tick in each of 29 teeth, the other way in the next: rounded tooth by tooth that would be nothing.
+TEST(Punctual, LessThanATickIsCorrectedOverSomeTeeth) {
+    sd_punctual_t self{};
+    double first = 0, second = 0;
+    for (int k = 1; k < 40 * kN; ++k) {
+        const bool early = k % kN < kN / 2;
+        sd_punctual_period(&self, 1000, 1, (early ? 0.3f : -0.3f) * float(kPitch) / 1000, float(kN / (2 * M_PI)));
+        if (k >= kN) (early ? first : second) += self.late_ticks / (39.0 * kN / 2);
+    }
+    EXPECT_NEAR(first, 0.3, 0.05);
+    EXPECT_NEAR(second, -0.3, 0.05);
+}
+
+TEST(Punctual, WhatIsNoTurningStaysAsItIs) {
+    sd_punctual_t self{};
+    for (float late : {NAN, 0.06f, -INFINITY}) EXPECT_EQ(sd_punctual_period(&self, 1000, 1, late, 9.5f), 1000u);
+    EXPECT_EQ(sd_punctual_period(&self, UINT32_MAX, 1, 0.01f, 9.5f), UINT32_MAX);
+    EXPECT_EQ(sd_punctual_period(&self, 0, 1, 0.01f, 9.5f), 0u); // there is none
+    EXPECT_EQ(self.late_ticks, 0);
+    self.late_ticks = -100;
+    EXPECT_EQ(sd_punctual_period(&self, 3, 1, 0.01f, 9.5f), 1u); // never a period of 0, whatever came before
 }
 
 /// phi' = T - 2 p e, T' = -p^2 e, e = phi - E, in continuous angle between teeth: what document 004 calls pole

@@ -100,6 +100,26 @@ TEST(Misfire, MeetsTheWantedRatesWhereTheyCanBeMet) {
     EXPECT_EQ(SD_VALID, s.read().status.health);
 }
 
+/// Cyclic variation as large as is usual leaves little room at 1 bar. What the learned scatter is off by chance must not use it up, and
+/// what is a disturbance must.
+TEST(Misfire, ChanceInTheScatterIsNoDisturbance) {
+    const auto valid = [](double noise, double common) {
+        int good = 0, all = 0;
+        for (unsigned seed = 1; seed <= 20; ++seed) {
+            Stream s(seed);
+            s.cyclic = 0.2, s.noise_nm = s.stated_nm = noise * Stream::kTorque, s.common = common;
+            s.healthy(80);
+            for (int i = 0; i < 1500; ++i, ++all) s.go(i % 50 == 49 ? 0 : 1), good += s.read().status.health == SD_VALID;
+        }
+        return double(good) / all;
+    };
+    EXPECT_GT(valid(0.03, 0), 0.99);
+    EXPECT_GT(valid(0.06, 0), 0.97);
+    EXPECT_GT(valid(0.08, 0), 0.95);
+    EXPECT_LT(valid(0.10, 0), 0.2) << "3.54 of sqrt(0.2^2 + 0.1^2) and 2.58 of 0.1 do not fit below 1";
+    EXPECT_LT(valid(0.03, 0.17), 0.1) << "nor does an error of 0.17 that nobody states";
+}
+
 TEST(Misfire, ContinuousSingleAndPairsAreSeenForEver) {
     for (int pattern : {0b0001, 0b0101, 0b0011, 0b0111, 0b1111}) { // firing places: 1; 1+4; 1+3; three; all
         Stream s;

@@ -4,6 +4,7 @@
 
 #include "common/files.hpp"
 #include "design/calibration.hpp"
+#include "studies/engines/engine_figures.hpp"
 #include "studies/misfire/equal_alarms.hpp"
 #include "studies/misfire/open_ecus.hpp"
 #include "studies/misfire/set_files.hpp"
@@ -36,6 +37,24 @@ TEST(MisfireSet, DrawsAreWithinTheirRangesAndOfTheirSeeds) {
         least = std::min(least, e.gamma), most = std::max(most, e.gamma);
     }
     EXPECT_TRUE(least >= 1.30 && least < 1.31 && most > 1.37 && most <= 1.38);
+}
+
+TEST(EngineFigures, RmsIntervalAndGoalOfEachPhysics) {
+    EngineFigures figures;
+    const auto own = draw_engines(EngineKind::rigid, Physics::own, 1, 1).front();
+    const auto other = draw_engines(EngineKind::rigid, Physics::other, 1, 1).front();
+    for (const double value : {1.0, -1.0, 2.0, -4.0}) figures.add(other, "level", "1500 rpm", " %", {0, 3}, value);
+    figures.add(own, "level", "1500 rpm", " %", {0, 3}, 2);
+    figures.add(other, "ratio", "1500 rpm", "", {0.67, 1.5}, 0.5);
+    ASSERT_EQ(figures.rows().size(), 2u);
+    const FigureRms of_own = rms_of(figures.rows()[0], Physics::own), of_other = rms_of(figures.rows()[0], Physics::other);
+    EXPECT_EQ(of_own.rms, 2), EXPECT_EQ(of_own.low, 2), EXPECT_EQ(of_own.high, 2);
+    EXPECT_NEAR(of_other.rms, std::sqrt(5.5), 1e-12);
+    EXPECT_EQ(of_other.largest, -4), EXPECT_EQ(of_other.met, 3), EXPECT_EQ(of_other.engines, 4);
+    EXPECT_EQ(of_other.low, 1); // all four drawn are 1 or -1, in one draw of 16
+    EXPECT_TRUE(of_other.high >= 3.5 && of_other.high < 3.7);
+    EXPECT_EQ(rms_of(figures.rows()[1], Physics::other).met, 0);
+    EXPECT_NE(figures.table().find("<= 3 % | 2.00 [2.00, 2.00]; +2.00; 1 of 1 | 2.35 ["), std::string::npos);
 }
 
 // One run of an engine that the calibration does not know: what each detector is there for, and the run as files.

@@ -2,6 +2,7 @@
 // Pulses whose shape the calibration has wrong: what the filter reads then, what it learns of it, and what it states.
 #include <array>
 
+#include "design/calibration.hpp"
 #include "design/torque/known_torque.hpp"
 #include "design/torque/model_error.hpp"
 #include "support/kalman_bench.hpp"
@@ -171,6 +172,23 @@ TEST(ModelError, ToleranceOfTheEngineIsStated) {
     EXPECT_GT(mass.charge_nm_per_bar[0], 2 * exact.charge_nm_per_bar[0]);
     EXPECT_LT(mass.learned_nm_per_bar[0], 0.7f * mass.charge_nm_per_bar[0]) << "fuel cut shows it";
     EXPECT_EQ(mass.mean_share[0], exact.mean_share[0]) << "it is not of combustion";
+}
+
+/// Of one cylinder no mean can be taken out, so its deviation is that of the torque itself.
+TEST(ModelError, OneCylinderStatesWhatItsOwnPatternAndMotoredTorqueHide) {
+    const auto tables = [](bool exact) {
+        TomlFile file(std::filesystem::path(SD_ENGINES) / "single_generator.toml"), tune("tune", "");
+        EngineFile engine = read_engine(file);
+        if (exact) engine.tolerance = {};
+        const sd_parameters_t parameters = read_tune(tune);
+        return kalman_tables(engine, *known_torque(engine, parameters), kalman_tune(engine, parameters)).tables;
+    };
+    const sd_kalman_tables_t usual = tables(false), exact = tables(true);
+    EXPECT_GT(usual.single_sd[0], 0) << "timing noise";
+    EXPECT_GT(usual.pattern_sd[0], 0);
+    EXPECT_GT(usual.charge_nm_per_bar[0], usual.learned_nm_per_bar[0]);
+    EXPECT_GT(double(usual.mean_share[0]), 0.04 / std::sqrt(3.0)) << "the scale of the inertia is the scale of the torque";
+    EXPECT_LT(exact.mean_share[0], usual.mean_share[0]);
 }
 
 } // namespace

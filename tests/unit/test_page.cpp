@@ -95,4 +95,43 @@ TEST(Calibration, RefusesGainsThatDoNotConvergeEvenBelowTheRule) {
     }
 }
 
+TEST(LearnedPage, ComesBackAsItWasAndIsRefusedWhenTouchedOrOlder) {
+    sd_kept_t kept{};
+    kept.pattern.cycles = 7;
+    kept.mixture = {{0.003f, 0.001f, 0.1f, 0.05f}, 0.01f, 0.03f, 0.015f};
+    sd_learned_t page{};
+    sd_learned_make(&page, &kept);
+    const sd_kept_t *view = sd_learned_view(&page, sizeof page);
+    ASSERT_NE(nullptr, view);
+    EXPECT_EQ(0, std::memcmp(&kept, view, sizeof kept));
+    for (std::size_t i = 0; i < sizeof page; i += 61) {
+        reinterpret_cast<std::uint8_t *>(&page)[i] ^= 0x10;
+        EXPECT_EQ(nullptr, sd_learned_view(&page, sizeof page)) << i;
+        reinterpret_cast<std::uint8_t *>(&page)[i] ^= 0x10;
+    }
+    EXPECT_EQ(nullptr, sd_learned_view(&page, sizeof page - 4));
+    sd_page_seal(&page.head, 0x354c4453u, sizeof page); // SDL5
+    EXPECT_EQ(nullptr, sd_learned_view(&page, sizeof page));
+}
+
+/// A part that does not fit leaves the other one alone.
+TEST(LearnedPage, IsTakenUpAsAWholeOrNotAtAll) {
+    Ecu ecu(page());
+    sd_kept_t kept;
+    sd_ecu_keep(ecu.ecu.get(), ecu.page.view(), &kept);
+    const auto resumes = [&](auto spoil) {
+        sd_kept_t other = kept;
+        other.mixture.learned = {0.003f, 0.001f, 0, 0.2f};
+        spoil(other);
+        return sd_ecu_resume(ecu.ecu.get(), ecu.page.view(), &other) == SD_OK;
+    };
+    EXPECT_FALSE(resumes([](sd_kept_t &k) { k.pattern.late[3] = NAN; }));
+    EXPECT_EQ(0, ecu.ecu->mixture.delay.learned.late_s);
+    EXPECT_FALSE(resumes([](sd_kept_t &k) { k.mixture.dead_s = 1; }));
+    EXPECT_EQ(0, ecu.ecu->mixture.delay.learned.late_s);
+    EXPECT_TRUE(resumes([](sd_kept_t &) {}));
+    EXPECT_FLOAT_EQ(0.003f, ecu.ecu->mixture.delay.learned.late_s);
+    EXPECT_FLOAT_EQ(0.003f, ecu.ecu->mixture.afr.known.late_s) << "before the first cycle";
+}
+
 } // namespace

@@ -7,6 +7,7 @@ import tempfile
 
 import numpy as np
 
+import curves
 import cylinder as cyl
 import gas_exchange
 import observers as obs
@@ -107,7 +108,7 @@ def assess(measured, others):
     single = len(m.geometry.firing_order) == 1
     told = obs.work_by_cycle(m.replayed, m.cycles, m.cylinder, single)
     result = {"name": m.path.name, "cycles": m.cycles, "told": told, "summary": m.replayed.summary,
-              "intake_bar": m.intake_bar, "geometry": m.geometry,
+              "intake_bar": m.intake_bar, "geometry": m.geometry, "replayed": {"as built": m.replayed} if single else {},
               "tdc": cyl.tdc_shift(m.geometry, m.deg[m.inside], m.bar[m.inside], m.firing_deg),
               "cycles_moved": {shift: m.cycles_at(shift) for shift in (-1, 1)}}
     result["work"] = {shift: work_figures(result["cycles_moved"].get(shift, m.cycles), told) for shift in (-1, 0, 1)}
@@ -118,6 +119,7 @@ def assess(measured, others):
         for how, replayed in (("as the firmware learns it from the first half", m.with_learned_half()), (gas, m.with_gas_exchange(True)),
                               (f"{gas}, intake pressure not told", m.with_gas_exchange(False))):
             if replayed:
+                result["replayed"][how] = replayed
                 result["waveform"].update({(how, shift): waveforms(m, others, replayed, shift) for shift in (-1, 0, 1)})
                 result["learned_work"][how] = work_figures(m.cycles, obs.work_by_cycle(replayed, m.cycles, m.cylinder, single))
     return result
@@ -136,6 +138,7 @@ def arguments():
                         "--replay=--column --replay=2")
     parser.add_argument("--out", default="evidence.md", metavar="PAGE.md", help="page; pictures go into the folder pictures beside it")
     parser.add_argument("--json", metavar="FILE", help="figures alone")
+    parser.add_argument("--curves", metavar="FOLDER", help="torque over the angle and work of each cycle as CSV, for tools/report")
     parser.add_argument("--sixdeg", default=str(pathlib.Path(__file__).resolve().parents[2] / "build/host/sixdeg"), help=argparse.SUPPRESS)
     return parser.parse_args()
 
@@ -157,6 +160,8 @@ def main():
         page.write(out, results, options)
         if options.json:
             page.write_json(options.json, results)
+        if options.curves:
+            curves.write(options.curves, results)
     print(f"the page: {out}")
     return 0
 

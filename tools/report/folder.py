@@ -50,8 +50,9 @@ class Table:
             self.rows = list(rows)
         except (ValueError, csv.Error) as error:
             raise BadFolder(f"{self.path}: {error}") from error
+        self.columns = rows.fieldnames or []
         for column in columns:
-            if column not in (rows.fieldnames or []):
+            if column not in self.columns:
                 raise BadFolder(f"{self.path}: has no column {column}")
 
     def texts(self, column):

@@ -7,24 +7,18 @@ usage: look.py FOLDER --name RECORDING --out PAGE.html
 """
 import argparse
 import html
-import os
 import sys
 
 import numpy as np
 
+import look_pictures
+import page as pages
+import replay_pictures as pictures
 import tooth_pattern
 from folder import BadFolder, Table, read_summary
 from replay_folder import Replay
-from sections import picture, table, text
+from page import listed, picture, table, text
 
-STYLE = """
-body { font: 16px/1.5 system-ui, sans-serif; color: #222; max-width: 62rem; margin: 2rem auto; padding: 0 1rem; }
-h1 { font-weight: 600; margin-bottom: 0; } h2 { margin-top: 2.4rem; border-bottom: 1px solid #ddd; font-weight: 600; }
-p.lead { color: #555; margin-top: .2rem; } p.note, p.none { color: #555; font-size: .9rem; margin: .4rem 0; }
-ul.first { font-size: 1.25rem; line-height: 1.7; } img { width: 100%; margin: .6rem 0; } table { border-collapse: collapse; }
-th { text-align: left; font-weight: 600; } td, th { padding: .15rem 1.2rem .15rem 0; } td:first-child { color: #555; }
-div.unknown { border: 1px solid #d9822b; border-left-width: 6px; padding: .3rem 1.2rem; margin-top: 2.4rem; }
-"""
 FIELDS = ("guess", "decoder", "inputs", "misfire", "notes", "assumptions", "synced_percent", "not_followed")
 CLEAR = 4  # standard deviations from which a difference is said
 
@@ -136,25 +130,21 @@ def unknown(look):
     return items
 
 
-def listed(items, kind):
-    return f'<ul class="{kind}">' + "".join(f"<li>{html.escape(item)}</li>" for item in items) + "</ul>"
-
-
-def cylinder_parts(look, pictures):
+def cylinder_parts(look):
     differences, middle = look.differences()
     if look.has_engine and len(look.order) == 1:
         return [text("One cylinder: there is no other to compare it with.", "none")]
     if not differences:
         return [text("No contribution of single cylinders; why is said below.", "none")]
     rows = [(look.name(c), f"{off:+.2f} N m", f"{sd:.2f} N m", f"{count}") for c, (off, sd, count) in differences.items()]
-    return [picture(pictures.differences(differences), "cylinder contributions"),
+    return [picture(look_pictures.differences(differences), "cylinder contributions"),
             table(rows, ("", "less the mean", "standard deviation", "firings")),
             text("From the filter on tooth times: each firing less the mean of the cycle around it"
                  + (". " if look.knows_inertia else ", in N m" + look.scale() + ". ")
                  + "The deviation is that of the mean over the firings, as they scatter.")]
 
 
-def torque_parts(look, pictures):
+def torque_parts(look):
     """The torque where its inputs carry it; otherwise only how it swings, and without a scale where the inertia is not measured."""
     teeth, none = look.replay.teeth, "No torque over a whole cycle."
     if look.has_intake and look.has_engine:
@@ -175,10 +165,6 @@ def misfire_parts(look):
 
 
 def page(look, name):
-    # Imported late: a bad folder is reported at once, not after the plotting library has loaded.
-    import look_pictures
-    import replay_pictures as pictures
-
     pattern = look.pattern()
     replay = look.replay
     parts = [f"<h1>{html.escape(name)}</h1>", text(f"{replay.pattern()}; engine: {look.summary['engine']['name']}", "lead"),
@@ -187,12 +173,11 @@ def page(look, name):
              listed(look.summary["notes"], "notes"),
              "<h2>Speed</h2>", picture(pictures.speed(replay.teeth), "speed over time", "No speed: the decoder never synced."),
              "<h2>Tooth pattern</h2>", picture(look_pictures.pattern(pattern), "tooth pattern", "Too few whole revolutions for a pattern."),
-             "<h2>Cylinders</h2>", *cylinder_parts(look, look_pictures),
+             "<h2>Cylinders</h2>", *cylinder_parts(look),
              "<h2>Misfires</h2>", *misfire_parts(look),
-             "<h2>Torque over the cycle</h2>", *torque_parts(look, pictures),
+             "<h2>Torque over the cycle</h2>", *torque_parts(look),
              '<div class="unknown"><h2>What is not known, and why</h2>', listed(unknown(look), "unknown"), "</div>"]
-    return ('<!doctype html>\n<html lang="en"><head><meta charset="utf-8">'
-            f"<title>{html.escape(name)}</title><style>{STYLE}</style></head>\n<body>" + "\n".join(parts) + "\n</body></html>\n")
+    return pages.whole(name, parts)
 
 
 def main():
@@ -203,9 +188,7 @@ def main():
     options = parser.parse_args()
     try:
         text_of_page = page(Look(options.folder), options.name)
-        with open(options.out + ".partial", "w", encoding="utf-8", newline="\n") as out:
-            out.write(text_of_page)
-        os.replace(options.out + ".partial", options.out)
+        pages.write(options.out, text_of_page)
     except (BadFolder, OSError) as error:
         print(f"look: {error}", file=sys.stderr)
         return 2

@@ -10,11 +10,18 @@ NUMBERS = ("t_s", "imep_true_bar", "torque_nm", "burned_true", "burned", "trim")
 SMOOTH = 4  # cycles, as in the figures of the summary
 TAKEN_UP = 0.8  # share of a step that counts as converged: document 004's estimate lies within 20 %
 BALANCED_PERCENT = 3
+ESTIMATORS = {1: "joint filter", 2: "chain with oscillators", 3: "document 004's chain"}  # by afr.method
 
 BALANCE_ROWS = (("spread before, of lambda", "spread_before_percent", "{:.1f} %".format),
                 ("cycles until it is below 3 %", "cycles_to_3_percent", lambda n: f"{n:.0f}" if n >= 0 else "not reached"),
                 ("distance from the mean, at the end", "residual_percent", "{:.2f} %".format))
 ESTIMATE_ROWS = (("estimate of lambda, rms of the last cycles, of the mean", "rms_points", "{:.2f} %".format),)
+
+
+def names(runs, of=None):
+    """What each run's estimate is by, numbered where there are several."""
+    said = [(of or MixtureRun.source_of_estimate)(run) for run in runs]
+    return [f"{n}: {name}" for n, name in enumerate(said, 1)] if len(said) > 1 else said
 
 
 def running_mean(values, count=SMOOTH):
@@ -60,7 +67,12 @@ class MixtureRun:
         return self.summary["scenario"]
 
     def source(self):
-        return {1: "lambda", 2: "torque"}.get(round(self.summary["parameters"]["balance.source"]), "nothing")
+        """What the trims follow."""
+        source = {1: "lambda", 2: "torque"}.get(round(self.summary["parameters"]["balance.source"]), "nothing")
+        return f"{source}, {self.source_of_estimate()}" if source == "lambda" else source
+
+    def source_of_estimate(self):
+        return ESTIMATORS[round(self.summary["parameters"].get("afr.method", 1))]
 
     def balanced_s(self):
         """Pairs from, to: when the trims were allowed, cut to the run."""

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: MIT
-"""The pictures of a replay, as PNG bytes. Each function returns None where there is nothing to draw."""
+"""The pictures of a replay. Each function returns None where there is nothing to draw."""
 import numpy as np
 
-from style import BLUE, GREY, INK, ORANGE, RED, axes_of, png
+from chart import BLUE, GREY, ORANGE, RED, Chart
 
-MARKS = {"coasted": (ORANGE, "v", "coasted through"), "spurious": (RED, "x", "spurious"),
-         "unsynced": (GREY, ".", "not yet synced")}
+MARKS = {"coasted": (ORANGE, "triangle-down", "coasted through"), "spurious": (RED, "x", "spurious"),
+         "unsynced": (GREY, "circle", "not yet synced")}
 LAST_CYCLES = 8
 TEETH_BESIDE_MARK = 12
 
@@ -15,21 +15,16 @@ def speed(teeth):
     known = np.isfinite(teeth.rpm)
     if not known.any():
         return None
-    figure, axes = axes_of("Speed, tooth by tooth", "time, s", "speed, rpm")
-    axes.plot(teeth.t_s[known], teeth.rpm[known], color=BLUE, linewidth=0.7)
-    for kind, (color, marker, label) in MARKS.items():
+    chart = Chart("time, s", "speed, rpm")
+    chart.line(teeth.t_s[known], teeth.rpm[known], "speed, tooth by tooth", BLUE, width=0.9)
+    for kind, (color, symbol, label) in MARKS.items():
         chosen = teeth.kind == kind
-        if not chosen.any():
-            continue
-        # An edge without a speed of its own is drawn at the speed around it.
-        rpm = np.interp(teeth.t_s[chosen], teeth.t_s[known], teeth.rpm[known])
-        axes.plot(teeth.t_s[chosen], rpm, marker, color=color, markersize=5, label=f"{label} ({chosen.sum()})")
-    axes.set_ylim(bottom=0)
-    if axes.get_legend_handles_labels()[0]:
-        axes.legend(loc="lower right")
-    return png(figure)
-
-
+        if chosen.any():
+            # An edge without a speed of its own is drawn at the speed around it.
+            rpm = np.interp(teeth.t_s[chosen], teeth.t_s[known], teeth.rpm[known])
+            chart.points(teeth.t_s[chosen], rpm, f"{label} ({chosen.sum()})", color, symbol=symbol)
+    chart.set_y(0, 1.05 * np.nanmax(teeth.rpm))
+    return chart
 def _cycles(angle_deg):
     """Index ranges in which the crank angle only rises."""
     starts = np.flatnonzero(np.diff(angle_deg) < 0) + 1
@@ -49,20 +44,21 @@ def _last_cycles(teeth, torque_nm):
     return [(angle_deg[a:b], torque_nm[a:b]) for a, b in reversed(whole)], span_deg
 
 
-def _over_one_another(cycles, span_deg, title, unit):
-    figure, axes = axes_of(f"{title}, last {len(cycles)} {'cycles' if span_deg == 720 else 'revolutions'}", "crank angle, deg", unit)
-    for age, (angle_deg, values) in enumerate(cycles):
-        axes.plot(angle_deg, values, color=BLUE if age == 0 else GREY, linewidth=1.6 if age == 0 else 0.7, zorder=3 if age == 0 else 2)
-    axes.axhline(0, color=INK, linewidth=0.6)
-    axes.set_xlim(0, span_deg)
-    axes.set_xticks(range(0, span_deg + 1, 90))
-    return png(figure)
+def _over_one_another(cycles, span_deg, unit):
+    chart = Chart("crank angle, deg", unit)
+    older = f"the {len(cycles) - 1} before"
+    for age, (angle_deg, values) in reversed(list(enumerate(cycles))):
+        chart.line(angle_deg, values, older if age else f"last whole {'cycle' if span_deg == 720 else 'revolution'}", GREY if age else BLUE,
+                   width=1 if age else 2, opacity=0.5 if age else 1)
+    chart.level(0)
+    chart.set_x(0, span_deg, ticks=range(0, span_deg + 1, 90))
+    return chart
 
 
 def torque(teeth):
-    """Torque over crank angle, the last cycles over one another; the newest is dark."""
+    """Torque over crank angle, the last cycles over one another."""
     cycles, span_deg = _last_cycles(teeth, teeth.torque_nm)
-    return _over_one_another(cycles, span_deg, "Torque at the crank", "torque, N m") if cycles else None
+    return _over_one_another(cycles, span_deg, "torque, N m") if cycles else None
 
 
 def torque_swing(teeth, with_scale):
@@ -72,10 +68,10 @@ def torque_swing(teeth, with_scale):
         return None
     cycles = [(angle_deg, values - values.mean()) for angle_deg, values in cycles]
     if with_scale:
-        return _over_one_another(cycles, span_deg, "Swing of the torque", "torque less its mean, N m")
+        return _over_one_another(cycles, span_deg, "torque less its mean, N m")
     swing = np.mean([np.ptp(values) for _, values in cycles]) or 1
     shares = [(angle_deg, 100 * values / swing) for angle_deg, values in cycles]
-    return _over_one_another(shares, span_deg, "Swing of the torque", "torque less its mean, % of its swing")
+    return _over_one_another(shares, span_deg, "torque less its mean, % of its swing")
 
 
 def mark(teeth):
@@ -88,16 +84,14 @@ def mark(teeth):
     shown = np.arange(middle - TEETH_BESIDE_MARK, middle + TEETH_BESIDE_MARK)
     t_ms = 1e3 * (teeth.t_s[shown] - teeth.t_s[middle])
     interval_ms = 1e3 * (teeth.t_s[shown] - teeth.t_s[shown - 1])
-    figure, axes = axes_of(f"Decoded teeth around the mark at {teeth.t_s[middle]:.3f} s", "time after the first tooth, ms",
-                         "time since the edge before, ms")
-    axes.vlines(t_ms, 0, interval_ms, color=GREY, linewidth=1)
-    for i, x, y in zip(shown, t_ms, interval_ms):
-        color = MARKS[teeth.kind[i]][0] if teeth.kind[i] in MARKS else BLUE
-        axes.plot(x, y, "o", color=color, markersize=4)
-        label = f"{teeth.tooth[i]:.0f}" if np.isfinite(teeth.tooth[i]) else "?"
-        axes.annotate(label, (x, y), textcoords="offset points", xytext=(0, 6), ha="center", fontsize=8, color=INK)
-    axes.set_ylim(0, 1.2 * interval_ms.max())
-    return png(figure)
+    chart = Chart(f"time after the first tooth behind the mark at {teeth.t_s[middle]:.3f} s, ms", "since the edge before, ms")
+    numbers = np.array([f"{n:.0f}" if np.isfinite(n) else "?" for n in teeth.tooth[shown]])
+    for kind in dict.fromkeys(teeth.kind[shown]):
+        color, symbol, label = MARKS.get(kind, (BLUE, "circle", "tooth, with its number"))
+        of_kind = teeth.kind[shown] == kind
+        chart.points(t_ms[of_kind], interval_ms[of_kind], label, color, symbol=symbol, text=numbers[of_kind])
+    chart.set_y(0, 1.2 * interval_ms.max())
+    return chart
 
 
 def contributions(replay):
@@ -106,15 +100,12 @@ def contributions(replay):
     if not values:
         return None
     count = max(v.size for v in values.values())
-    figure, axes = axes_of(f"Cylinder contributions: torque less the mean of all, {count} cycles", "cylinder",
-                           "difference, N m")
-    for place, of_cycles in enumerate(values.values()):
-        bar = axes.bar(place, of_cycles.mean(), width=0.55, color=BLUE)
+    chart = Chart("cylinder", "torque less the mean of all, N m")
+    for place, (cylinder, of_cycles) in enumerate(values.items()):
         beside = place + np.linspace(-0.22, 0.22, of_cycles.size)
-        dots, = axes.plot(beside, of_cycles, "o", color=ORANGE, markersize=4, markeredgecolor="white",
-                          markeredgewidth=0.5)
-    axes.axhline(0, color=INK, linewidth=0.8)
-    axes.set_xticks(range(len(values)), [f"{c}" for c in values])
-    axes.grid(axis="x", visible=False)
-    figure.legend([bar, dots], ["mean", "each cycle, in order"], loc="outside right upper")
-    return png(figure)
+        chart.points(beside, of_cycles, f"each of {count} cycles, in order", ORANGE, size=5)
+        chart.line([place - 0.3, place + 0.3], [of_cycles.mean()] * 2, "mean", BLUE, width=3)
+    chart.level(0)
+    chart.set_x(-0.6, len(values) - 0.4)
+    chart.name_x(range(len(values)), map(str, values))
+    return chart

@@ -8,7 +8,7 @@ import numpy as np
 import pole_placement
 from folder import BadFolder, Table, read_file, read_summary, require
 
-FIELDS = ("scenario", "torque", "cylinders", "perturbed", "number", "seed", "parameters", "engine", "files")
+FIELDS = ("scenario", "torque", "cylinders", "perturbed", "number", "seed", "set", "parameters", "engine", "files")
 GROUP_FIELDS = {"torque": ("cycles_measured", "rms_true_percent", "rms_projection_percent", "shift_deg"),
                 "cylinders": ("true_nm", "estimate_nm", "sd_nm", "imbalance_percent", "imbalance_rms_percent",
                               "mean_error_percent"),
@@ -46,6 +46,7 @@ class Teeth:
         table = Table(folder, "teeth.csv", self.NUMBERS + ("tooth_true", "torque_health"))
         real = np.isfinite(table.numbers("tooth_true"))
         self.t_s, self.angle_deg, self.true_nm, self.estimate_nm = (table.numbers(n)[real] for n in self.NUMBERS)
+        self.filter_nm = table.numbers("waveform_nm")[real] if "waveform_nm" in table.columns else None
         self.valid = (table.texts("torque_health") == "valid")[real]
         if self.t_s.size < 2:
             raise BadFolder(f"{table.path}: holds no teeth")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""How every picture looks, and PNG bytes that are the same for the same numbers."""
+"""How the static pictures of the docs look, and PNG bytes that are the same for the same numbers."""
 import io
 import os
 import sys
@@ -13,7 +13,6 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 
 INK, BLUE, PALE, ORANGE, RED, GREY = "#222222", "#1f5f99", "#b9d3ea", "#d9822b", "#c23b22", "#9a9a9a"
-CYLINDERS = ("#1f5f99", "#c23b22", "#2e8b74", "#d9a441", "#7a5195", "#7fa7cc", "#8c564b", "#555555")
 
 plt.rcParams.update({"font.size": 10, "axes.edgecolor": INK, "axes.spines.top": False, "axes.spines.right": False,
                      "axes.grid": True, "grid.color": "#e6e6e6", "axes.axisbelow": True, "legend.frameon": False})
@@ -25,15 +24,6 @@ def png(figure):
     figure.savefig(data, format="png", dpi=110, metadata={"Software": None})
     plt.close(figure)
     return data.getvalue()
-
-
-def axes_of(title, x, y, height=4):
-    """A figure with one pair of axes."""
-    figure, axes = plt.subplots(figsize=(10, height), layout="constrained")
-    axes.set_title(title, loc="left", color=INK)
-    axes.set_xlabel(x)
-    axes.set_ylabel(y)
-    return figure, axes
 
 
 def axes_grid(rows, columns, height, **how):

@@ -25,6 +25,7 @@ class Waveforms:
         last = np.arange(cycles[-1].start, cycles[-1].stop + 1)  # up to the next cycle's first tooth
         self.angle_deg = np.append(teeth.angle_deg[last[:-1]], 720 + teeth.angle_deg[last[-1]])
         self.true_nm, self.estimate_nm, self.pole_nm = teeth.true_nm[last], teeth.estimate_nm[last], pole_nm[last]
+        self.filter_nm = None if teeth.filter_nm is None else teeth.filter_nm[last]
 
     def left_out_percent(self):
         """By number of harmonics, as far as the teeth tell."""

@@ -20,8 +20,8 @@ AGE_MAX_S = 10  # so that an age in ticks is far below the wrap of the timer
 REQUIRED = {"rate": {"name", "text"}, "owner": {"name", "text"}, "input": {"name", "unit", "range", "age", "usual", "text"},
             "signal": {"name", "unit", "range", "rate", "owner", "text"},
             "parameter": {"name", "unit", "range", "default", "owner", "text"}}
-# at_start: the host makes tables of it, so that an ecu takes it with its page and not later.
-OPTIONAL = {"rate": {"period"}, "owner": {"degraded_without", "invalid_without"}, "input": set(), "signal": {"count"}, "parameter": {"at_start"}}
+# at_start: the host makes tables of it, so that an ecu takes it with its page and not later. was: a name of before, refused with the new one.
+OPTIONAL = {"rate": {"period"}, "owner": {"degraded_without", "invalid_without"}, "input": set(), "signal": {"count"}, "parameter": {"at_start", "was"}}
 UNIT_SUFFIX = {"": "", "deg": "_deg", "rpm": "_rpm", "rad/s2": "_radps2", "Nm": "_nm", "J": "_j", "s": "_s",
                "1/rad": "_per_rad", "1/rad2": "_per_rad2", "cycles": "_cycles",
                "K": "_k", "bar": "_bar", "kPa": "_kpa", "g/s": "_gps", "mg": "_mg", "J/mg": "_jpmg", "%": "_percent",
@@ -38,6 +38,8 @@ def load(path=TABLE):
             assert entry["name"] not in names, f"{path.name}: {kind} {entry['name']} twice"
             assert entry.get("unit", "") in UNIT_SUFFIX, f"{path.name}: {entry['name']}: unit {entry['unit']}"
             names.add(entry["name"])
+        for entry in table[kind]:
+            assert kind != "parameter" or entry.get("was") not in names, f"{path.name}: {entry['was']} is a parameter's name again"
     check_references(table, path)
     return table
 
@@ -66,7 +68,8 @@ def input_list(owner, needs):
 
 
 def field(entry):
-    return entry["name"].replace(".", "_") + UNIT_SUFFIX[entry["unit"]]
+    name, suffix = entry["name"].replace(".", "_"), UNIT_SUFFIX[entry["unit"]]
+    return name if suffix and name.endswith(suffix) else name + suffix
 
 
 def constant(kind, entry):
@@ -205,6 +208,16 @@ def rate_infos(table):
     return lists + infos + ["};"]
 
 
+def renamed(table):
+    """For the host's messages: the ecu knows no name of before."""
+    out = ["// Generated from hal/signals.toml by tools/signals/generate.py: change the table, not this file.",
+           "// SPDX-License-Identifier: MIT", "// Parameters that had another name before, for messages.", "#pragma once", "",
+           "namespace sixdeg {", "", "struct Renamed {", "    const char *before, *now;", "};", "",
+           "inline constexpr Renamed renamed_parameters[] = {"]
+    out += [f'    {{"{entry["was"]}", "{entry["name"]}"}},' for entry in table["parameter"] if "was" in entry]
+    return "\n".join(out + ["};", "", "} // namespace sixdeg", ""])
+
+
 def page(table):
     out = ["<!-- Generated from hal/signals.toml by tools/signals/generate.py: change the table, not this file. -->",
            "# Signals and parameters", "", "## Signals", "",
@@ -240,7 +253,8 @@ def page(table):
 def generated(path):
     """Path below hal/generated -> text, from the table at `path`."""
     table = load(path)
-    return {"sd_signals.h": header(table, zlib.crc32(path.read_bytes())), "sd_signals.c": source(table)} | bus.files(table)
+    return {"sd_signals.h": header(table, zlib.crc32(path.read_bytes())), "sd_signals.c": source(table),
+            "renamed_parameters.hpp": renamed(table)} | bus.files(table)
 
 
 def main():

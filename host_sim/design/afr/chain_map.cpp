@@ -58,7 +58,7 @@ double chain_radius(const sd_calibration_t &page) {
         for (float bar : page.afr.pressure_bar) {
             for (float lambda : page.afr.lambda) {
                 afr.mean_lambda = lambda;
-                const sd_afr_conditions_t at{speed, bar, 0, 0, 0, 0};
+                const sd_afr_conditions_t at{speed, bar, 0, 0, 0, 0, 0};
                 sd_afr_cycle(&afr, &at);
                 while (sd_afr_work(&afr, &tables)) {}
                 sd_exhaust_now_f32_t now;

@@ -104,11 +104,12 @@ FiredTables fired_tables(const EngineFile &engine, const KnownTorque &torque) {
 }
 
 void put_fired(const FiredTables &fired, sd_kalman_tables_t &t) {
-    for (int k = 0; k < 2 * t.positions; ++k) {
-        sd_kalman_word_t *word = t.pool + (k + 1) * t.row_words - (t.parts + 1) / 2;
-        for (int j = 0; j < t.parts; ++j) word[j / 2].gain[j % 2] = std::int16_t(std::lround(fired.columns(k, j) * 32767));
-    }
     sd_kalman_word_t *to = t.pool + 2 * t.positions * t.row_words;
+    for (int k = 0; k < t.positions; ++k) {
+        for (int j = 0; j < t.parts; ++j, ++to) {
+            for (int turn : {0, 1}) to->gain[turn] = std::int16_t(std::lround(fired.columns(k + turn * t.positions, j) * 32767));
+        }
+    }
     const auto put = [&](const Eigen::VectorXd &values) {
         for (double value : values) (to++)->value = float(value);
     };

@@ -28,8 +28,7 @@ struct FiredTables {
 /// For a rigid crank whose coefficients are firings.
 FiredTables fired_tables(const EngineFile &engine, const KnownTorque &torque);
 
-/// Writes them where sd_fired.h reads them: `parts` halves of words at the end of each row, the rest behind the rows. The tables must have
-/// their sizes, `parts` and `hidden` among them.
+/// Writes them where sd_fired.h reads them, behind the rows. The tables must have their sizes, `parts` and `hidden` among them.
 void put_fired(const FiredTables &fired, sd_kalman_tables_t &tables);
 
 } // namespace sixdeg

@@ -129,11 +129,12 @@ Memory memory(const ToothModel &model, const MatrixXd &gain) {
 
 double mean_square(const MatrixXd &values) { return values.squaredNorm() / double(values.cols()); }
 
-/// Firings less their mean, by an error of 1 rad at one tooth: [cycle][firing].
+/// Firings less their mean, by an error of 1 rad at one tooth: [cycle][firing]. Of one cylinder the firing itself.
 MatrixXd response(const Memory &memory, int from) {
     MatrixXd read(kCycles, memory.edge[0].cols());
     for (int cycle = 0; cycle < kCycles; ++cycle) read.row(cycle) = memory.edge[std::size_t(cycle)].row(from);
-    return read.colwise() - read.rowwise().mean();
+    if (read.cols() > 1) read.colwise() -= read.rowwise().mean().eval();
+    return read;
 }
 
 void find_deviations(const ToothModel &model, const ToothNoise &noise, int mean_cycles, PeriodicGains &gains) {

@@ -58,8 +58,8 @@ struct PeriodicGains {
     Eigen::MatrixXd gain;  ///< [2 N][states]; zero where no tooth is.
     double radius;         ///< Largest eigenvalue, by magnitude, of the error's map over a cycle.
     double innovation;     ///< Its rms over edge_rad.
-    /// Of a firing less the mean of all firings of its cycle, rms over the cylinders, per rad of timing error: one
-    /// firing, errors new at each edge; mean of `mean_cycles`, the same; the same, errors that stay with each tooth.
+    /// Of a firing less the mean of all firings of its cycle (of one cylinder, of itself), rms over the cylinders, per rad of timing error:
+    /// one firing, errors new at each edge; mean of `mean_cycles`, the same; the same, errors that stay with each tooth.
     double single_sd = 0, mean_sd = 0, pattern_sd = 0;
     /// Of a firing itself, rms over the firings, from the constant torque's walk; normalised.
     double load_sd = 0;

@@ -376,7 +376,7 @@ ToothModel tooth_model(const EngineFile &engine, const KnownTorque &torque, doub
 ToothNoise tooth_noise(const EngineFile &engine, const KalmanTune &tune, double speed_radps) {
     const double scale = mean_inertia_kgm2(engine) * speed_radps * speed_radps;
     const double edge = tune.edge_deg * kRadPerDeg, timer = speed_radps / engine.tick_hz / std::sqrt(12);
-    return {std::hypot(edge, timer), tune.load_walk_nm / scale, tune.firing_change_nm / scale, tune.basis_walk_nm / scale};
+    return {std::hypot(edge, timer), tune.load_walk_nm / scale, tune.firing_torque_change_nm / scale, tune.basis_walk_nm / scale};
 }
 
 KalmanTables kalman_tables(const EngineFile &engine, const KnownTorque &torque, const KalmanTune &tune) {
@@ -388,7 +388,7 @@ KalmanTables kalman_tables(const EngineFile &engine, const KnownTorque &torque, 
     if (t.sets > 1) {
         KalmanTune rough = tune;
         rough.load_walk_nm = std::max(tune.rough_walk_nm, tune.load_walk_nm);
-        rough.firing_change_nm *= kRoughChange;
+        rough.firing_torque_change_nm *= kRoughChange;
         add_set(engine, model_at, rough, out);
     }
     if (t.firings > 0 && !engine.pulses.empty()) state_doubts(engine, torque, model_at, out);

@@ -31,7 +31,7 @@ struct KnownTorque {
 struct KalmanTune {
     double edge_deg = 0.02;       ///< Timing error of an edge, the timer's rounding not included.
     double load_walk_nm = 0.1;    ///< Change of the constant torque from tooth to tooth.
-    double firing_change_nm = 10; ///< Change of a firing's torque from one cycle to the next.
+    double firing_torque_change_nm = 10; ///< Change of a firing's torque from one cycle to the next.
     double rough_walk_nm = 3;     ///< load_walk_nm of the second set of gains, for rough roads; 0: no second set.
     double basis_walk_nm = 0.2;   ///< Change of other coefficients from tooth to tooth, and of shape times mean torque.
     std::vector<double> speeds_rpm{1000, 2000, 4000, 6500};

@@ -59,7 +59,7 @@ KalmanTune kalman_tune(const EngineFile &engine, const sd_parameters_t &p) {
     tune.edge_deg = double(p.firing_edge_sd_deg);
     tune.load_walk_nm = double(p.firing_load_walk_nm);
     tune.rough_walk_nm = double(p.firing_rough_walk_nm);
-    tune.firing_change_nm = double(p.firing_change_nm);
+    tune.firing_torque_change_nm = double(p.firing_torque_change_nm);
     if (p.firing_harmonics == 0) tune.basis_walk_nm = double(p.firing_shape_walk_nm);
     if (engine.torsion) {
         // A mode near an engine order wants gains of its own within a few percent of speed. And what all cylinders share shows
@@ -67,7 +67,7 @@ KalmanTune kalman_tune(const EngineFile &engine, const sd_parameters_t &p) {
         // then walk so far that what a failed firing lacks would be taken for load, were the firing not freer too.
         tune.speeds_rpm = {1000, 1200, 1440, 1730, 2070, 2500, 3000, 3600, 4300, 5200, 6200, 7400};
         tune.load_walk_nm *= 10;
-        tune.firing_change_nm *= 4;
+        tune.firing_torque_change_nm *= 4;
     }
     if (p.firing_harmonics > 0) tune.speeds_rpm = {1000}; // one table fits the pool; waveform only
     return tune;

@@ -18,6 +18,11 @@ const double kEven = 1 / std::sqrt(3.0);        // standard deviation of what is
 /// from -0.5 (Woschni) to 0.5 (Eichelberg), and the loss itself may be twice Hohenberg's.
 constexpr double kOwnFuelSd = 1;
 constexpr double kChargeSdK = 20;               // of the charge's temperature at intake closing
+/// Of compression's exponent: leaks, another gas or wall loss; engines by other equations lie between 1.30 and 1.38.
+const std::string kExponentName = "compression exponent";
+const double kExponentSd = 0.04 * kEven;
+/// Of the intake's pressure: a sensor of 1.5 % of its range at half of it.
+const double kIntakeSd = 0.03 * kEven;
 constexpr double kFuelLow = 0.2, kFuelHigh = 1; // equivalence ratio
 constexpr double kIntakeLow = 0.4, kIntakeHigh = 2;   // bar
 constexpr double kSpeedLow = 80, kSpeedHigh = 600;    // rad/s
@@ -39,6 +44,7 @@ class Doubts {
         all.push_back({name, pulse_mean, pulse_moment, motored_mean, motored_moment, common, scale, false});
     }
     Table motored(double factor) const { return difference(usual_.motored_per_bar, Table(kPulsePoints, 0.0), factor); }
+    Table exponent(double factor) const { return difference(motored_over_exponent(engine_, 0), none(), factor); }
     Table bent(double factor) const { return difference(bend_, none(), factor); }
     Table none() const { return Table(kPulsePoints, 0.0); }
     const CylinderPulse &usual() const { return usual_; }
@@ -128,6 +134,8 @@ std::vector<ModelDoubt> model_doubts(const EngineFile &engine) {
     if (off.compression_percent > 0)
         doubts.apart("compression", with([&](EngineFile &e) { e.compression_ratio *= 1 + kEven * off.compression_percent / 100; }), 1, false);
     if (off.trapped_mass_percent > 0) doubts.add("trapped mass", doubts.none(), doubts.motored(kEven * off.trapped_mass_percent / 100), false, 0);
+    doubts.add(kExponentName, doubts.none(), doubts.exponent(kExponentSd), true, 0);
+    doubts.add("intake sensor", doubts.none(), doubts.motored(kIntakeSd), true, 0);
     // The filter takes what turns it for torque in proportion to the inertia that it believes.
     const double inertia = kEven * off.inertia_percent / 100;
     if (inertia > 0) doubts.add("inertia", doubts.none(), doubts.motored(inertia), true, inertia);
@@ -144,10 +152,26 @@ std::vector<MatrixXd> zeros_learned(const std::vector<ModelDoubt> &doubts, Gains
     return zeros;
 }
 
+FuelCutPrior fuel_cut_prior(const EngineFile &engine, const KnownTorque &torque, const KalmanTune &tune) {
+    constexpr double kSpeedRadps = 1500 * M_PI / 30;
+    const ToothModel model = tooth_model(engine, torque, kSpeedRadps);
+    const std::vector<ModelDoubt> doubts = model_doubts(engine);
+    const auto read = zeros_learned(doubts, {model, design_gains(model, tooth_noise(engine, tune, kSpeedRadps), 1).gain});
+    FuelCutPrior prior;
+    for (std::size_t i = 0; i < doubts.size(); ++i) {
+        const RowVectorXd mean = read[i].colwise().mean(); // of all cylinders, by an error of each
+        prior.sd_nm_per_bar += doubts[i].common ? std::pow(mean.sum(), 2) : mean.squaredNorm();
+        if (doubts[i].name == kExponentName) prior.exponent_nm_per_bar = mean.sum() / kExponentSd;
+    }
+    prior.sd_nm_per_bar = std::sqrt(prior.sd_nm_per_bar);
+    return prior;
+}
+
 ModelError model_error(const EngineFile &engine, const KnownTorque &torque, const std::vector<ModelDoubt> &doubts, const GainsAt &here,
                        const std::vector<MatrixXd> &zeros) {
     const auto n = engine.cylinders();
-    const MatrixXd less_mean = MatrixXd::Identity(n, n) - MatrixXd::Constant(n, n, 1.0 / n);
+    // Of one cylinder nothing is taken out, since its mean is itself.
+    const MatrixXd less_mean = MatrixXd::Identity(n, n) - MatrixXd::Constant(n, n, n > 1 ? 1.0 / n : 0);
     const auto [bend_mean, bend_moment] = interval_tables(engine, torque.shape);
     const GainsAt still = torque.shape.empty() ? here : without_shape(here);
     ModelError sum;
@@ -160,7 +184,7 @@ ModelError model_error(const EngineFile &engine, const KnownTorque &torque, cons
         const MatrixXd pulse = pulse_answers(doubt, here, still, bend_mean, bend_moment) + doubt.scale * MatrixXd::Identity(n, n);
         const MatrixXd charge = answers(here, doubt.motored_mean, doubt.motored_moment).topRows(n);
         if (!doubt.spread_only) sum.mean_share += square(pulse);
-        sum.spread_share += (less_mean * pulse * less_mean).squaredNorm() / (n > 1 ? n - 1 : 1);
+        if (n > 1) sum.spread_share += (less_mean * pulse * less_mean).squaredNorm() / (n - 1);
         sum.charge_nm_per_bar += square(charge);
         sum.learned_nm_per_bar += square(charge - zeros[i]);
     }

@@ -25,7 +25,7 @@ struct GainsAt {
     Eigen::MatrixXd gain;
 };
 
-/// Standard deviations of a firing less the mean of all, rms over the cylinders.
+/// Standard deviations of a firing less the mean of all, rms over the cylinders; of an engine of one cylinder, of the firing itself.
 struct ModelError {
     double mean_share = 0;         ///< Of the mean torque of all cylinders.
     double spread_share = 0;       ///< Of the rms of the cylinders' differences from it.
@@ -35,6 +35,14 @@ struct ModelError {
 
 /// What each doubt's motored torque makes the firings read while the pulses' shape stands still, as in fuel cut: [firing][cylinder].
 std::vector<Eigen::MatrixXd> zeros_learned(const std::vector<ModelDoubt> &doubts, GainsAt at);
+
+/// What the mean of all cylinders reads in fuel cut, for each bar of charge, Nm: standard deviation from all doubts, and by an exponent of
+/// compression that is larger by 1.
+struct FuelCutPrior {
+    double sd_nm_per_bar = 0, exponent_nm_per_bar = 0;
+};
+/// At 1500 rpm; it hardly depends on speed.
+FuelCutPrior fuel_cut_prior(const EngineFile &engine, const KnownTorque &torque, const KalmanTune &tune);
 
 ModelError model_error(const EngineFile &engine, const KnownTorque &torque, const std::vector<ModelDoubt> &doubts, const GainsAt &here,
                        const std::vector<Eigen::MatrixXd> &zeros);

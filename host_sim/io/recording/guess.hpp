@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Which column, which edge, which threshold, which wheel: read off the recording itself. How, and what it cannot do:
-// docs/start/recordings.md.
+// docs/theory/wheel.md.
 #pragma once
 #include <deque>
 #include <optional>

@@ -69,6 +69,7 @@ void RunTables::edge(const EncoderEdge &truth, double crank_deg, const EcuSaid &
     if (ecu.firings() != firings_) {
         const int cylinder = int(s.firing_cylinder), verdict = int(s.misfire_verdict);
         verdicts_.said(crank_deg, cylinder, verdict, double(s.misfire_index));
+        limits_.said(crank_deg, cylinder, verdict, double(s.misfire_limit));
         accelerations_.said(crank_deg, cylinder, verdict, double(s.misfire_acceleration_radps2));
         residuals_.said(crank_deg, cylinder, verdict, double(s.misfire_residual_radps2));
     }
@@ -81,7 +82,7 @@ void RunTables::edge(const EncoderEdge &truth, double crank_deg, const EcuSaid &
 std::string RunTables::cycles_csv() const {
     std::string text = "cycle,cylinder,torque_true_nm,torque_nm,sd_nm,imep_true_bar,misfire_true,misfire_index,misfire_verdict,"
                        "misfire_acceleration,misfire_residual,rough,rpm,health,burned_true,burned,burned_sd,trim,t_s,"
-                       "work_j,work_sd_j,work_change_j\n";
+                       "work_j,work_sd_j,work_change_j,misfire_limit\n";
     const auto number = [&text](double value, int decimals) { append_fixed(text, value, decimals); };
     for (const CycleTruth &truth : truths_) {
         const auto &order = engine_.firing_order;
@@ -131,6 +132,8 @@ std::string RunTables::cycles_csv() const {
         if (worked) number(work->second.sd_j, 3);
         text += ',';
         if (worked && work->second.change_j) number(*work->second.change_j, 3);
+        text += ',';
+        if (verdict) number(limits_.verdict(truth.cycle, truth.cylinder)->second, 4);
         text += '\n';
     }
     return text;

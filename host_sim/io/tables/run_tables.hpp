@@ -27,7 +27,8 @@ std::int64_t ended_cycle(const EngineFile &engine, double crank_deg);
 
 class RunTables {
   public:
-    explicit RunTables(const EngineFile &engine) : engine_(engine), verdicts_(engine), accelerations_(engine), residuals_(engine) {}
+    explicit RunTables(const EngineFile &engine)
+        : engine_(engine), verdicts_(engine), limits_(engine), accelerations_(engine), residuals_(engine) {}
 
     /// A crank edge at the true angle `crank_deg` (never wraps), all that the firmware has said up to it, and whether the
     /// edge ended a cycle of the firmware's.
@@ -53,6 +54,7 @@ class RunTables {
     EngineFile engine_;
     AirPathTable air_path_;
     MisfireScore verdicts_;
+    MisfireScore limits_; ///< misfire.limit, kept by firing as verdicts are.
     MisfireScore accelerations_, residuals_; ///< Of document 000\'s observer, kept by firing as verdicts are.
     std::size_t firings_ = 0; ///< Of which the verdict is taken.
     std::size_t works_ = 0;   ///< Of which the work is.

@@ -95,7 +95,7 @@ void blames(int seeds, int cases) {
     for (const Case &c : first_of(step_cases(), cases)) blame_row(c, seeds);
 }
 
-/// A calibration that is right and states the defaults of afr.late_error and afr.lag_error all the same.
+/// A calibration that is right and states the defaults of afr.delay_error_sd and afr.lag_error_sd all the same.
 void doubts(int seeds, int cases) {
     fmt::print("\nstated over rms of deviations, nominal, {} seeds: with no doubt of lags and delay; with the default 0.6 ms and 11.5 %\n",
                seeds);

@@ -138,7 +138,7 @@ void perturb(AfrSetup &setup, const Case &c, int seed, const Probe *probe) {
     setup.known = {0, float(10 / std::sqrt(3) / deg_per_s), 0, float(0.2 / std::sqrt(3))};
     if (!probe) return;
     const sd_afr_learned_t told = setup.known;
-    setup.known = afr_probe(probe->run.engine, probe->run.point, probe->run.trace, setup,
+    setup.known = afr_delay_probe(probe->run.engine, probe->run.point, probe->run.trace, setup,
                             sensor_noise(probe->run.trace, c.noise, 0, std::uint64_t(seed) + 1000), probe->trims);
     setup.error.tau = (1 + setup.error.tau) * (1 + double(setup.known.lag)) - 1;
     setup.error.delay_deg += double(setup.known.late_s) * deg_per_s;

@@ -16,7 +16,7 @@ AfrEstimates afr_estimate(const EngineFile &engine, const ExhaustPoint &point, c
     return AfrBlocks<F32>(engine, point, trace, setup).run(noise);
 }
 
-sd_afr_learned_t afr_probe(const EngineFile &engine, const ExhaustPoint &point, const AfrTrace &trace, const AfrSetup &setup,
+sd_afr_learned_t afr_delay_probe(const EngineFile &engine, const ExhaustPoint &point, const AfrTrace &trace, const AfrSetup &setup,
                            const std::vector<double> &noise, const std::vector<std::array<double, 8>> &trims) {
     return AfrBlocks<F32>(engine, point, trace, setup).probe(noise, trims);
 }

@@ -60,7 +60,7 @@ AfrEstimates afr_estimate(const EngineFile &engine, const ExhaustPoint &point, c
 
 /// What the delay kernel learns from a probe: the trace's fuel was changed by these trims, by lane, from the start of each cycle
 /// of 120 positions on (as a share); one that is not 0 begins it.
-sd_afr_learned_t afr_probe(const EngineFile &engine, const ExhaustPoint &point, const AfrTrace &trace, const AfrSetup &setup,
+sd_afr_learned_t afr_delay_probe(const EngineFile &engine, const ExhaustPoint &point, const AfrTrace &trace, const AfrSetup &setup,
                            const std::vector<double> &noise, const std::vector<std::array<double, 8>> &trims);
 
 /// White (correlation_s 0) or first-order noise with the density of white noise of `rms` a position.

@@ -35,7 +35,8 @@ void print_full(const std::string &design, int runs, unsigned seed) {
     TomlFile file{std::filesystem::path(design.empty() ? kModels + "airpath_3126b_design.toml" : design)};
     const sd_airpath_tables_f32_t tables = read_air_path_design(file, *e.shared.air_path, e.displacement_m3()).tables;
     const auto steps = [&](const char *name) { return std::uint32_t(usual(name) / tables.period_s + 0.5f); };
-    const sd_airpath_config_f32_t config{steps("airpath.settle"), steps("airpath.window"), {usual("airpath.detect"), usual("airpath.isolate")}};
+    const sd_airpath_config_f32_t config{steps("airpath.settle_time"), steps("airpath.offset_window"),
+                                        {usual("airpath.detect_threshold"), usual("airpath.isolate_threshold")}};
     print_full_study({e, tables, config, runs, seed});
 }
 

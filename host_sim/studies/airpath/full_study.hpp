@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The observers of document 001 on the full air path: delays, false alarms, transients, other faults (docs/theory/airpath.md).
+// The observers of document 001 on the full air path: delays, false alarms, transients, other faults (docs/results/airpath.md).
 #pragma once
 #include "studies/airpath/full_cases.hpp"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The figures of docs/theory/driveline.md. Each part prints a table; nothing is asserted.
+// The figures of docs/results/driveline.md. Each part prints a table; nothing is asserted.
 #pragma once
 #include <string>
 #include <vector>

@@ -26,6 +26,7 @@ Scenario loop_scenario(const std::vector<std::string> &changes, const std::strin
 RunResult run_loop(const LoopCase &loop, RunTables *tables) {
     Scenario scenario = loop_scenario(loop.scenario, loop.file);
     scenario.seed = loop.seed;
+    if (loop.change) loop.change(scenario.engine);
     EngineFile belief = scenario.engine.shared;
     if (loop.perturbed) belief = perturbed(belief, draw_perturbation(belief, loop.seed));
     // No delay can be believed to be below 0: then it is the true one that is longer.
@@ -33,7 +34,7 @@ RunResult run_loop(const LoopCase &loop, RunTables *tables) {
     (late_s > 0 ? belief : scenario.engine.shared).exhaust->dead_time_s += std::abs(late_s);
     TomlFile tune("tune", "");
     for (const std::string &parameter : loop.tune) tune.set(parameter);
-    return run_on_bench(scenario, calibrate(belief, read_tune(tune), "tune"), tables);
+    return run_on_bench(scenario, calibrate(belief, read_tune(tune), "tune"), tables, loop.kept);
 }
 
 } // namespace sixdeg

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The fuel balance in a closed loop, with a calibration that is wrong by known amounts: what `sixdeg study loop` and the tests run.
 #pragma once
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -16,6 +17,8 @@ struct LoopCase {
     bool perturbed = false;            ///< All else of the calibration wrong too, drawn from the seed.
     std::uint64_t seed = 1;
     std::string file = {};             ///< Of host_sim/data/scenarios, in place of the base below.
+    const sd_kept_t *kept = nullptr;   ///< What an earlier start learned; nullptr: nothing.
+    std::function<void(PlantEngine &)> change = {}; ///< Of the plant, before the calibration sees what a drawing tells of it.
 };
 
 /// The base with changes: diesel_22.toml, 1500 rpm, 9 bar, injectors +6, +9, -3, -8 %, 1 % cyclic variation, sensor noise 0.5 % a

@@ -6,6 +6,7 @@
 #include <functional>
 
 #include "studies/loop/loop_case.hpp"
+#include "studies/loop/other_exhaust.hpp"
 
 namespace sixdeg {
 namespace {
@@ -90,10 +91,10 @@ void figure_16(int, const Texts &tune) {
     print("from lambda", figures({{}, tune, 0, false, 1, kFigure16}));
     print("from torque", figures({{}, from_torque(tune), 0, false, 1, kFigure16}));
     for (const char *arithmetic : {"0", "1"}) {
-        const Texts chain = join(tune, {"afr.method=3", fmt::format("afr.arithmetic={}", arithmetic), "balance.gain=0.1"});
+        const Texts chain = join(tune, {"afr.method=3", fmt::format("afr.arithmetic={}", arithmetic), "balance.integral_gain=0.1"});
         print(fmt::format("by the document's chain, {}", *arithmetic == '0' ? "f32" : "q31"), figures({{}, chain, 0, false, 1, kFigure16}));
         print("the same with a pressure sensor", figures({{"exhaust_sensors.pressure_sample_us=500"}, chain, 0, false, 1, kFigure16}));
-        print("the same by a PI law", figures({{}, join(chain, {"balance.proportional=0.1"}), 0, false, 1, kFigure16}));
+        print("the same by a PI law", figures({{}, join(chain, {"balance.proportional_gain=0.1"}), 0, false, 1, kFigure16}));
     }
 }
 
@@ -122,7 +123,7 @@ void wrong_delays(int count, const Texts &tune) {
                                           {2, "the same, and by a probe"}}) {
         header(title);
         for (double error : {0, -30, 30, -60, 60, -90, 90, -120, 120, -150, 150, -180, 180})
-            delays(fmt::format("{:+.0f} deg", error), error, join(tune, {fmt::format("afr.identify={}", identify)}), (count + 6) / 7);
+            delays(fmt::format("{:+.0f} deg", error), error, join(tune, {fmt::format("afr.delay_learning={}", identify)}), (count + 6) / 7);
     }
 }
 
@@ -142,7 +143,8 @@ struct Part {
     std::function<void(int, const Texts &)> print;
 };
 const std::vector<Part> kParts{
-    {"figure-16", figure_16}, {"calibrations", calibrations}, {"slow", slow_mode}, {"delays", wrong_delays}, {"moves", moves}};
+    {"figure-16", figure_16}, {"calibrations", calibrations}, {"slow", slow_mode}, {"delays", wrong_delays}, {"moves", moves},
+    {"rest", print_at_rest}, {"other", print_other_exhausts}};
 
 } // namespace
 

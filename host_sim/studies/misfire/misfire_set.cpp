@@ -31,14 +31,6 @@ void make_other(PlantEngine &plant, const SetEngine &engine) {
     plant.wall_factor = engine.wall_factor;
 }
 
-Scenario scenario_of(const SetEngine &engine, const std::string &text) {
-    TomlFile file("set", fmt::format("engine = \"{}\"\nseed = {}\n{}", file_of(engine.kind), engine.seed, text));
-    Scenario scenario = read_scenario(file, SD_DATA "/engines");
-    make_other(scenario.engine, engine);
-    scenario.encoder.pattern_rms_deg = engine.pattern_rms_deg;
-    return scenario;
-}
-
 std::vector<SetFiring> firings_of(const PlantRecord &record, const EngineFile &engine) {
     std::vector<SetFiring> firings;
     for (const CycleTruth &c : record.cycles) {
@@ -97,20 +89,28 @@ EngineFile nominal_engine(EngineKind kind) {
     return read_plant_engine(std::filesystem::path(SD_DATA "/engines") / file_of(kind)).shared;
 }
 
+Scenario made_scenario(const SetEngine &engine, const std::string &text) {
+    TomlFile file("set", fmt::format("engine = \"{}\"\nseed = {}\n{}", file_of(engine.kind), engine.seed, text));
+    Scenario scenario = read_scenario(file, SD_DATA "/engines");
+    make_other(scenario.engine, engine);
+    scenario.encoder.pattern_rms_deg = engine.pattern_rms_deg;
+    return scenario;
+}
+
 Scenario set_scenario(const SetEngine &engine, const SetPoint &point, int cycles) {
-    return scenario_of(engine, fmt::format("[run]\ncycles = {}\n[speed]\nrpm = {}\n[load]\nbmep_bar = {}\nroad_rms_nm = {}\n"
+    return made_scenario(engine, fmt::format("[run]\ncycles = {}\n[speed]\nrpm = {}\n[load]\nbmep_bar = {}\nroad_rms_nm = {}\n"
                                            "[cyclic]\ncov_percent = [20, 12.5, 5]\nbmep_bar = [1, 3, 5]\n[misfires]\none_in = 50\n"
                                            "[encoder]\njitter_deg = {}\n",
                                            cycles, point.rpm, point.bmep_bar, point.road_rms_nm, point.jitter_deg));
 }
 
-sd_pattern_sums_t learn_engine(const SetEngine &engine, const sd_calibration_t &page) {
-    const Scenario lesson = scenario_of(engine, "[run]\nduration_s = 8\n[speed]\nrpm = [3000, 3000, 1500, 1500]\ntime_s = [0, 3, 4, 8]\n"
+sd_kept_t learn_engine(const SetEngine &engine, const sd_calibration_t &page) {
+    const Scenario lesson = made_scenario(engine, "[run]\nduration_s = 8\n[speed]\nrpm = [3000, 3000, 1500, 1500]\ntime_s = [0, 3, 4, 8]\n"
                                                 "[load]\nbmep_bar = 0\nfuel_cut_s = [0.1, 8]\n[encoder]\njitter_deg = 0.01\n");
     return run_on_bench(lesson, page, nullptr).learned;
 }
 
-SetRun run_set(const SetEngine &engine, const SetPoint &point, int cycles, const sd_calibration_t &page, const sd_pattern_sums_t &learned) {
+SetRun run_set(const SetEngine &engine, const SetPoint &point, int cycles, const sd_calibration_t &page, const sd_kept_t &learned) {
     const Scenario scenario = set_scenario(engine, point, cycles);
     SetRun run;
     FiringListener listener;

@@ -70,11 +70,13 @@ std::vector<SetPoint> set_points(EngineKind kind, Physics physics);
 
 /// The engine file the calibration is made of: the nominal engine.
 EngineFile nominal_engine(EngineKind kind);
+/// A scenario of that engine; `text` is the rest of the scenario's file.
+Scenario made_scenario(const SetEngine &engine, const std::string &text);
 /// The scenario of one run, misfires 1 in 50, cyclic variation 20 % at 1 bar, 12.5 % at 3 bar and 5 % from 5 bar on.
 Scenario set_scenario(const SetEngine &engine, const SetPoint &point, int cycles);
 /// What the ecu learns in a fuel cut at 3000 and 1500 rpm, before all runs of that engine.
-sd_pattern_sums_t learn_engine(const SetEngine &engine, const sd_calibration_t &page);
+sd_kept_t learn_engine(const SetEngine &engine, const sd_calibration_t &page);
 /// Plant and ecu together.
-SetRun run_set(const SetEngine &engine, const SetPoint &point, int cycles, const sd_calibration_t &page, const sd_pattern_sums_t &learned);
+SetRun run_set(const SetEngine &engine, const SetPoint &point, int cycles, const sd_calibration_t &page, const sd_kept_t &learned);
 
 } // namespace sixdeg

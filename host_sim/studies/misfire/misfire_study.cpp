@@ -201,7 +201,7 @@ void run_kind(const MisfireStudy &study, EngineKind kind, Physics physics, SetWr
         if (wanted(study, point)) cells.push_back({kind, physics, point});
     }
     for (const SetEngine &engine : draw_engines(kind, physics, study.engines, study.seed)) {
-        const sd_pattern_sums_t learned = learn_engine(engine, page);
+        const sd_kept_t learned = learn_engine(engine, page);
         for (std::size_t i = first; i < cells.size(); ++i) {
             const SetRun run = run_set(engine, cells[i].point, study.cycles, page, learned);
             take_run(cells[i], run, file, page);

@@ -102,7 +102,7 @@ InputWheel::Firing InputWheel::read(std::uint32_t lane) const {
     const bool judged = observer_.running() && settled_ > 2 * page_.positions * kSettleCycles && work_j_[lane] > 0 &&
                         sd_crank_phase_known(&crank_);
     const double strength = observer_.strength(int(lane));
-    const int verdict = !judged ? SD_NOT_JUDGED : strength < double(page_.parameters.misfire_definition) ? SD_MISFIRE : SD_HEALTHY;
+    const int verdict = !judged ? SD_NOT_JUDGED : strength < double(page_.parameters.misfire_misfire_below) ? SD_MISFIRE : SD_HEALTHY;
     return {engine_.firing_order[lane], verdict, strength};
 }
 

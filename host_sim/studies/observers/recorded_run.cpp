@@ -23,7 +23,7 @@ sd_calibration_t with_method(sd_calibration_t page, int method, int arithmetic) 
     return page;
 }
 
-std::vector<FiringVerdict> verdicts_on(const PlantRecord &record, const sd_calibration_t &page, const sd_pattern_sums_t *learned) {
+std::vector<FiringVerdict> verdicts_on(const PlantRecord &record, const sd_calibration_t &page, const sd_kept_t *learned) {
     EcuBench bench(page);
     if (learned && !bench.resume(*learned)) throw InputError("tooth pattern", "", "is of another wheel");
     FiringListener listener;

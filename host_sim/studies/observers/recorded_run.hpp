@@ -51,9 +51,9 @@ class PlantRecord : public TruthSink {
 /// The page with another method that judges misfires (misfire.method, misfire.arithmetic); no table depends on it.
 sd_calibration_t with_method(sd_calibration_t page, int method, int arithmetic);
 
-/// What another ecu, with the page `page`, says on the same events. `learned` (nullptr: nothing) is a tooth pattern from before; throws
+/// What another ecu, with the page `page`, says on the same events. `learned` (nullptr: nothing) is what was kept from before; throws
 /// InputError when it is of another wheel.
-std::vector<FiringVerdict> verdicts_on(const PlantRecord &record, const sd_calibration_t &page, const sd_pattern_sums_t *learned = nullptr);
+std::vector<FiringVerdict> verdicts_on(const PlantRecord &record, const sd_calibration_t &page, const sd_kept_t *learned = nullptr);
 
 /// Crank angle of each verdict, never wrapping: of the edge at which it was said. Those of no edge, and all behind them, are left out.
 std::vector<double> said_at_deg(const std::vector<FiringVerdict> &verdicts, const PlantRecord &record);

@@ -9,7 +9,6 @@
 #include "crank_ranges.h"
 
 static sd_crank_t self;
-static sd_tooth_t tooth;
 
 static void fill_wheel(void) {
     self.config.positions = (uint8_t)any_of(SD_CRANK_POSITIONS_MIN, SD_CRANK_POSITIONS_MAX);
@@ -119,8 +118,10 @@ static void check_state(void) {
 }
 
 static void edge(uint32_t mode, uint32_t tick) {
+    sd_tooth_t tooth;
     fill_state(mode);
     sd_crank_edge(&self, tick, &tooth);
+    //@ assert said: \initialized(&tooth) && tooth.cycle_position < 1024;
     check_state();
 }
 

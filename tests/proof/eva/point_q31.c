@@ -25,7 +25,8 @@ int main(void) {
     ANY_BYTES(grid);
     for (uint32_t cycle = 24; cycle <= SD_AFR_POSITIONS_MAX; cycle += 108u) { /* 24, 132, 240 */
         const sd_afr_conditions_t at = { any_float(-3e38f, 3e38f), any_float(-3e38f, 3e38f), any_float(-3e38f, 3e38f),
-                                         any_float(-3e38f, 3e38f), any_float(-3e38f, 3e38f), any_float(-3e38f, 3e38f) };
+                                         any_float(-3e38f, 3e38f), any_float(-3e38f, 3e38f), any_float(-3e38f, 3e38f),
+                                         any_float(-3e38f, 3e38f) };
         fill_state(cycle);
         (void)sd_afr_point_begin_q31(&self, &at, any_scaled());
         for (uint32_t piece = 0; piece <= SD_AFR_PIECES; piece++) {

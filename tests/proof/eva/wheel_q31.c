@@ -37,7 +37,8 @@ static void fill_state(uint32_t kind) {
 
 static void call_all(void) {
     const sd_wheel_tooth_t tooth = { any_u16(), any_u16(), any_u32(), any_upto(1u) };
-    (void)sd_wheel_tooth_q31(&self, &tables, &tooth, any_q31());
+    const uint32_t reads = sd_wheel_tooth_q31(&self, &tables, &tooth, any_q31());
+    //@ assert reads: reads <= 15;
     const sd_wheel_config_q31_t config = { any_q31(), any_q31(), any_q31(), any_u16(), any_u16(), (uint8_t)any_upto(255u) };
     (void)sd_wheel_configure_q31(&self, &config);
     (void)sd_wheel_init_q31(&self, &config, &tables);
@@ -51,6 +52,7 @@ static void judge(uint32_t kind) {
         fill_state(kind);
         for (uint32_t i = 0; i < SD_CYLINDERS_MAX; i++) { self.work[i] = (known != 0) ? any_of(0, INT32_MAX) : any_of(INT32_MIN, -1); }
         sd_wheel_judge_q31(&self, &tables, any_u32(), any_upto(255u), &verdict);
+        //@ assert firing: verdict.firing < SD_CYLINDERS_MAX;
     }
 }
 

@@ -1,0 +1,13 @@
+/* SPDX-License-Identifier: MIT */
+/* The filters on tooth times with the tables of one engine: 12 harmonics. */
+/* options: -eva-precision 0 -eva-slevel 10 -eva-auto-loop-unroll 30 -eva-min-loop-unroll 9 -eva-plevel 300 */
+/* specified: sd_sqrt_by_bits_f32 */
+/* include: contracts_root.h */
+/* kernel: firmware/torque/sd_kalman.c firmware/torque/sd_kalman_firing.c firmware/torque/sd_kalman_tables.c firmware/torque/sd_motion.c firmware/torque/sd_road.c */
+#include "f32_kalman.h"
+
+int main(void) {
+    static const engine_t engine = { 36, 25, 0, 0, 4, 24, 0 };
+    call_all(&engine);
+    return 0;
+}

@@ -38,7 +38,8 @@ std::vector<TimeWindow> windows_of(const std::vector<std::string> &texts) {
     for (const std::string &text : texts) {
         const std::size_t colon = std::min(text.find(':'), text.size() - 1);
         const TimeWindow window{number_of(text.substr(0, colon)), number_of(text.substr(colon + 1))};
-        if (!(window.to_s > window.from_s)) throw InputError("--motored", "", fmt::format("'{}' is not FROM:TO in s, the second later", text));
+        if (!(window.to_s > window.from_s)) throw InputError("--motored", "", fmt::format("'{}' is not FROM:TO in s, the second later",
+            text));
         windows.push_back(window);
     }
     return windows;
@@ -86,10 +87,12 @@ void print(const Identified &f, const std::vector<std::string> &notes) {
         square += tooth.value * tooth.value, count += 1;
     }
     if (count > 0)
-        fmt::print("tooth pattern: {:.3f} deg rms, {:.3f} deg at most, each tooth +-{:.3f} deg or less (95 %)\n", std::sqrt(square / count), most, half);
+        fmt::print("tooth pattern: {:.3f} deg rms, {:.3f} deg at most, each tooth +-{:.3f} deg or less (95 %)\n",
+            std::sqrt(square / count), most, half);
     for (const DragAt &drag : f.drag) {
         const Found &told = drag.nm.told() ? drag.nm : drag.over_inertia;
-        fmt::print("load and friction at {:.0f} rpm{}: {} from {} cycles\n", drag.rpm, drag.motored ? " without combustion" : "", interval(told, 2, drag.nm.told() ? " N m" : " rad/s2 times the inertia"),
+        fmt::print("load and friction at {:.0f} rpm{}: {} from {} cycles\n", drag.rpm, drag.motored ? " without combustion" : "",
+            interval(told, 2, drag.nm.told() ? " N m" : " rad/s2 times the inertia"),
                    drag.cycles);
     }
     fmt::print("a tooth scatters by {:.4f} deg; {:.4f} deg rms repeat from cycle to cycle without being explained;\n"
@@ -109,10 +112,12 @@ Json json_of(const Found &found) {
 Json summary(const Identified &f, const std::vector<std::string> &notes) {
     Json json = {{"cycles", f.cycles}, {"motored", f.motored}, {"used", f.used}, {"inertia_kgm2", json_of(f.inertia_kgm2)},
                  {"compression_share", json_of(f.compression_share)}, {"position_0_deg", json_of(f.position_0_deg)},
-                 {"exponent", json_of(f.exponent)}, {"scatter_deg", f.scatter_deg}, {"unexplained_deg", f.unexplained_deg}, {"unexplained_percent", f.unexplained_percent}};
+                 {"exponent", json_of(f.exponent)}, {"scatter_deg", f.scatter_deg}, {"unexplained_deg", f.unexplained_deg},
+                     {"unexplained_percent", f.unexplained_percent}};
     for (const Found &tooth : f.pattern_deg) json["pattern_deg"].push_back(json_of(tooth));
     for (const DragAt &d : f.drag)
-        json["drag"].push_back({{"rpm", d.rpm}, {"motored", d.motored}, {"cycles", d.cycles}, {"nm", json_of(d.nm)}, {"over_inertia_radps2", json_of(d.over_inertia)}});
+        json["drag"].push_back({{"rpm", d.rpm}, {"motored", d.motored}, {"cycles", d.cycles}, {"nm", json_of(d.nm)},
+            {"over_inertia_radps2", json_of(d.over_inertia)}});
     json["notes"] = notes;
     return json;
 }
@@ -134,25 +139,30 @@ std::map<std::string, NewValue> values_of(const Identified &f, const EngineFile 
     if (f.inertia_kgm2.told())
         values["tolerance.inertia_percent"] = {fmt::format("{:.2f}", 100 * f.inertia_kgm2.half_width / f.inertia_kgm2.value), half};
     if (f.position_0_deg.told()) values["tolerance.wheel_offset_deg"] = {fmt::format("{:.3f}", f.position_0_deg.half_width), half};
-    if (guessed.size() != engine.guessed.size()) values["guessed"] = {quoted_list(guessed), "what is measured now is not among them any more"};
+    if (guessed.size() != engine.guessed.size()) values["guessed"] = {quoted_list(guessed),
+        "what is measured now is not among them any more"};
     return values;
 }
 
 /// What has no field in an engine file, and what could not be told.
 std::string remarks(const Identified &f, const std::string &recording) {
-    std::string text = fmt::format("\n# sixdeg identify, from {}: {} cycles, {} of them without combustion, {} used.\n", recording, f.cycles, f.motored, f.used);
+    std::string text = fmt::format("\n# sixdeg identify, from {}: {} cycles, {} of them without combustion, {} used.\n", recording,
+        f.cycles, f.motored, f.used);
     for (const Line &line : lines_of(f)) {
-        if (line.found->told()) text += fmt::format("# {}: {}\n", line.name, interval(*line.found, digits_of(*line.found), line.unit.c_str()));
+        if (line.found->told()) text += fmt::format("# {}: {}\n", line.name, interval(*line.found, digits_of(*line.found),
+            line.unit.c_str()));
         else if (line.found != &f.compression_share) text += fmt::format("# {}: not told: {}\n", line.name, line.found->refused);
     }
     for (const DragAt &drag : f.drag) {
         const Found &told = drag.nm.told() ? drag.nm : drag.over_inertia;
-        text += fmt::format("# load and friction at {:.0f} rpm{}: {}\n", drag.rpm, drag.motored ? " without combustion" : "", interval(told, 2, drag.nm.told() ? " N m" : " rad/s2 times the inertia"));
+        text += fmt::format("# load and friction at {:.0f} rpm{}: {}\n", drag.rpm, drag.motored ? " without combustion" : "",
+            interval(told, 2, drag.nm.told() ? " N m" : " rad/s2 times the inertia"));
     }
     if (!f.pattern_refused.empty()) return text + "# tooth pattern: not told: " + f.pattern_refused + "\n";
     text += "# tooth pattern, deg by which a tooth stands further on, +- half its 95 % interval, by position:\n";
     for (std::size_t p = 0; p < f.pattern_deg.size(); ++p)
-        if (f.pattern_deg[p].told()) text += fmt::format("#   {:3} {:+.4f} +-{:.4f}\n", p, f.pattern_deg[p].value, f.pattern_deg[p].half_width);
+        if (f.pattern_deg[p].told()) text += fmt::format("#   {:3} {:+.4f} +-{:.4f}\n", p, f.pattern_deg[p].value,
+            f.pattern_deg[p].half_width);
     return text;
 }
 
@@ -170,7 +180,8 @@ void run(Options options) {
     const EngineFile engine = read_engine(file);
     file.finish();
     if (engine.torsion || engine.dual_mass)
-        throw InputError(recording.engine, engine.torsion ? "torsion" : "dual_mass", "identify takes a rigid crank only: what twists is not told from torque");
+        throw InputError(recording.engine, engine.torsion ? "torsion" : "dual_mass",
+            "identify takes a rigid crank only: what twists is not told from torque");
     for (const std::string &path : {recording.file, recording.engine}) protect_input(path);
     if (std::isfinite(number_of(recording.pressure))) recording.pressure = "column:" + recording.pressure;
     RecordedTeeth teeth = read_recorded_teeth(recording, options.bar, engine);
@@ -179,7 +190,8 @@ void run(Options options) {
     if (!options.json.empty()) write_file(options.json, summary(found, teeth.notes).dump(2) + "\n");
     if (!found.position_0_deg.told() && !found.inertia_kgm2.told())
         throw NotFollowed(recording.file, "tells nothing of what an engine file holds: " + found.position_0_deg.refused);
-    if (!options.out.empty()) write_file(options.out, new_engine(found, engine, file, std::filesystem::path(recording.file).filename().string()));
+    if (!options.out.empty()) write_file(options.out, new_engine(found, engine, file,
+        std::filesystem::path(recording.file).filename().string()));
 }
 
 } // namespace
@@ -193,7 +205,8 @@ void add_identify(Command &app) {
     command.option("--pressure", o->recording.pressure,
                    "pressure in the cylinder that fires first in the file: a column (number, name or column:N), or FILE or FILE:COLUMN");
     command.option("--bar", o->bar, "bar of one unit of that column, beside what its header says; its zero is found").within(-1e9, 1e9);
-    command.option("--intake", o->recording.intake, "intake pressure in bar: a number, a column (name or column:N), or FILE or FILE:COLUMN");
+    command.option("--intake", o->recording.intake,
+        "intake pressure in bar: a number, a column (name or column:N), or FILE or FILE:COLUMN");
     command.option("--fuel", o->recording.fuel, "injected fuel, as --intake; where it is 0 nothing burns");
     command.option("--motored", o->motored, "FROM:TO in s of the recording: nothing burns there; as often as you like").one_at_a_time();
     command.option("--wheel", o->recording.wheel, "like 60-2; the engine file's otherwise");
@@ -202,7 +215,8 @@ void add_identify(Command &app) {
     command.option("--threshold", o->recording.threshold, "of the crank signal, in its own unit; found otherwise");
     command.option("--time-unit", o->recording.time_unit, "seconds of one unit of the times; from the header or guessed otherwise");
     command.option("--cam", o->recording.cam, "cam signal: a column (number, name or column:N), or FILE or FILE:COLUMN; guessed otherwise");
-    command.option("--parity", o->recording.parity, "without a cam: which revolution of the cycle the first one in sync is, first or second")
+    command.option("--parity", o->recording.parity,
+        "without a cam: which revolution of the cycle the first one in sync is, first or second")
         .one_of({"first", "second"});
     command.option("--out", o->out, "the new engine file");
     command.option("--json", o->json, "the figures as JSON");

@@ -7,7 +7,8 @@ namespace sixdeg {
 
 void add_study_identify(Command &study) {
     auto o = std::make_shared<IdentifyStudy>();
-    Command command = study.add("identify", "engines drawn by seed, found again from their teeth: do the intervals hold (docs/results/identify.md)");
+    Command command = study.add("identify",
+        "engines drawn by seed, found again from their teeth: do the intervals hold (docs/results/identify.md)");
     command.option("--engines", o->engines, "how many, default 200").within(1, 100000);
     command.option("--seed", o->seed, "of the first engine; the next ones follow");
     command.flag("--each", o->each, "a line for each engine beside the table");

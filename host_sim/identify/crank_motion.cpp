@@ -29,7 +29,8 @@ struct GridPlace {
 };
 
 /// By how many s each of the grid's points comes later for a unit of t0, e0, d and of each unknown.
-Eigen::MatrixXd lateness_of_grid(const CycleTorque &torque, double start_energy, const Eigen::VectorXd &energy, const Eigen::VectorXd &slowness,
+Eigen::MatrixXd lateness_of_grid(const CycleTorque &torque, double start_energy, const Eigen::VectorXd &energy,
+    const Eigen::VectorXd &slowness,
                                  double speed_radps) {
     const Eigen::Index unknowns = torque.torque_slope.cols();
     Eigen::MatrixXd more_energy(kGridPoints, unknowns + 3), by_ripple = Eigen::MatrixXd::Zero(kGridPoints, unknowns + 3);

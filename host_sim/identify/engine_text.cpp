@@ -28,7 +28,8 @@ bool holds_numbers(const toml::node &node) {
 /// Every value of the file that is no table; an element of an array of tables is "name[0]", an inline one goes with its array.
 void collect(const toml::node &node, const std::string &path, std::vector<Place> &places) {
     if (const auto *table = node.as_table(); table && !table->is_inline()) {
-        for (const auto &[key, child] : *table) collect(child, path.empty() ? std::string(key.str()) : path + "." + std::string(key.str()), places);
+        for (const auto &[key, child] : *table) collect(child, path.empty() ? std::string(key.str()) : path + "."
+            + std::string(key.str()), places);
         return;
     }
     const auto *array = node.as_array();
@@ -87,8 +88,7 @@ void add(std::vector<std::string> &lines, const std::string &field, const NewVal
         at += "\n" + line;
         return;
     }
-    lines.push_back("\n" + head);
-    lines.push_back(line);
+    lines.insert(lines.end(), {"", head, line});
 }
 
 } // namespace
@@ -111,7 +111,8 @@ std::string engine_with(const std::string &name, const std::string &text, const 
     for (const Place &place : places) {
         const auto found = values.find(place.field);
         if (found != values.end()) replace(lines, place, found->second);
-        else if (place.is_number) comment_behind(lines[place.end_line], byte_of(lines[place.end_line], place.end_column), "taken from " + name);
+        else if (place.is_number) comment_behind(lines[place.end_line], byte_of(lines[place.end_line], place.end_column), "taken from "
+            + name);
         missing.erase(place.field);
     }
     for (const auto &[field, value] : missing) add(lines, field, value);

@@ -55,7 +55,8 @@ Found exponent_of(const EngineFile &engine, const MeasuredTorque &gas, const std
     if (count < 2) return refuse("the recorded pressure falls below zero in compression");
     const double mean = sum / count, scatter = std::fmax(squares / count - mean * mean, 0) / count;
     const double intake_sd = 0.012 * cycles.front().intake_bar; // of a sensor in the intake, and of what the cylinder breathes of it
-    const double variance = scatter + std::pow(over_offset / count * fit.sd(wheel_offset), 2) + std::pow(over_level / count * intake_sd, 2) +
+    const double variance = scatter + std::pow(over_offset / count * fit.sd(wheel_offset), 2) + std::pow(over_level / count * intake_sd,
+        2) +
                             std::pow(over_ratio / count * kCompressionRatioSd, 2) + std::pow(over_gain / count * kGainSd, 2);
     return found(mean, std::sqrt(variance), kMostExponent, "it");
 }
@@ -87,7 +88,8 @@ std::vector<WholeCycle> usable(const EngineFile &engine, const CrankRecord &reco
     std::vector<WholeCycle> use;
     const bool fired_too = engine.cylinders() == 1 && !record.pressure.empty();
     for (const WholeCycle &cycle : cycles)
-        if ((cycle.motored || fired_too) && (record.pressure.empty() || MeasuredTorque::covers(record.pressure, cycle))) use.push_back(cycle);
+        if ((cycle.motored || fired_too) && (record.pressure.empty() || MeasuredTorque::covers(record.pressure,
+            cycle))) use.push_back(cycle);
     return use;
 }
 
@@ -101,14 +103,16 @@ void refuse_all(const std::string &reason, Identified &result) {
 Identified identify(const EngineFile &engine, const CrankRecord &record, const IdentifyOptions &options, const std::string &from) {
     const std::vector<WholeCycle> cycles = whole_cycles(engine, record, options.motored);
     if (cycles.size() < kLeastCycles)
-        throw InputError(from, "", fmt::format("holds {} whole cycles with every tooth in place; at least {} are wanted", cycles.size(), kLeastCycles));
+        throw InputError(from, "", fmt::format("holds {} whole cycles with every tooth in place; at least {} are wanted", cycles.size(),
+            kLeastCycles));
     Identified result;
     result.cycles = cycles.size();
     for (const WholeCycle &cycle : cycles) result.motored += cycle.motored;
     const std::vector<WholeCycle> use = usable(engine, record, cycles);
     result.used = use.size();
     if (use.size() < kLeastCycles) {
-        refuse_all(record.pressure.empty() ? "in a firing engine the teeth show combustion, whose torque nobody knows; record a fuel cut and name "
+        refuse_all(record.pressure.empty()
+            ? "in a firing engine the teeth show combustion, whose torque nobody knows; record a fuel cut and name "
                                              "it by --fuel or --motored"
                                            : "the pressure of one cylinder tells the others' only without combustion; record a fuel cut and name "
                                              "it by --fuel or --motored",

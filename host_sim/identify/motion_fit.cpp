@@ -53,7 +53,8 @@ class Fitter {
     }
 
     MotionFit run() {
-        // A pressure is read at the times of the teeth as the file has them, then once more with the pattern found: read anew each time, wheel and
+        // A pressure is read at the times of the teeth as the file has them, then once more with the pattern found: read anew
+        // each time, wheel and
         // torque would chase one another.
         iterated(kIterations);
         const VectorXd pattern = pattern_by_position();
@@ -192,7 +193,8 @@ class Fitter {
             double square = 0;
             for (Index q = 0; q < count; ++q) {
                 const double unit = units_(first + q);
-                square += unit * unit * (std::pow(solution(first + q, count), 2) + scatter_ * scatter_ * solution(first + q, q)) / double(count);
+                square += unit * unit * (std::pow(solution(first + q, count), 2) + scatter_ * scatter_ * solution(first + q,
+                    q)) / double(count);
             }
             share = std::fmax(std::sqrt(square), gas_.least_unexplained());
         }
@@ -221,7 +223,8 @@ class Fitter {
             std::vector<double> sorted = rms;
             std::nth_element(sorted.begin(), sorted.begin() + std::ptrdiff_t(sorted.size() / 2), sorted.end());
             for (std::size_t i = 0; i < group.size(); ++i) {
-                const double usual = group.size() >= kLeastGroup ? sorted[sorted.size() / 2] : scatter_ * std::sqrt(double(weights_[group[i]].size()));
+                const double usual = group.size() >= kLeastGroup ? sorted[sorted.size() / 2]
+                    : scatter_ * std::sqrt(double(weights_[group[i]].size()));
                 disturbed_[group[i]] = rms[i] > kDisturbed * usual;
             }
         }
@@ -238,7 +241,8 @@ class Fitter {
     std::map<std::pair<bool, int>, std::vector<std::size_t>> groups(bool disturbed_too = false) const {
         std::map<std::pair<bool, int>, std::vector<std::size_t>> by;
         for (std::size_t c = 0; c < cycles_.size(); ++c)
-            if (disturbed_too || !disturbed_[c]) by[{cycles_[c].motored, int(std::lround(std::log(cycles_[c].speed_radps) / kSpeedBin))}].push_back(c);
+            if (disturbed_too || !disturbed_[c]) by[{cycles_[c].motored,
+                int(std::lround(std::log(cycles_[c].speed_radps) / kSpeedBin))}].push_back(c);
         return by;
     }
 

@@ -105,7 +105,8 @@ CrankRecord recording(const MadeEngine &engine) {
 TEST(Identify, WithPressureEveryNumberIsWithinItsIntervalAndTheIntervalsAreNarrow) {
     const MadeEngine engine;
     const Identified found = identify(engine.first_file(), recording(engine), {}, "made");
-    SCOPED_TRACE(testing::Message() << found.scatter_deg << " deg scatter, " << found.unexplained_deg << " deg and " << found.unexplained_percent
+    SCOPED_TRACE(testing::Message() << found.scatter_deg << " deg scatter, " << found.unexplained_deg << " deg and "
+        << found.unexplained_percent
                                     << " % unexplained");
     EXPECT_GE(found.used, 30u);
     ASSERT_TRUE(found.inertia_kgm2.told()) << found.inertia_kgm2.refused;
@@ -153,9 +154,12 @@ TEST(Identify, WithoutAFuelCutAFiringEngineIsRefusedByName) {
 TEST(EngineText, NewNumbersStandInPlaceAndEveryNumberSaysWhereItIsFrom) {
     const std::string text = "name = \"x\" # a name\n[crank]\ninertia_kgm2 = 0.25  # guessed\nreciprocating_mass_kg = 0.9\n[cylinders]\n"
                              "firing_tdc_deg = [0,\n  180]  # even\n";
-    const std::string made = engine_with("old.toml", text, {{"crank.inertia_kgm2", {"0.21", "measured"}}, {"tolerance.wheel_offset_deg", {"0.2", "half"}}});
-    EXPECT_EQ(made, "name = \"x\" # a name\n[crank]\ninertia_kgm2 = 0.21  # measured; guessed\nreciprocating_mass_kg = 0.9  # taken from old.toml\n"
-                    "[cylinders]\nfiring_tdc_deg = [0,\n  180]  # taken from old.toml; even\n\n[tolerance]\nwheel_offset_deg = 0.2  # half\n");
+    const std::string made = engine_with("old.toml", text, {{"crank.inertia_kgm2", {"0.21", "measured"}}, {"tolerance.wheel_offset_deg",
+        {"0.2", "half"}},
+                                          {"tolerance.inertia_percent", {"3", "too"}}});
+    EXPECT_EQ(made,
+        "name = \"x\" # a name\n[crank]\ninertia_kgm2 = 0.21  # measured; guessed\nreciprocating_mass_kg = 0.9  # taken from old.toml\n"
+                    "[cylinders]\nfiring_tdc_deg = [0,\n  180]  # taken from old.toml; even\n\n[tolerance]\nwheel_offset_deg = 0.2  # half\ninertia_percent = 3  # too\n");
 }
 
 } // namespace

@@ -54,7 +54,8 @@ std::string engine_text(Draw &draw, const Layout &layout) {
                        "[cam]\nedge_deg = 420\n[plant.air]\nintake_pressure_bar = [0.5, 0.8, 1.2]\nbmep_bar = [0, 3, 7]\n"
                        "exhaust_pressure_bar = {}\ncharge_temperature_k = {}\n[plant.wall]\nfactor = {}\n[plant.friction]\n"
                        "fmep_bar = [{}, {}, 0.03]\n{}",
-                       layout.order, layout.tdc_deg, bore, stroke, stroke * draw.from(1.5, 1.8), draw.from(9, 16), draw.from(565, 595), inertia,
+                       layout.order, layout.tdc_deg, bore, stroke, stroke * draw.from(1.5, 1.8), draw.from(9, 16), draw.from(565, 595),
+                           inertia,
                        mass, draw.from(60, 330), draw.from(1.03, 1.2), draw.from(320, 360), draw.from(0, 2), draw.from(0.4, 1.0),
                        draw.from(0.05, 0.25), air ? std::string() : fmt::format("[plant.gas]\ngamma = {}\n", gamma));
 }
@@ -111,7 +112,8 @@ DrawnEngine draw_engine(std::uint64_t seed) {
     drawn.pressure_zero_bar = draw.from(-5, 5);
     drawn.pressure_noise_bar = 0.02;
     drawn.intake_gain = draw.from(0.99, 1.01);
-    drawn.what = fmt::format("{} cylinders, J {:.3f} kg m2, CR {:.1f}, pattern {:.2f} deg, offset {:+.2f} deg", n, engine.shared.inertia_kgm2,
+    drawn.what = fmt::format("{} cylinders, J {:.3f} kg m2, CR {:.1f}, pattern {:.2f} deg, offset {:+.2f} deg", n,
+        engine.shared.inertia_kgm2,
                              engine.shared.compression_ratio, s.encoder.pattern_rms_deg, s.encoder.offset_deg);
     return drawn;
 }
@@ -127,7 +129,8 @@ DrawnRun run_engine(const DrawnEngine &drawn) {
     plant.watch_steps([&] {
         const StepTruth &now = plant.truth();
         const double pa = plant.model().pressure_pa(0);
-        run.record.pressure.push_back({now.time_s, drawn.pressure_gain * pa / kPaPerBar + drawn.pressure_zero_bar + drawn.pressure_noise_bar * noise.normal()});
+        run.record.pressure.push_back({now.time_s, drawn.pressure_gain * pa / kPaPerBar + drawn.pressure_zero_bar
+            + drawn.pressure_noise_bar * noise.normal()});
         const bool cut = (now.time_s > 0.9 && now.time_s < 3) || now.time_s > 5.2;
         if (cut) exponent.take(now.angle_rad, pa);
         if (step++ % 20 != 0) return;

@@ -85,12 +85,16 @@ void score(const std::string &mode, const Identified &found, const EngineTruth &
 void print_each(const char *mode, const Identified &f, const EngineTruth &truth) {
     double rms = 0, half = 0, n = 0;
     for (std::size_t p = 0; p < f.pattern_deg.size(); ++p)
-        if (f.pattern_deg[p].told()) rms += std::pow(f.pattern_deg[p].value - truth.pattern_deg[p], 2), half += f.pattern_deg[p].half_width, n += 1;
+        if (f.pattern_deg[p].told()) rms += std::pow(f.pattern_deg[p].value - truth.pattern_deg[p], 2),
+            half += f.pattern_deg[p].half_width, n += 1;
     fmt::print("  {:9} {} of {} cycles; J {:+.2f} +-{:.2f} %; TDC {:+.3f} +-{:.3f} deg; n {:+.4f} +-{:.4f}; tooth {:.4f} +-{:.4f} deg ({:.0f}); scatter "
                "{:.4f}, unexplained {:.4f} deg {:.2f} %; share {:.3f} +-{:.3f}\n",
-               mode, f.used, f.cycles, 100 * (f.inertia_kgm2.value / truth.inertia_kgm2 - 1), 100 * f.inertia_kgm2.half_width / truth.inertia_kgm2,
-               std::remainder(f.position_0_deg.value - truth.position_0_deg, 360), f.position_0_deg.half_width, f.exponent.value - truth.exponent,
-               f.exponent.half_width, std::sqrt(rms / n), half / n, n, f.scatter_deg, f.unexplained_deg, f.unexplained_percent, f.compression_share.value,
+               mode, f.used, f.cycles, 100 * (f.inertia_kgm2.value / truth.inertia_kgm2 - 1),
+                   100 * f.inertia_kgm2.half_width / truth.inertia_kgm2,
+               std::remainder(f.position_0_deg.value - truth.position_0_deg, 360), f.position_0_deg.half_width,
+                   f.exponent.value - truth.exponent,
+               f.exponent.half_width, std::sqrt(rms / n), half / n, n, f.scatter_deg, f.unexplained_deg, f.unexplained_percent,
+                   f.compression_share.value,
                f.compression_share.half_width);
 }
 
@@ -115,7 +119,8 @@ void print_identify_study(const IdentifyStudy &study) {
     }
     fmt::print("{:30} {:>12} {:>9} {:>12} {:>12} {:>12}\n", "", "told", "held, %", "half-width", "of 95 %", "rms error");
     for (const auto &[name, row] : table.rows)
-        fmt::print("{:30} {:>5} of {:>5} {:>8.1f} {:>12.4f} {:>12.4f} {:>12.4f}\n", name, row.told(), row.asked(), row.held_percent(), row.half(),
+        fmt::print("{:30} {:>5} of {:>5} {:>8.1f} {:>12.4f} {:>12.4f} {:>12.4f}\n", name, row.told(), row.asked(), row.held_percent(),
+            row.half(),
                    row.largest_half(), row.rms());
 }
 

@@ -169,7 +169,7 @@ static void judge(const sd_fired_t *self, const sd_kalman_tables_t *t, const sd_
 }
 
 /* The pattern that is not in use becomes what the sums say. */
-static void place(sd_fired_t *self, const sd_kalman_tables_t *t, const sd_fired_sums_t *s) {
+static void place_pattern(sd_fired_t *self, const sd_kalman_tables_t *t, const sd_fired_sums_t *s) {
     sd_fired_pattern_t *coming = &self->pattern[self->used ^ 1u];
     const sd_fired_fit_t fit = weigh(s, self->task.left_rad2);
     float part[SD_KALMAN_PARTS_MAX], explained = 0.0f, sum = 0.0f;
@@ -205,7 +205,7 @@ void sd_fired_work(sd_fired_t *self, const sd_kalman_tables_t *t, sd_fired_sums_
     sum_cycle(t, cycle, part, sums);
     self->task.since++;
     if (sums->cycles < (float)SD_FIRED_CYCLES_MIN) { return; }
-    if ((self->task.since >= PLACED_MOST) || (PLACED_EACH * (float)self->task.since >= sums->cycles)) { place(self, t, sums); }
+    if ((self->task.since >= PLACED_MOST) || (PLACED_EACH * (float)self->task.since >= sums->cycles)) { place_pattern(self, t, sums); }
 }
 
 bool sd_fired_take_over(sd_fired_t *self) {
@@ -316,7 +316,7 @@ void sd_fired_resume(sd_fired_t *self, const sd_kalman_tables_t *t, const sd_fir
     forget(self);
     if ((t->parts == 0u) || (sums->cycles < (float)SD_FIRED_CYCLES_MIN)) { return; }
     for (uint32_t round = 0; round < 2u; ++round) { /* the second by the variance that the first one found */
-        place(self, t, sums);
+        place_pattern(self, t, sums);
         (void)sd_fired_take_over(self);
     }
 }

@@ -8,6 +8,7 @@ namespace sixdeg {
 void add_bench(Command &app);
 void add_calibrate(Command &app);
 void add_ecu(Command &app);
+void add_identify(Command &app);
 void add_parameter(Command &app);
 void add_plant(Command &app);
 void add_replay(Command &app);
@@ -16,6 +17,7 @@ void add_study(Command &app);             ///< study: the group of the next four
 void add_study_observers(Command &study); ///< study observers: the benchmark of document 000.
 void add_study_engines(Command &study); ///< study engines: torque on engines that nobody has seen.
 void add_study_gas(Command &study);     ///< study gas: the simulated engine's gas, step by step.
+void add_study_identify(Command &study); ///< study identify: engines drawn by seed, found again.
 void add_study_misfire(Command &study); ///< study misfire: detectors on a made set.
 void add_study_trips(Command &study);     ///< study trips: false decisions of the misfire monitor.
 void add_sweep(Command &app);

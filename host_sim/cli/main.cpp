@@ -30,6 +30,7 @@ int main(int argc, char **argv) {
         sixdeg::add_watch(app);
         sixdeg::add_parameter(app);
         sixdeg::add_calibrate(app);
+        sixdeg::add_identify(app);
         sixdeg::add_sensors(app);
         sixdeg::add_study(app);
         sixdeg::add_bench(app);

@@ -3,7 +3,6 @@
 // work.csv.
 #include "cli/replay_command.hpp"
 
-#include <charconv>
 #include <cmath>
 #include <fmt/format.h>
 
@@ -71,33 +70,6 @@ std::vector<std::string> list_assumptions(const Inputs &inputs) {
     return list;
 }
 
-double number_option(const std::string &text, const char *option) {
-    double value = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (error == std::errc{} && end == text.data() + text.size() && std::isfinite(value)) return value;
-    throw InputError(option, "", fmt::format("'{}' is not a number", text));
-}
-
-Constraints constraints_of(const ReplayOptions &options, const TextLayout &layout, const Inputs &inputs) {
-    Constraints known;
-    if (!options.wheel.empty()) known.wheel = parse_wheel_text(options.wheel, "--wheel");
-    if (!options.edge.empty()) known.edge = parse_edge(options.edge, "--edge");
-    if (!options.column.empty()) known.column = column_named(options.column, layout, options.file + ": --column");
-    if (!options.cam.empty()) set_cam(options.cam, layout, options.file + ": --cam", known);
-    if (!options.threshold.empty()) known.threshold = number_option(options.threshold, "--threshold");
-    if (!options.time_unit.empty()) {
-        known.unit_s = number_option(options.time_unit, "--time-unit");
-        if (!(*known.unit_s >= 1e-12 && *known.unit_s <= 1e3)) throw InputError("--time-unit", "", "is outside [1e-12, 1000] s");
-    }
-    if (inputs.engine_given && !known.wheel) known.engine_wheel = inputs.engine.wheel;
-    if (inputs.engine_given && inputs.engine.has_cam) {
-        const double turns = (inputs.engine.cam_edge_deg - inputs.engine.position_0_deg) / 360;
-        known.cam_place_rev = turns - std::floor(turns);
-    }
-    if (inputs.engine_given && !known.edge) known.edge = inputs.engine.falling_edge ? Edge::falling : Edge::rising;
-    return known;
-}
-
 void read_engine_and_tune(const ReplayOptions &options, Inputs &inputs) {
     inputs.engine = nameless_engine();
     if (!options.engine.empty()) {
@@ -130,7 +102,7 @@ Inputs read_inputs(const ReplayOptions &options) {
     inputs.files[options.file] = sha256_of_file(options.file);
     protect_input(options.file);
     read_engine_and_tune(options, inputs);
-    inputs.found = find_recording(options.file, constraints_of(options, layout, inputs));
+    inputs.found = find_recording(options.file, recording_constraints(options, layout, inputs.engine_given ? &inputs.engine : nullptr));
     inputs.engine.wheel = inputs.found.guess.wheel;
     if (const auto &cam = inputs.found.guess.cam; cam && !cam->file.empty()) inputs.files[cam->file] = sha256_of_file(cam->file);
     inputs.sensors = sensor_sources(options, layout, double(inputs.tune.afr_stoichiometric));

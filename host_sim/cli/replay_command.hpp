@@ -15,7 +15,7 @@ namespace sixdeg {
 
 struct ReplayOptions {
     std::string file, wheel, edge, engine, tune, number, truth, out, json, cam, intake, fuel, lambda, load, learned, learn;
-    std::string column, threshold, parity, time_unit;
+    std::string column, threshold, parity, time_unit, pressure;
     std::vector<std::string> set;
 };
 
@@ -47,6 +47,8 @@ struct FoundRecording {
     double origin_s = 0;     ///< Of the recording's times, in the file's.
     std::vector<std::string> two_level; ///< Labels of columns beside the crank's that change level.
 };
+/// What the options and, where one is given, the engine file say of a recording. Throws InputError.
+Constraints recording_constraints(const ReplayOptions &options, const TextLayout &layout, const EngineFile *engine);
 /// Reads the file, a stretch after the other, until one shows the wheel. Throws InputError.
 FoundRecording find_recording(const std::string &file, const Constraints &known);
 
@@ -57,6 +59,8 @@ struct ParityFound {
 };
 ParityFound find_parity(const std::string &file, const Guess &guess, const EngineFile &engine, double stall_s);
 
+/// Stands for the pressure in a cylinder among the inputs; the ecu has none.
+constexpr int kPressureInput = kLoadInput - 1;
 /// --intake and its like. Throws InputError naming the option.
 std::vector<SensorSource> sensor_sources(const ReplayOptions &options, const TextLayout &layout, double stoichiometric);
 /// FILE or FILE:COLUMN, where such a file exists.

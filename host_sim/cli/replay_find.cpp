@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // sixdeg replay: what a recording is, and what a user should know of it.
+#include <charconv>
 #include <cmath>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -31,7 +32,34 @@ std::vector<std::string> two_level_columns(const Recording &stretch, const Guess
     return labels;
 }
 
+double number_option(const std::string &text, const char *option) {
+    double value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error == std::errc{} && end == text.data() + text.size() && std::isfinite(value)) return value;
+    throw InputError(option, "", fmt::format("'{}' is not a number", text));
+}
+
 } // namespace
+
+Constraints recording_constraints(const ReplayOptions &options, const TextLayout &layout, const EngineFile *engine) {
+    Constraints known;
+    if (!options.wheel.empty()) known.wheel = parse_wheel_text(options.wheel, "--wheel");
+    if (!options.edge.empty()) known.edge = parse_edge(options.edge, "--edge");
+    if (!options.column.empty()) known.column = column_named(options.column, layout, options.file + ": --column");
+    if (!options.cam.empty()) set_cam(options.cam, layout, options.file + ": --cam", known);
+    if (!options.threshold.empty()) known.threshold = number_option(options.threshold, "--threshold");
+    if (!options.time_unit.empty()) {
+        known.unit_s = number_option(options.time_unit, "--time-unit");
+        if (!(*known.unit_s >= 1e-12 && *known.unit_s <= 1e3)) throw InputError("--time-unit", "", "is outside [1e-12, 1000] s");
+    }
+    if (engine && !known.wheel) known.engine_wheel = engine->wheel;
+    if (engine && engine->has_cam) {
+        const double turns = (engine->cam_edge_deg - engine->position_0_deg) / 360;
+        known.cam_place_rev = turns - std::floor(turns);
+    }
+    if (engine && !known.edge) known.edge = engine->falling_edge ? Edge::falling : Edge::rising;
+    return known;
+}
 
 FoundRecording find_recording(const std::string &file, const Constraints &known) {
     std::error_code ec;

@@ -18,7 +18,8 @@ struct Sensor {
 constexpr Sensor kSensors[] = {{"--intake", SD_INPUT_AIR_INTAKE_PRESSURE, &ReplayOptions::intake},
                                {"--fuel", SD_INPUT_FUEL_INJECTED, &ReplayOptions::fuel},
                                {"--lambda", SD_INPUT_EXHAUST_LAMBDA, &ReplayOptions::lambda},
-                               {"--load", kLoadInput, &ReplayOptions::load}};
+                               {"--load", kLoadInput, &ReplayOptions::load},
+                               {"--pressure", kPressureInput, &ReplayOptions::pressure}};
 constexpr double kLoadMost_nm = 20000;
 
 std::string lower(const std::string &text) {
@@ -31,7 +32,8 @@ std::string lower(const std::string &text) {
 double scale_of(const std::string &name, int input, double stoichiometric) {
     const std::string text = lower(name);
     const auto has = [&](const char *word) { return text.find(word) != std::string::npos; };
-    if (input == SD_INPUT_AIR_INTAKE_PRESSURE) return has("kpa") ? 0.01 : has("mbar") || has("hpa") ? 0.001 : has("psi") ? 0.0689476 : 1;
+    if (input == SD_INPUT_AIR_INTAKE_PRESSURE || input == kPressureInput)
+        return has("kpa") ? 0.01 : has("mbar") || has("hpa") ? 0.001 : has("psi") ? 0.0689476 : 1;
     if (input == SD_INPUT_EXHAUST_LAMBDA && has("afr")) return 1 / stoichiometric;
     return 1;
 }
@@ -115,7 +117,8 @@ std::vector<SensorSource> sensor_sources(const ReplayOptions &options, const Tex
     for (const Sensor &sensor : kSensors) {
         const std::string &text = options.*(sensor.text);
         if (text.empty()) continue;
-        if (const auto value = number_in(text)) {
+        const auto value = number_in(text);
+        if (value && sensor.input != kPressureInput) { // a pressure that stands still tells nothing: a number is its column
             sources.push_back(constant(*value, sensor));
         } else if (const auto other = file_source(text)) {
             sources.push_back(from_file(*other, sensor, stoichiometric));

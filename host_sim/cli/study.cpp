@@ -83,6 +83,7 @@ void add_study(Command &app) {
     add_air_path(study);
     add_study_observers(study);
     add_study_engines(study);
+    add_study_identify(study);
     add_study_misfire(study);
     add_study_gas(study);
     add_study_trips(study);

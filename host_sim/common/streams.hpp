@@ -9,6 +9,6 @@ constexpr std::uint32_t kJitter = 1, kDrops = 2, kExtras = 3, kCam = 4, kPattern
 constexpr std::uint32_t kAirPath = 9, kAirPathErrors = 10, kVehicleWheel = 11;
 /// Plus the cylinder's index in firing order.
 constexpr std::uint32_t kCyclic = 100, kMisfire = 200;
-constexpr std::uint32_t kPerturbation = 300, kMisfireSet = 301;
+constexpr std::uint32_t kPerturbation = 300, kMisfireSet = 301, kIdentifyStudy = 302, kIdentifyNoise = 303;
 
 } // namespace sixdeg::stream

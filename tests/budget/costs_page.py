@@ -186,9 +186,10 @@ def loads(f):
             )
     lines = [
         (
-            "\n## Load at 6000 rpm, and the first tooth that is too long\n\nLoad of the core: teeth, and clock, cam and samples at their"
-            " rate in the run, percent. The first overrun: the speed at which the run's worst tooth\nlasts as long as the time to the"
-            " next edge. One such tooth loses nothing, since edges are captured; an average above 100 % does.\n\n"
+            "\n## Load at 6000 rpm, and the first tooth that is too long\n\nLoad of the core: teeth, what the 10 ms task learns of each cycle,"
+            " and clock, cam and samples at their rate in the run, percent.\nThe first overrun: the speed at which the run's worst tooth"
+            " lasts as long as the time to the next edge. One such tooth loses nothing,\nsince edges are captured; an average above 100 %"
+            " does.\n\n"
         ),
         table(["core", "run", "tooth, instructions", "worst", "load, %", "first overrun, rpm"], rows),
         "\n",
@@ -206,7 +207,7 @@ def loads(f):
     fixed = min(f.first_overrun("cortex-m3-fixed", run) for run in f.runs("cortex-m3-fixed"))
     lines.append(
         f"- {NAME['cortex-m3-fixed']}: it has no goal at 6000 rpm; its first tooth overruns at {number(fixed)} rpm, where a new operating"
-        " point of the\n  mixture takes effect in one piece ([fixed.md](fixed.md)).\n"
+        " point of the\n  mixture takes effect in one piece ([fixed.md](../theory/fixed.md)).\n"
     )
     return "".join(lines)
 

@@ -10,6 +10,7 @@ import subprocess
 import sys
 import unittest
 
+from motored_engine import Motored
 from sixdeg_test import Folder
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
@@ -20,7 +21,7 @@ SCENARIO = (f'engine = "{DATA}/engines/diesel_22.toml"\n[run]\ncycles = 60\n[spe
 # What the docs leave to the reader.
 PLACES = {"SCENARIO.toml": "scenario.toml", "ENGINE.toml": str(DATA / "engines/diesel_22.toml"), "TUNE.toml": "tune.toml",
           "MODEL.toml": str(DATA / "models/turbo_si_13.toml"), "SUMMARY.json": "summary.json", "FIELD=V,V,...": "speed.rpm=1000",
-          "speed.rpm=N": "speed.rpm=1500", "run.cycles=N": "run.cycles=3",
+          "COLUMN": "pressure", "FROM:TO": "0:99", "speed.rpm=N": "speed.rpm=1500", "run.cycles=N": "run.cycles=3",
           "elastic.stiffness_percent=S": "elastic.stiffness_percent=0", "DIR": "out",
           'engine="../engines/NAME.toml"': 'engine="../engines/eight_diesel.toml"',
           "cylinders.fuel_percent=[-25,0,...]": "cylinders.fuel_percent=[-25,0,0,0,0,0,0,0]"}
@@ -28,7 +29,7 @@ PLACES = {"SCENARIO.toml": "scenario.toml", "ENGINE.toml": str(DATA / "engines/d
 SHORTER = {"run": ["--nominal", "--set", "run.cycles=3"], "plant": ["--nominal", "--set", "run.cycles=3"],
            "sweep": ["--nominal", "--set", "run.cycles=3", "--jobs", "1"], "study afr": ["--seeds", "1", "--cases", "1"],
            "study loop": ["--seeds", "1"], "study observers": ["--cycles", "60", "--rpm", "1500", "--bar", "1"], "study trips": ["--trips", "2"], "study gas": ["--set", "run.duration_s=0.5"],
-           "study engines": ["--engines", "1"],
+           "study engines": ["--engines", "1"], "study identify": ["--engines", "1"],
            "study misfire": ["--engines", "1", "--cycles", "40", "--rpm", "1500", "--bar", "1"], "study driveline": ["--seconds", "10"], "study airpath": ["--runs", "10", "--hours", "0.1"], "bench": ["--seconds", "0.0005", "--repetitions", "1"]}
 ONE_PART = {"study afr": "blame", "study loop": "figure-16", "study driveline": "figure-6", "study misfire": "rigid", "study engines": "one-speed",
             "study airpath": "decoupling"}
@@ -80,6 +81,7 @@ class Docs(Folder):
         (self.folder / "scenario.toml").write_text(SCENARIO)
         (self.folder / "tune.toml").write_text("[torque]\nharmonics = 5\n")
         subprocess.run([sys.executable, ROOT / "tools/trace/make_trace.py", self.folder / "trace.csv"], check=True)
+        Motored(DATA / "engines/diesel_22.toml", 0.21, 1.2).write(self.folder / "motored.csv", cycles=8)
         self.ran(["run", "scenario.toml", "--nominal", "--json", "summary.json"])
 
     def ran(self, words):
@@ -110,7 +112,8 @@ class Docs(Folder):
             rest = [value if word == placeholder else word for word in rest]
         rest = [re.sub(r"^([a-z.=]+[^,\[\]]*),[^\[\]]*$", r"\1", word) if before == "--over" else word.split("|")[0]
                 for before, word in zip([""] + rest, rest)]
-        rest = ["trace.csv" if w == "FILE" and path == ("replay",) else w for w in rest]
+        recordings = {("replay",): "trace.csv", ("identify",): "motored.csv"}
+        rest = [recordings.get(path, w) if w == "FILE" else w for w in rest]
         shorter = SHORTER.get(name, [])
         if "run.cycles=3" in shorter and "duration_s" in (self.folder / rest[0]).read_text():
             shorter = [w.replace("run.cycles=3", "run.duration_s=0.5") for w in shorter]

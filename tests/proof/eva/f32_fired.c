@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Learning of the tooth pattern while the engine fires, and of what looks like torque in it: teeth, the three steps of the task, kept sums;
  * any bits in state, sums, filter and numbers of the page, NaN included. 4 cylinders. */
-/* options: -eva-precision 0 -eva-slevel 10 -eva-auto-loop-unroll 30 -eva-min-loop-unroll 9 -eva-plevel 300 */
+/* options: -eva-precision 0 -eva-slevel 10 -eva-auto-loop-unroll 30 -eva-min-loop-unroll 61 -eva-plevel 300 */
 /* specified: sd_sqrt_by_bits_f32 */
 /* include: contracts_root.h */
 /* kernel: firmware/torque/sd_fired.c firmware/torque/sd_hidden.c firmware/torque/sd_kalman.c firmware/torque/sd_kalman_firing.c firmware/torque/sd_motion.c firmware/torque/sd_kalman_tables.c */

@@ -150,9 +150,9 @@ STACK = """
 
 `tests/proof/stack.py` reads the machine code of the linked image: every call, every jump into another function, everything that a function
 pushes or subtracts from the stack pointer. In ctest (`stack_bound`) for all four images, with an image that recurses, takes heap and calls
-through pointers as negative control. sd_ecu_init takes at most 1,104 bytes, sd_ecu_run at most 1,104 and sd_ecu_task_run, which that may
-interrupt, at most 512; painting finds 1,104 and 992 of the first two ([costs.md](costs.md)). The port's own receive and send come on top. An ecu reaches no heap function, nothing recursive, and no pointer call
-but the port's. Every loop that is no counted `for` stands in that file with its bound; one that does not fails the test.
+through pointers as negative control. On a Cortex-M7 sd_ecu_init takes at most 1,080 bytes, sd_ecu_run at most 1,092 (1,128 on a Cortex-M3)
+and sd_ecu_task_run, which that may interrupt, at most 584 (652); [costs.md](costs.md) has what painting finds of the first two. The port's
+own receive and send come on top. An ecu reaches no heap function, nothing recursive, and no pointer call but the port's. Every loop that is no counted `for` stands in that file with its bound; one that does not fails the test.
 
 What this does not cover: an interrupt's own frame (up to 104 bytes with floating point), the port, and a counted `for` whose limit comes
 from the page (positions, cylinders, harmonics: init refuses what is larger than the arrays).

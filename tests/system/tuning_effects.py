@@ -63,7 +63,7 @@ EFFECTS = (  # (base, changes, what is said of a summary)
      lambda s: f"single firing {s['firing']['single_percent']:.2f} %, imbalance {s['firing']['imbalance_percent']:.2f} %"),
     ((*STEP, "uego.noise_per_rthz=5e-4"), ("afr.sensor_noise=5e-4",),
      lambda s: f"{mixture(s)}, wrong cylinder {s['afr']['wrong_cylinder_percent']:.0f} %"),
-    (ROUGH, ("firing.load_walk=1",), alarms),
+    (ROUGH, ("firing.load_walk=0.3",), alarms),
     ((*MISFIRES, "misfires.burned_fraction=0.55"), ("misfire.misfire_below=0.6",), partial),
     ((*MISFIRES, "misfires.burned_fraction=0.85"), ("misfire.partial_burn_below=0.9",), partial),
     (MISFIRES, ("misfire.start_inhibit_cycles=0",), lambda s: f"{s['misfire']['not_judged']} firings not judged"),

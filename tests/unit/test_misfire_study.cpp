@@ -48,9 +48,13 @@ TEST(EngineFigures, RmsIntervalAndGoalOfEachPhysics) {
     figures.add(other, "ratio", "1500 rpm", "", {0.67, 1.5}, 0.5);
     ASSERT_EQ(figures.rows().size(), 2u);
     const FigureRms of_own = rms_of(figures.rows()[0], Physics::own), of_other = rms_of(figures.rows()[0], Physics::other);
-    EXPECT_EQ(of_own.rms, 2), EXPECT_EQ(of_own.low, 2), EXPECT_EQ(of_own.high, 2);
+    EXPECT_EQ(of_own.rms, 2);
+    EXPECT_EQ(of_own.low, 2);
+    EXPECT_EQ(of_own.high, 2);
     EXPECT_NEAR(of_other.rms, std::sqrt(5.5), 1e-12);
-    EXPECT_EQ(of_other.largest, -4), EXPECT_EQ(of_other.met, 3), EXPECT_EQ(of_other.engines, 4);
+    EXPECT_EQ(of_other.largest, -4);
+    EXPECT_EQ(of_other.met, 3);
+    EXPECT_EQ(of_other.engines, 4);
     EXPECT_EQ(of_other.low, 1); // all four drawn are 1 or -1, in one draw of 16
     EXPECT_TRUE(of_other.high >= 3.5 && of_other.high < 3.7);
     EXPECT_EQ(rms_of(figures.rows()[1], Physics::other).met, 0);

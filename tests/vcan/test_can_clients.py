@@ -78,8 +78,9 @@ class Clients(BusFolder):
         bus = can.Bus("vcan0", interface="socketcan", fd=True)
         self.addCleanup(bus.shutdown)
         request, answered = DBC.get_message_by_name("parameter_request"), DBC.get_message_by_name("parameter").frame_id
-        for command, index, value, result, holds in (("set", "torque_harmonics", 7, "ok", 7), ("set", "misfire_cyclic_variation", 9, "out_of_range", 0.2),
-                                                     ("set", "firing_change", 30, "at_start", 10), ("restore", "all", 0, "ok", 0),
+        for command, index, value, result, holds in (("set", "torque_harmonics", 7, "ok", 7),
+                                                     ("set", "misfire_cyclic_variation", 9, "out_of_range", 0.2),
+                                                     ("set", "firing_torque_change", 30, "at_start", 10), ("restore", "all", 0, "ok", 0),
                                                      ("read", "torque_harmonics", 0, "ok", 5)):
             data = request.encode({"command": command, "index": index, "value": value})
             bus.send(can.Message(arbitration_id=request.frame_id, data=data, is_extended_id=False))

@@ -4,10 +4,12 @@ string(REPLACE "," ";" includes "${INCLUDES}")
 string(REPLACE "," ";" definitions "${DEFINITIONS}")
 list(TRANSFORM includes PREPEND -I)
 list(TRANSFORM definitions PREPEND -D)
-file(WRITE kernel_probe.c "#include PROBE\nint probe;\n")
+# A file a kernel: these tests run beside one another.
+set(probe ${KERNEL}_probe.c)
+file(WRITE ${probe} "#include PROBE\nint probe;\n")
 
 function(compile header result)
-  execute_process(COMMAND ${COMPILER} ${includes} ${definitions} "-DPROBE=\"${header}\"" -fsyntax-only kernel_probe.c
+  execute_process(COMMAND ${COMPILER} ${includes} ${definitions} "-DPROBE=\"${header}\"" -fsyntax-only ${probe}
                   RESULT_VARIABLE failed ERROR_VARIABLE message)
   set(${result} "${failed};${message}" PARENT_SCOPE)
 endfunction()

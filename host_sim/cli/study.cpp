@@ -21,7 +21,7 @@ void add_afr(Command &study) {
         int seeds = 0, cases = 1000;
     };
     auto options = std::make_shared<Options>();
-    Command command = study.add("afr", "how the mixture's blocks do on the simulated engine (docs/theory/afr.md)");
+    Command command = study.add("afr", "how the mixture's blocks do on the simulated engine (docs/results/afr.md)");
     command.option("PART", options->part, "one table alone").one_of(afr_study_parts());
     command.option("--seeds", options->seeds, "of the sensor's noise; each table has a usual number").within(1, kMostSeeds);
     command.option("--cases", options->cases, "the first so many operating points of a table").within(1, 1000);
@@ -35,7 +35,7 @@ void add_loop(Command &study) {
         std::vector<std::string> set;
     };
     auto options = std::make_shared<Options>();
-    Command command = study.add("loop", "how the fuel balance does in the closed loop (docs/theory/afr.md)");
+    Command command = study.add("loop", "how the fuel balance does in the closed loop (docs/results/afr.md)");
     command.option("PART", options->part, "one table alone").one_of(loop_study_parts());
     command.option("--seeds", options->seeds, "perturbed calibrations, default 20").within(1, kMostSeeds);
     command.settings(options->set, "key=value, a tune parameter");
@@ -49,7 +49,7 @@ void add_driveline(Command &study) {
         unsigned seed = 1;
     };
     auto options = std::make_shared<Options>();
-    Command command = study.add("driveline", "how the driveline's observers do on a simulated car (docs/theory/driveline.md)");
+    Command command = study.add("driveline", "how the driveline's observers do on a simulated car (docs/results/driveline.md)");
     command.option("PART", options->part, "one table alone").one_of(driveline_study_parts());
     command.option("--seconds", options->seconds, "of a drive, default 600").within(10.0, 1e5);
     command.option("--seed", options->seed, "of driver and teeth");
@@ -60,7 +60,7 @@ void add_driveline(Command &study) {
 void add_air_path(Command &study) {
     auto options = std::make_shared<AirPathStudy>();
     Command command = study.add("airpath", 
-                                "diagnosis of EGR valve and turbine vanes on a plant that obeys its model (docs/theory/airpath.md)");
+                                "diagnosis of EGR valve and turbine vanes on a plant that obeys its model (docs/results/airpath.md)");
     command.option("PART", options->part, "one table alone").one_of(air_path_study_parts());
     command.option("--runs", options->runs, "for each fault, default 2000").within(10, 1000000);
     command.option("--hours", options->hours, "of healthy running, default 20").within(0.1, 1e5);

@@ -78,7 +78,7 @@ void run(const Options &options) {
 void add_study_trips(Command &study) {
     auto options = std::make_shared<Options>();
     Command command = study.add("trips", "false decisions of the misfire monitor in many trips of a healthy engine");
-    command.option("SUMMARY", options->summary, "summary.json of a run with misfires (docs/theory/misfire.md)").required();
+    command.option("SUMMARY", options->summary, "summary.json of a run with misfires (docs/results/misfire.md)").required();
     command.option("--trips", options->trips, "how many").within_whole(1, 10000000);
     command.option("--revolutions", options->revolutions, "of a trip").within_whole(10, 10000000);
     command.option("--cylinders", options->cylinders, "of the engine").within(1, SD_MISFIRE_CYLINDERS_MAX);

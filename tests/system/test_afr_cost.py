@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
 """What a step of each AFR block costs: instructions and floating-point operations, counted from what the program executes
-(callgrind's count of each instruction, objdump's name of it), never timed. Prints the table of docs/theory/afr.md.
+(callgrind's count of each instruction, objdump's name of it), never timed. Prints the table of docs/results/afr.md.
 
     test_afr_cost.py AFR_PROBE ENGINE.toml
 """
@@ -18,7 +18,7 @@ STEPS = ["sd_exhaust_step_f32", "sd_exhaust_step_q31", "sd_afr_chain_step_f32", 
 FLOP = re.compile(r"(add|sub|mul|div|sqrt)(ss|ps)$")
 TABLE_2_US = {"A": "2.70", "BC": "6.70 and < 0.05", "D": "6.35"}  # document 004
 ROWS = {"A": "A, observer", "BC": "B and C, manifold and delay", "D": "D, sensor inverted", "wiring": "wiring", "sum": "all"}
-# Instructions and flop a step as of docs/theory/afr.md; a block may take GROWTH more.
+# Instructions and flop a step as of docs/results/afr.md; a block may take GROWTH more.
 GROWTH = 1.1
 BUDGET = {("fourier", "f32"): {"A": (64, 13), "BC": (320, 56), "D": (139, 63), "wiring": (22, 0)},
           ("oscillator", "f32"): {"D": (139, 63)},

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // What the tables of `sixdeg study afr` run: the plant at an operating point with a fuel step, and what a calibration that is
-// right, or off by known amounts, makes of the sensor. Figures by the definitions of docs/theory/afr.md.
+// right, or off by known amounts, makes of the sensor. Figures by the definitions of docs/results/afr.md.
 #pragma once
 #include <array>
 #include <functional>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The AFR blocks on a trace of the plant, away from the rest of the firmware: many seeds in little time.
-// Definitions: docs/theory/afr.md.
+// Definitions: docs/results/afr.md.
 #pragma once
 #include <array>
 #include <cstdint>

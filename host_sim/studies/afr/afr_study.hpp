@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The figures of docs/theory/afr.md, by its definitions: how the AFR blocks do on the simulated engine, away from the ecu. Each part
+// The figures of docs/results/afr.md, by its definitions: how the AFR blocks do on the simulated engine, away from the ecu. Each part
 // prints one table; nothing is asserted.
 #pragma once
 #include <string>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The closed-loop figures of docs/theory/afr.md, by its definitions: how the fuel balance does on the simulated engine.
+// The closed-loop figures of docs/results/afr.md, by its definitions: how the fuel balance does on the simulated engine.
 #pragma once
 #include <string>
 #include <vector>

@@ -9,7 +9,7 @@
 
 namespace sixdeg {
 
-/// Table 1 of the document, and what it leaves open (docs/theory/misfire.md).
+/// Table 1 of the document, and what it leaves open (docs/theory/observers.md).
 struct HybridEngine {
     double k1_per_s2 = 900, k2_per_s = 20; ///< k1 > k2^2 / 4: it must oscillate.
     double speed_radps = 100, crank_radius_m = 0.035;

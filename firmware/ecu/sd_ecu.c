@@ -84,9 +84,8 @@ static void step_torque(sd_ecu_t *self, const sd_calibration_t *page, const sd_t
     const sd_firings_pattern_t pattern = sd_firings_believed(&self->firings);
     sd_tooth_t even = *tooth;
     if (pattern.late_rad != NULL) {
-        const float late_rad = pattern.late_rad[tooth->position];
-        even.period_ticks = sd_punctual_period(&self->punctual, tooth->period_ticks, tooth->advance, late_rad,
-                                               (float)page->positions * (1.0f / SD_TWO_PI));
+        even.period_ticks = sd_punctual_period(&self->punctual, tooth->period_ticks, tooth->advance,
+                                               sd_firings_late(&pattern, tooth->position), (float)page->positions * (1.0f / SD_TWO_PI));
     }
     sd_torque_out_t torque;
     sd_stage_torque_tooth(&self->torque, page, &even, &torque);
@@ -130,7 +129,7 @@ static void judge_firing(sd_ecu_t *self, const sd_calibration_t *page, uint32_t 
 static void step_driveline(sd_ecu_t *self, const sd_page_driveline_t *driveline, const sd_tooth_t *tooth, const sd_firings_out_t *firings) {
     const sd_firings_pattern_t pattern = sd_firings_believed(&self->firings);
     const sd_stage_driveline_in_t in = { .engine_nm = firings->waveform_nm - firings->level_nm,
-                                         .late_rad = (pattern.late_rad != NULL) ? pattern.late_rad[tooth->position] : 0.0f,
+                                         .late_rad = sd_firings_late(&pattern, tooth->position),
                                          .torque = firings->status,
                                          .gear = gear_of(&self->inputs) };
     sd_stage_driveline_tooth(&self->driveline, driveline, tooth, &in);

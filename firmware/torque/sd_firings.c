@@ -140,16 +140,15 @@ static void learn_zero(sd_firings_t *self, const sd_kalman_tables_t *tables, con
 
 /* ---- a tooth --------------------------------------------------------------------------------------------------- */
 
-static sd_kalman_tooth_t filter_tooth(const sd_firings_t *self, const sd_kalman_tables_t *tables, const sd_firings_tooth_t *tooth) {
+static sd_kalman_tooth_t filter_tooth(const sd_firings_t *self, const sd_firings_tooth_t *tooth) {
     const sd_firings_pattern_t pattern = pattern_of(self);
-    const bool learned = (pattern.late_rad != NULL) && (tooth->position < tables->positions);
     return (sd_kalman_tooth_t){ .cycle_position = tooth->cycle_position,
                                 .advance = tooth->advance,
                                 .period_ticks = tooth->period_ticks,
                                 .trusted = (tooth->health == (uint8_t)SD_VALID) ? 1u : 0u,
-                                .late_rad = learned ? pattern.late_rad[tooth->position] : 0.0f,
+                                .late_rad = sd_firings_late(&pattern, tooth->position),
                                 .pattern_rad = pattern.tooth_rad,
-                                .hidden_share = learned ? pattern.hidden_share : 0.0f,
+                                .hidden_share = pattern.hidden_share,
                                 .intake_bar = tooth->intake_bar };
 }
 
@@ -205,7 +204,7 @@ void sd_firings_step(sd_firings_t *self, const sd_kalman_tables_t *tables, const
         out->status = (sd_status_t){ .health = SD_INVALID, .why = SD_WHY_UNCALIBRATED };
         return;
     }
-    const sd_kalman_tooth_t seen = filter_tooth(self, tables, tooth);
+    const sd_kalman_tooth_t seen = filter_tooth(self, tooth);
     sd_firing_t firing[SD_KALMAN_SETS_MAX];
     const uint32_t complete = sd_kalman_step(&self->kalman, tables, &seen, firing);
     choose(self, tables, complete, firing, tooth->driveline == (uint8_t)SD_DRIVELINE_MOVES);

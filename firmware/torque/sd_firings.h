@@ -124,6 +124,11 @@ typedef struct sd_firings_pattern {
 /// The pattern that is known best: from fuel cut, from firing, or none.
 sd_firings_pattern_t sd_firings_believed(const sd_firings_t *self);
 
+/// How late a tooth comes by that pattern, rad; 0 where none is believed, and beyond the wheel.
+static inline float sd_firings_late(const sd_firings_pattern_t *pattern, uint32_t position) {
+    return ((pattern->late_rad != NULL) && (position < SD_KALMAN_POSITIONS_MAX)) ? pattern->late_rad[position] : 0.0f;
+}
+
 /// What to keep when the engine is off. Passes over the whole wheel: not for a tooth. Without tables all is 0.
 void sd_firings_keep(const sd_firings_t *self, const sd_kalman_tables_t *tables, sd_pattern_sums_t *learned);
 

@@ -19,12 +19,13 @@ extern "C" {
 
 /// State; all 0 at the start.
 typedef struct sd_punctual {
-    int32_t late_ticks; ///< By which the last placed edge was taken to come later than its place would have,
+    int32_t late_ticks; ///< By which the last placed edge was taken to come later than its place would have, [-2^29, 2^28],
     float   left_ticks; ///< and what that is short of, [-0.5, 0.5].
 } sd_punctual_t;
 
-/// The period that ends at a placed tooth, in ticks, at least 1 where one was given. `advance`: positions in it, at least 1.
-/// `late_rad`: of this tooth, rad; half a pitch or more, or a period of 2^28 ticks or more, is taken for no lateness.
+/// The period that ends at a placed tooth, in ticks, at least 1 where one was given. `advance`: positions in it.
+/// `late_rad`: of this tooth, rad. The period is returned as it is, and what is known of the last tooth forgotten, for a lateness of half
+/// a pitch or more or no number, a period of 2^28 ticks or more, no advance, or a tooth that would stand before the last one.
 /// `positions_per_rad`: of the wheel, N / 2 pi.
 uint32_t sd_punctual_period(sd_punctual_t *self, uint32_t period_ticks, uint32_t advance, float late_rad, float positions_per_rad);
 

@@ -84,6 +84,7 @@ WHAT = {
     "f32_firings": (
         "single firings: which filter is believed, what is learned when; any wheel, 1 to 8 cylinders, filters and learning by contract"
     ),
+    "f32_punctual": "even tooth periods of a known wheel; every time that a tooth leaves",
     "f32_work": "work of a cycle read; any windows",
     "guard_q31": (
         "driveline's guard filter: tooth, edge of the wheels, init, restart; any state, tables and model that init takes, 1 to 8 gears"

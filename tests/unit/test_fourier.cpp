@@ -156,8 +156,12 @@ TEST(Punctual, WhatIsNoTurningStaysAsItIs) {
     EXPECT_EQ(sd_punctual_period(&self, UINT32_MAX, 1, 0.01f, 9.5f), UINT32_MAX);
     EXPECT_EQ(sd_punctual_period(&self, 0, 1, 0.01f, 9.5f), 0u); // there is none
     EXPECT_EQ(self.late_ticks, 0);
+    EXPECT_EQ(sd_punctual_period(&self, 1000, 0, 0.01f, 9.5f), 1000u); // no tooth of any wheel
     self.late_ticks = -100;
-    EXPECT_EQ(sd_punctual_period(&self, 3, 1, 0.01f, 9.5f), 1u); // never a period of 0, whatever came before
+    EXPECT_EQ(sd_punctual_period(&self, 3, 1, 0.01f, 9.5f), 3u); // would stand before the last one: the times begin anew
+    EXPECT_EQ(self.late_ticks, 0);
+    self.left_ticks = 0.4f;
+    EXPECT_EQ(sd_punctual_period(&self, 1, 1, 0.04f, 9.5f), 1u); // never a period of 0, whatever is rounded
 }
 
 /// phi' = T - 2 p e, T' = -p^2 e, e = phi - E, in continuous angle between teeth: what document 004 calls pole

@@ -17,6 +17,7 @@
 /// last.
 #ifndef SD_FIRINGS_H
 #define SD_FIRINGS_H
+#include <stddef.h>
 #include "sd_pattern.h"
 #include "sd_road.h"
 

@@ -75,6 +75,12 @@ class MisfireCurves:
             raise BadFolder(f"{table.path}: is empty")
         self.text = {name: table.texts(name) for name in ("kind", "physics", "method")}
         self.number = {name: table.numbers(name) for name in CURVES if name not in self.text}
+        cells = Table(folder, "cells.csv", ("rpm", "bmep_bar"))
+        self.points = [sorted({float(x) for x in cells.numbers(name)}) for name in ("rpm", "bmep_bar")]
+
+    def where(self):
+        """"1000, 1500 rpm, 1 bar"."""
+        return ", ".join(f"{', '.join(f'{x:g}' for x in values)} {unit}" for values, unit in zip(self.points, ("rpm", "bar")))
 
     def title(self):
         return "Six detectors of misfires"

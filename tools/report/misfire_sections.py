@@ -53,8 +53,8 @@ def study_section(curves):
                   "and ROO are document 000's observers; speed delta and running mean are methods of open engine controllers. Each "
                   "curve has the best limit at each operating point, which somebody could set who knew the truth; the dot is the "
                   "monitor as it is.", "lead"),
-             text(f"{curves.misfires(kind, curves.physics()[-1], road)} misfires a panel, all settings at their defaults. The whole set of "
-                  "engines, with intervals: docs/results/misfire-study.md.", "note")]
+             text(f"Operating points: {curves.where()}. {curves.misfires(kind, curves.physics()[-1], road)} misfires a panel. All settings "
+                  "are at their defaults. The whole set of engines, with intervals: docs/results/misfire-study.md.", "note")]
     for physics in curves.physics():
         parts += [f"<h3>{WORDS.get(physics, html.escape(physics))}</h3>",
                   picture(pictures.detectors(curves, physics), "misfires found over false alarms")]

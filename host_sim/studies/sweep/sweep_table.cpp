@@ -93,7 +93,8 @@ std::string figure_fault(const std::vector<SweepCell> &cells, const std::string 
             names.push_back(name);
         }
     }
-    return names.empty() ? "" : "is no figure of a summary" + nearest_hint(figure, names);
+    const std::string hint = nearest_hint(figure, names);
+    return hint.empty() ? "" : "is no figure of a summary" + hint;
 }
 
 std::optional<std::string> sweep_picture(const std::vector<Axis> &axes, const std::vector<SweepCell> &cells,

@@ -11,7 +11,8 @@
 /// while cranking does not surprise it, nor what lies behind a missing tooth or the mark; the one whose predictions have been
 /// better leads. An edge is placed on the tooth position it comes nearest to, so a missing tooth is coasted through and a
 /// doubled or spurious edge is left out, whatever happens elsewhere. After each pass of the mark the edges around it vote on
-/// whether the angle holds or has slipped by a few teeth, which is then put right. Theory and measured figures: docs/theory/crank.md.
+/// whether the angle holds or has slipped by a few teeth, which is then put right. Theory: docs/theory/crank.md; figures:
+/// docs/results/crank.md.
 ///
 /// Real-time contract: integer arithmetic only, no heap, no globals, loops bounded by the constants below; one
 /// writer per state. Call order: sd_crank_init once; then sd_crank_edge for each crank edge, sd_crank_cam_edge for

@@ -30,7 +30,7 @@
 ///
 /// Real-time contract: no heap, no globals, no libm. The known torque of a position is summed once for all filters. One
 /// writer per state. Tables are read only, may be shared and may stand in flash. Call order: init; step for every placed
-/// tooth; restart after lost sync or a stall. Instructions on a Cortex-M7: docs/theory/firing.md.
+/// tooth; restart after lost sync or a stall. Instructions on a Cortex-M7: docs/results/firing.md.
 #ifndef SD_KALMAN_H
 #define SD_KALMAN_H
 #include "sd_motion.h"

@@ -11,8 +11,10 @@
 #include "cli/commands.hpp"
 #include "cli/recorded_teeth.hpp"
 #include "common/error.hpp"
+#include "cli/learned_page.hpp"
 #include "identify/engine_text.hpp"
 #include "identify/identify.hpp"
+#include "identify/learned_pattern.hpp"
 
 namespace sixdeg {
 namespace {
@@ -23,7 +25,7 @@ struct Options {
     ReplayOptions recording;
     double bar = 1;
     std::vector<std::string> motored;
-    std::string out, json;
+    std::string out, json, learn;
 };
 
 /// NaN for what is no number.
@@ -71,6 +73,7 @@ std::vector<Line> lines_of(const Identified &f) {
     return {{"inertia", " kg m2", &f.inertia_kgm2},
             {"compression over inertia", " of the engine file's", &f.compression_share},
             {"first tooth after the mark", " deg of crank", &f.position_0_deg},
+            {"the same by compression alone", " deg of crank", &f.compression_0_deg},
             {"exponent of compression", "", &f.exponent}};
 }
 
@@ -93,7 +96,7 @@ void print(const Identified &f, const std::vector<std::string> &notes) {
         const Found &told = drag.nm.told() ? drag.nm : drag.over_inertia;
         fmt::print("load and friction at {:.0f} rpm{}: {} from {} cycles\n", drag.rpm, drag.motored ? " without combustion" : "",
             interval(told, 2, drag.nm.told() ? " N m" : " rad/s2 times the inertia"),
-                   drag.cycles);
+                   drag.cycles.size());
     }
     fmt::print("a tooth scatters by {:.4f} deg; {:.4f} deg rms repeat from cycle to cycle without being explained;\n"
                "a torque of {:.1f} % of the gas torque is needed beside it\n", f.scatter_deg, f.unexplained_deg, f.unexplained_percent);
@@ -112,11 +115,12 @@ Json json_of(const Found &found) {
 Json summary(const Identified &f, const std::vector<std::string> &notes) {
     Json json = {{"cycles", f.cycles}, {"motored", f.motored}, {"used", f.used}, {"inertia_kgm2", json_of(f.inertia_kgm2)},
                  {"compression_share", json_of(f.compression_share)}, {"position_0_deg", json_of(f.position_0_deg)},
+                 {"compression_0_deg", json_of(f.compression_0_deg)},
                  {"exponent", json_of(f.exponent)}, {"scatter_deg", f.scatter_deg}, {"unexplained_deg", f.unexplained_deg},
                      {"unexplained_percent", f.unexplained_percent}};
     for (const Found &tooth : f.pattern_deg) json["pattern_deg"].push_back(json_of(tooth));
     for (const DragAt &d : f.drag)
-        json["drag"].push_back({{"rpm", d.rpm}, {"motored", d.motored}, {"cycles", d.cycles}, {"nm", json_of(d.nm)},
+        json["drag"].push_back({{"rpm", d.rpm}, {"motored", d.motored}, {"cycles", d.cycles.size()}, {"nm", json_of(d.nm)},
             {"over_inertia_radps2", json_of(d.over_inertia)}});
     json["notes"] = notes;
     return json;
@@ -174,6 +178,11 @@ std::string new_engine(const Identified &f, const EngineFile &engine, const Toml
     return text;
 }
 
+/// Anything at all.
+bool tells(const Identified &f) {
+    return f.position_0_deg.told() || f.inertia_kgm2.told() || !f.drag.empty() || f.pattern_refused.empty();
+}
+
 void run(Options options) {
     ReplayOptions &recording = options.recording;
     TomlFile file{std::filesystem::path(recording.engine)};
@@ -188,8 +197,8 @@ void run(Options options) {
     const Identified found = identify(engine, teeth.record, {windows_of(options.motored)}, recording.file);
     print(found, teeth.notes);
     if (!options.json.empty()) write_file(options.json, summary(found, teeth.notes).dump(2) + "\n");
-    if (!found.position_0_deg.told() && !found.inertia_kgm2.told())
-        throw NotFollowed(recording.file, "tells nothing of what an engine file holds: " + found.position_0_deg.refused);
+    if (!tells(found)) throw NotFollowed(recording.file, "tells nothing of the engine: " + found.position_0_deg.refused);
+    if (!options.learn.empty()) write_file(options.learn, learned_page(kept_of(found, recording.file)));
     if (!options.out.empty()) write_file(options.out, new_engine(found, engine, file,
         std::filesystem::path(recording.file).filename().string()));
 }
@@ -219,6 +228,7 @@ void add_identify(Command &app) {
         "without a cam: which revolution of the cycle the first one in sync is, first or second")
         .one_of({"first", "second"});
     command.option("--out", o->out, "the new engine file");
+    command.option("--learn", o->learn, "the tooth pattern, for --learned of replay and run");
     command.option("--json", o->json, "the figures as JSON");
     command.runs([o] { run(*o); });
 }

@@ -9,12 +9,13 @@ namespace sixdeg {
 namespace {
 
 constexpr double kRad = M_PI / 180;
+constexpr double kOffsetSd = 6 * kRad; // of the wheel in a first engine file: 10 deg either way, evenly
 constexpr double kMassSd = 0.06; // of the reciprocating mass in an engine file: 10 % either way, evenly
 
 } // namespace
 
 GasTorque::GasTorque(const EngineFile &engine, double least_unexplained) : engine_(engine), least_unexplained_(least_unexplained) {
-    unknowns_ = {{"inertia", 0, 0, 0.1}, {"wheel offset", 0, 0, 1 * kRad}, {"reciprocating mass", 0, kMassSd, kMassSd}};
+    unknowns_ = {{"inertia", 0, 0, 0.1}, {"wheel offset", 0, kOffsetSd, 1 * kRad}, {"reciprocating mass", 0, kMassSd, kMassSd}};
 }
 
 void GasTorque::add_unexplained() {

@@ -21,6 +21,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+constexpr double kUsualPatternSd = 0.02; // deg, default of firing.pattern_sd (signals.md)
+
 struct Options {
     ReplayOptions recording;
     double bar = 1;
@@ -183,6 +185,17 @@ bool tells(const Identified &f) {
     return f.position_0_deg.told() || f.inertia_kgm2.told() || !f.drag.empty() || f.pattern_refused.empty();
 }
 
+/// The firmware believes a pattern that it knows better than the usual wheel: firing.pattern_sd, by which it takes teeth to be off.
+void note_confidence(const Identified &f, std::vector<std::string> &notes) {
+    double variance = 0, square = 0, teeth = 0;
+    for (const Found &tooth : f.pattern_deg)
+        if (tooth.told()) variance += std::pow(tooth.half_width / 1.96, 2), square += tooth.value * tooth.value, teeth += 1;
+    const double sd = std::sqrt(variance / teeth), rms = std::sqrt(square / teeth);
+    if (sd < kUsualPatternSd) return;
+    notes.push_back(fmt::format("the pattern is known to {:.3f} deg only, which the firmware holds for no better than a usual wheel's {} deg: give "
+                                "replay and run --set firing.pattern_sd={:.2f} beside --learned", sd, kUsualPatternSd, std::fmin(rms, 1)));
+}
+
 void run(Options options) {
     ReplayOptions &recording = options.recording;
     TomlFile file{std::filesystem::path(recording.engine)};
@@ -192,15 +205,20 @@ void run(Options options) {
         throw InputError(recording.engine, engine.torsion ? "torsion" : "dual_mass",
             "identify takes a rigid crank only: what twists is not told from torque");
     for (const std::string &path : {recording.file, recording.engine}) protect_input(path);
+    for (const std::string &path : {options.json, options.learn, options.out}) check_output(path);
     if (std::isfinite(number_of(recording.pressure))) recording.pressure = "column:" + recording.pressure;
     RecordedTeeth teeth = read_recorded_teeth(recording, options.bar, engine);
     const Identified found = identify(engine, teeth.record, {windows_of(options.motored)}, recording.file);
+    // Each text is made before the first one is written.
+    const bool any = tells(found);
+    const std::string learned = any && !options.learn.empty() ? learned_page(kept_of(found, recording.file)) : "";
+    const std::string made = any ? new_engine(found, engine, file, std::filesystem::path(recording.file).filename().string()) : "";
+    if (!learned.empty()) note_confidence(found, teeth.notes);
     print(found, teeth.notes);
     if (!options.json.empty()) write_file(options.json, summary(found, teeth.notes).dump(2) + "\n");
-    if (!tells(found)) throw NotFollowed(recording.file, "tells nothing of the engine: " + found.position_0_deg.refused);
-    if (!options.learn.empty()) write_file(options.learn, learned_page(kept_of(found, recording.file)));
-    if (!options.out.empty()) write_file(options.out, new_engine(found, engine, file,
-        std::filesystem::path(recording.file).filename().string()));
+    if (!any) throw NotFollowed(recording.file, "tells nothing of the engine: " + found.position_0_deg.refused);
+    if (!options.learn.empty()) write_file(options.learn, learned);
+    if (!options.out.empty()) write_file(options.out, made);
 }
 
 } // namespace

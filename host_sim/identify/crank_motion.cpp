@@ -12,8 +12,11 @@ constexpr double kStep = kGridDeg * M_PI / 180, kCycle = 4 * M_PI;
 /// Integral from the grid's beginning, by the trapezoidal rule, of each column.
 template <typename Matrix> Matrix running_integral(const Matrix &values) {
     Matrix sum(values.rows(), values.cols());
-    sum.row(0).setZero();
-    for (Eigen::Index i = 1; i < values.rows(); ++i) sum.row(i) = sum.row(i - 1) + kStep / 2 * (values.row(i - 1) + values.row(i));
+    for (Eigen::Index column = 0; column < values.cols(); ++column) {
+        sum(0, column) = 0;
+        for (Eigen::Index i = 1; i < values.rows(); ++i)
+            sum(i, column) = sum(i - 1, column) + kStep / 2 * (values(i - 1, column) + values(i, column));
+    }
     return sum;
 }
 

@@ -17,6 +17,7 @@ constexpr double kDeg = 180 / M_PI, kTwoSided95 = 1.96;
 constexpr std::size_t kLeastCycles = 3;
 constexpr double kMostInertia = 0.5;        // relative half-width beyond which a number is none
 constexpr double kMostOffsetDeg = 3, kMostPatternDeg = 0.3, kMostExponent = 0.1;
+constexpr double kLeastSwing_bar = 2, kMostSwing_bar = 400; // of a cylinder between its lowest and highest pressure
 constexpr double kSteady = 0.01;              // relative, of a cycle's mean speed against its neighbours'
 constexpr std::size_t kLeastSteady = 5;       // in a row
 constexpr double kGuessedInertiaSd = 0.2;     // relative, of a first engine file
@@ -161,6 +162,23 @@ std::vector<WholeCycle> usable(const EngineFile &engine, const CrankRecord &reco
     return use;
 }
 
+/// A pressure in the wrong unit would come out as an inertia that is as wrong.
+void check_swing(const std::vector<TimedValue> &pressure, const std::vector<WholeCycle> &cycles, const std::string &from) {
+    double most = 0;
+    for (const WholeCycle &cycle : cycles) {
+        if (!MeasuredTorque::covers(pressure, cycle)) continue;
+        double low = 1e300, high = -1e300;
+        for (const TimedValue &reading : pressure) {
+            if (reading.t_s < cycle.t_s.front() || reading.t_s > cycle.t_s.back()) continue;
+            low = std::fmin(low, reading.value), high = std::fmax(high, reading.value);
+        }
+        most = std::fmax(most, high - low);
+    }
+    if (most < kLeastSwing_bar || most > kMostSwing_bar)
+        throw InputError(from, "--pressure", fmt::format("changes by {:.3g} bar within a cycle at most, outside [{}, {}] bar; --bar says what one "
+                                                         "unit of the column is", most, kLeastSwing_bar, kMostSwing_bar));
+}
+
 void refuse_all(const std::string &reason, Identified &result) {
     for (Found *f : {&result.inertia_kgm2, &result.position_0_deg, &result.compression_0_deg, &result.exponent, &result.compression_share}) *f = refuse(reason);
     result.pattern_refused = reason;
@@ -173,6 +191,7 @@ Identified identify(const EngineFile &engine, const CrankRecord &record, const I
     if (cycles.size() < kLeastCycles)
         throw InputError(from, "", fmt::format("holds {} whole cycles with every tooth in place; at least {} are wanted", cycles.size(),
             kLeastCycles));
+    if (!record.pressure.empty()) check_swing(record.pressure, cycles, from);
     Identified result;
     result.cycles = cycles.size();
     for (const WholeCycle &cycle : cycles) result.motored += cycle.motored;

@@ -122,7 +122,7 @@ class Fitter {
         const double square = scatter_ * scatter_;
         for (Index q = 0; q < unknowns_; ++q) {
             const Unknown &unknown = gas_.unknowns()[std::size_t(q)];
-            const double sd = share_ > 0 && q >= unknowns_ - 2 * kUnexplainedOrders ? share_ : unknown.prior_sd;
+            const double sd = share_ > 0 && q >= unknowns_ - kUnexplained ? share_ : unknown.prior_sd;
             if (sd <= 0) continue;
             const double weight = square * std::pow(units_(q) / sd, 2);
             normal(q, q) += weight;
@@ -167,7 +167,7 @@ class Fitter {
     /// While it is not known how large it is the unexplained torque stays 0; then it is a part of the fit, as likely as it is large.
     MatrixXd solved(const MatrixXd &normal, const MatrixXd &right) const {
         if (share_ > 0) return linalg::solve_symmetric(normal, right);
-        const Index count = 2 * kUnexplainedOrders, first = unknowns_ - count;
+        const Index count = kUnexplained, first = unknowns_ - count;
         MatrixXd held = normal;
         MatrixXd to = right;
         held.middleRows(first, count).setZero();
@@ -186,7 +186,7 @@ class Fitter {
     /// How large the unexplained torque is, so that what the fit has left is as likely as can be: the mean square of its coefficients, each
     /// with its variance, until it stays (expectation and maximisation).
     double size_of_unexplained() const {
-        const Index count = 2 * kUnexplainedOrders, first = unknowns_ - count;
+        const Index count = kUnexplained, first = unknowns_ - count;
         double share = gas_.least_unexplained();
         for (int i = 0; i < 20; ++i) {
             MatrixXd normal = full_;
@@ -316,8 +316,8 @@ class Fitter {
     }
 
     /// By the balance of energy from the beginning of each cycle to that of the next: what gas torque gave and energy does not show.
-    /// What of the unexplained torque has no mean does not count in it, as it would in how the speed bends within a cycle. Its mean nobody
-    /// sees: it is taken to be as large as each of its harmonics.
+    /// What of the unexplained torque has no mean does not count in it, as it would in how the speed bends within a cycle. The mean of
+    /// a model's error nobody sees: it is taken to be as large as each harmonic.
     DragFound drag_of(const std::vector<std::size_t> &group, const MatrixXd &covariance) const {
         DragFound found{0, cycles_[group.front()].motored, {}, 0, 0, {}};
         VectorXd slope = VectorXd::Zero(shared_);
@@ -340,7 +340,7 @@ class Fitter {
         found.rpm /= count;
         found.over_inertia /= count;
         slope /= count;
-        const double unexplained = share_ * share_ * square_of_gas / count;
+        const double unexplained = gas_.is_model() ? share_ * share_ * square_of_gas / count : 0;
         found.over_inertia_sd = std::sqrt(slope.dot(covariance * slope) + noise / std::pow(kCycle_rad * count, 2) + unexplained);
         found.slope = slope.head(unknowns_).cwiseQuotient(units_.head(unknowns_));
         return found;

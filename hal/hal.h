@@ -41,23 +41,24 @@ typedef enum sd_event_kind {
 /// Toothed wheels beside crank and cam. A bus has room for 14.
 typedef enum sd_wheel {
     SD_WHEEL_FRONT_LEFT     = 0, ///< Wheel speeds, as an ABS unit reads them.
-    SD_WHEEL_FRONT_RIGHT    = 1,
-    SD_WHEEL_REAR_LEFT      = 2,
-    SD_WHEEL_REAR_RIGHT     = 3,
+    SD_WHEEL_FRONT_RIGHT    = 1, ///< The same of this wheel.
+    SD_WHEEL_REAR_LEFT      = 2, ///< The same of this wheel.
+    SD_WHEEL_REAR_RIGHT     = 3, ///< The same of this wheel.
     SD_WHEEL_GEARBOX_OUTPUT = 4, ///< Output shaft of the gearbox.
 } sd_wheel_t;
 
 /// What an SD_EVENT_PARAMETER asks for. There are two pages: the working one rules, the reference one never changes.
 typedef enum sd_parameter_command {
     SD_PARAMETER_READ           = 0, ///< The working value.
-    SD_PARAMETER_READ_REFERENCE = 1,
+    SD_PARAMETER_READ_REFERENCE = 1, ///< The reference value.
     SD_PARAMETER_SET            = 2, ///< Makes `value` the working value.
     SD_PARAMETER_RESTORE        = 3, ///< Makes the reference value the working one; of SD_PARAMETER_ALL, the whole page.
 } sd_parameter_command_t;
 #define SD_PARAMETER_ALL 255u ///< In place of an index.
 
+/// What became of the request.
 typedef enum sd_parameter_result {
-    SD_PARAMETER_OK      = 0,
+    SD_PARAMETER_OK      = 0, ///< Done; the event holds the working value, or the reference value that was asked for.
     SD_PARAMETER_UNKNOWN = 1, ///< No such parameter or command; nothing changed.
     SD_PARAMETER_RANGE   = 2, ///< Outside its range, NaN included; nothing changed.
     SD_PARAMETER_REFUSED = 3, ///< In range, but its block cannot run with it; nothing changed.
@@ -75,7 +76,7 @@ typedef struct sd_event {
 
 /// A port: two functions and their context. Neither blocks.
 typedef struct sd_port {
-    void *context;
+    void *context; ///< Handed to both functions.
     /// Moves up to `room` waiting events to `events`; returns how many.
     uint32_t (*receive)(void *context, sd_event_t *events, uint32_t room);
     /// Takes `count` events; returns how many it had room for.

@@ -17,7 +17,7 @@ typedef enum sd_shed {
                          ///< are. A cycle's row is still said, so that its health tells.
     SD_SHED_MIXTURE = 2, ///< The mixture does not follow the teeth, and starts afresh afterwards.
     SD_SHED_FIRINGS = 3, ///< Single firings and misfires are not followed, and start afresh afterwards.
-    SD_SHED_MOST    = SD_SHED_FIRINGS,
+    SD_SHED_MOST    = SD_SHED_FIRINGS, ///< The last level.
 } sd_shed_t;
 
 #ifdef __cplusplus

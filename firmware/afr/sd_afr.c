@@ -90,7 +90,8 @@ static bool is_near(float now, float before) { return sd_within(now, before * (1
 /* Whether anything is known to move: the operating point, or a cylinder by itself, which is a jump. */
 static void settle(sd_afr_t *self, const sd_afr_conditions_t *at) {
     const sd_afr_conditions_t *before = &self->point.at;
-    const bool jumped = self->joint.jumps != self->jumps, still = is_near(at->speed_radps, before->speed_radps) && is_near(at->intake_bar, before->intake_bar);
+    const bool jumped = self->joint.jumps != self->jumps,
+        still = is_near(at->speed_radps, before->speed_radps) && is_near(at->intake_bar, before->intake_bar);
     self->jumps = self->joint.jumps;
     if (jumped || !still || (self->cycles < SETTLE)) { self->restless = 1.0f; return; }
     self->restless *= REST_KEEP;
@@ -112,7 +113,8 @@ static void set_chain(sd_afr_t *self, const sd_afr_tables_t *tables) {
     sd_uego_gains_t gains;
     if (is_fixed(self)) {
         if (oscillators) { sd_afr_point_gains_q31(&self->point_q31, tables->grid, &gains); }
-        sd_afr_chain_set_q31(&self->chain_q31, tables->sine_q31, self->point_q31.step_s, oscillators ? &gains : NULL, self->point_q31.exhaust.charge);
+        sd_afr_chain_set_q31(&self->chain_q31, tables->sine_q31, self->point_q31.step_s, oscillators ? &gains : NULL,
+                             self->point_q31.exhaust.charge);
     } else {
         if (oscillators) { sd_afr_point_gains_f32(&self->point, tables->grid, &gains); }
         sd_afr_chain_set_f32(&self->chain, tables->sine_q31, self->point.step_s, oscillators ? &gains : NULL, self->point.exhaust.charge);

@@ -19,7 +19,7 @@
 extern "C" {
 #endif
 
-#define SD_AFR_NO_SAMPLE 100.0f
+#define SD_AFR_NO_SAMPLE 100.0f ///< An air fraction that stands for no sample: far outside (-2, 2).
 
 /// Which estimator stands on manifold and delay.
 typedef enum sd_afr_method {
@@ -30,7 +30,7 @@ typedef enum sd_afr_method {
 
 /// What is read in place, of the calibration.
 typedef struct sd_afr_tables {
-    const sd_afr_grid_t *grid;
+    const sd_afr_grid_t *grid;   ///< Of the calibration page; NULL or not present: init refuses it.
     const int32_t *sine_q31;     ///< As in sd_uego.h; NULL for the joint filter.
 } sd_afr_tables_t;
 
@@ -38,19 +38,20 @@ typedef struct sd_afr_tables {
 typedef struct sd_afr_config {
     uint8_t  method;             ///< sd_afr_method_t.
     uint8_t  fixed_point;        ///< 1: the chain in q31; the joint filter has f32 only.
-    uint16_t cycle_positions;
-    uint8_t  cylinders;
-    uint16_t firing_position[SD_AFR_CYLINDERS_MAX];
-    float    noise_per_rthz;     ///< Of the sensor, of lambda.
-    float    drift, drift_slow;  ///< q of the joint filter, of the mean lambda a cycle: usually, and in slow mode.
+    uint16_t cycle_positions;    ///< Wheel positions in a cycle, as in sd_exhaust_config_t.
+    uint8_t  cylinders;          ///< 1 to SD_AFR_CYLINDERS_MAX.
+    uint16_t firing_position[SD_AFR_CYLINDERS_MAX]; ///< Cycle position of each firing TDC, below cycle_positions, by firing order.
+    float    noise_per_rthz;     ///< One-sided density of the sensor's noise, of lambda, (0, 0.1].
+    float    drift, drift_slow;  ///< q of the joint filter, of the mean lambda a cycle: usually, and in slow mode; each (0, 1].
     float    jump;               ///< Of the joint filter, of the mean lambda, [0, 1].
-    float    slow_above;         ///< Slow mode where speed (rad/s) times the sum of the lags is above this.
-    float    gain_air, gain_cylinder;         ///< Of the chain, as in sd_afr_chain_config_t.
-    float    inversion_gain, inversion_floor;
-    float    gain_mass;          ///< L1 of the chain, as in sd_exhaust_config_t.
-    float    turbine_drop, turbine_rpm; ///< As in sd_afr_point_config_t.
+    float    slow_above;         ///< Slow mode where speed (rad/s) times the sum of the lags is above this, > 0.
+    float    gain_air, gain_cylinder;         ///< Gains of the chain, as in sd_afr_chain_config_t.
+    float    inversion_gain, inversion_floor; ///< Gain and floor of the inverted sensor, as in sd_uego_config_t.
+    float    gain_mass;          ///< Gain L1 of the chain, as in sd_exhaust_config_t.
+    float    turbine_drop, turbine_rpm; ///< Share of area and its speed, as in sd_afr_point_config_t.
 } sd_afr_config_t;
 
+/// State: plain data, caller-owned, copyable; fields are for logs, write none of them.
 typedef struct sd_afr {
     sd_afr_config_t    config;
     union {                               /* which one: config.fixed_point */
@@ -95,7 +96,8 @@ void sd_afr_step(sd_afr_t *self, const sd_afr_tables_t *tables, uint32_t cycle_p
 /// A cylinder's fuel was changed by this factor, and its gas is about to arrive.
 void sd_afr_trimmed(sd_afr_t *self, uint32_t cylinder, float fuel_factor);
 /// What the joint filter takes a cylinder to move by in the coming cycle, of the mean lambda: the configured drift, which sinks to a
-/// sixth while nothing is known to move. It is back with a jump, with a trim that moves by more than 0.4 %, with speed or intake pressure that moves by more
+/// sixth while nothing is known to move. It is back with a jump, with a trim that moves by more than 0.4 %, with speed or intake pressure
+/// that moves by more
 /// than 0.5 %, and at a start.
 float sd_afr_drift(const sd_afr_t *self);
 /// Of a cylinder by firing order; 0 while there is no estimate.

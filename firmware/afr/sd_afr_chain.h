@@ -22,7 +22,7 @@ extern "C" {
 
 /// All cylinders, by firing order, at one time. 0 while there is no estimate.
 typedef struct sd_afr_estimate {
-    float lambda[SD_AFR_CYLINDERS_MAX];
+    float lambda[SD_AFR_CYLINDERS_MAX]; ///< 1 - a of each cylinder.
     float deviation[SD_AFR_CYLINDERS_MAX]; ///< From the mean, over the mean.
     float sd[SD_AFR_CYLINDERS_MAX];        ///< What the deviation may be off by (standard deviation): the filter's, or what the chain
                                            ///< scatters by, and what delay and lags may be off by.
@@ -33,12 +33,13 @@ typedef struct sd_afr_chain_config {
     uint16_t cycle_positions;               ///< As in sd_uego_config_t.
     uint8_t  cylinders;                     ///< 1 to SD_AFR_CYLINDERS_MAX.
     uint8_t  harmonics;                     ///< n_h of D, 1 to SD_UEGO_HARMONICS_MAX: half the cylinders, more is noise.
-    uint16_t settle_steps;                  ///< Positions until the estimate counts as converged.
+    uint16_t settle_steps;                  ///< Positions until the estimate counts as converged, any.
     float    tau1_s, tau2_s;                ///< The sensor's lags, each [1e-4, 1].
     float    gain_air, gain_cylinder;       ///< A: L2 (0, 2) and L_cyl (0, 100].
     float    inversion_gain, inversion_floor; ///< D, Fourier form: g (0, 0.1] and rho [0.01, 1].
 } sd_afr_chain_config_t;
 
+/// State and functions of the chain in one number type: N is f32 or q31, T its type.
 #define SD_AFR_CHAIN_DECLARE(N, T)                                                                                     \
     typedef struct sd_afr_chain_##N {                                                                                  \
         sd_uego_##N##_t uego;                        /* D */                                                           \

@@ -17,7 +17,8 @@ enum { CYCLES_MIN = 20,  /* in a fit */
 #define SD_PROBE_RAD   0.04f
 #define OFF_PASSIVE_RAD 0.1f          /* what the model itself may be off by: trims reach cylinders within a cycle */
 #define OFF_PROBE_RAD  0.03f
-#define CLEAR          6.25f          /* square of a reading over its variance for it to be taken without a probe, or against an earlier start */
+/* Square of a reading over its variance for it to be taken without a probe, or against an earlier start. */
+#define CLEAR          6.25f
 #define SQUARE_LOW     0.25f          /* of |R|, outside of which it is no answer to the trims */
 #define SQUARE_HIGH    4.0f
 #define LATE_SD_S      0.01f          /* before anything was learned */
@@ -63,7 +64,8 @@ sd_result_t sd_afr_delay_resume(sd_afr_delay_t *self, float dead_s, const sd_afr
     const sd_afr_learned_t *was = &kept->learned;
     const float lags = kept->tau1_s + kept->tau2_s, lags_now = self->config.tau1_s + self->config.tau2_s;
     if ((lags == 0.0f) && (kept->dead_s == 0.0f)) { return SD_OK; }
-    if (!sd_within(kept->tau1_s, 1e-4f, 1.0f) || !sd_within(kept->tau2_s, 1e-4f, 1.0f) || !sd_within(was->lag_sd, 0.0f, 10.0f)) { return SD_ERR_CONFIG; }
+    if (!sd_within(kept->tau1_s, 1e-4f, 1.0f) || !sd_within(kept->tau2_s, 1e-4f, 1.0f)
+        || !sd_within(was->lag_sd, 0.0f, 10.0f)) { return SD_ERR_CONFIG; }
     sd_afr_learned_t now = { .late_sd_s = LATE_SD_S, .lag_sd = LAG_SD };
     if (is_known(was->late_sd_s, LATE_SD_S)) {
         now.late_s = was->late_s + kept->dead_s - dead_s;

@@ -49,35 +49,37 @@ typedef struct sd_afr_learned {
 /// What is stored while the engine is off: what was learned, and the calibration that it is relative to.
 typedef struct sd_afr_kept {
     sd_afr_learned_t learned;
-    float dead_s;             ///< Dead time to the sensor as calibrated then,
-    float tau1_s, tau2_s;     ///< and its lags; all 0: nothing was stored.
+    float dead_s;             ///< Dead time to the sensor as it was calibrated then.
+    float tau1_s, tau2_s;     ///< The sensor's lags as calibrated then. All three 0: nothing was stored.
 } sd_afr_kept_t;
 
 /// What is known at the end of a cycle.
 typedef struct sd_afr_trims {
-    float        speed_radps;
+    float        speed_radps; ///< Mean of the cycle.
     const float *trim;        ///< Of every cylinder's lambda, by firing order, of the gas that arrives from now on.
-    float        mean_lambda;
+    float        mean_lambda; ///< Of all cylinders.
     uint8_t      steady;      ///< 0: neither this cycle nor the next count.
 } sd_afr_trims_t;
 
+/// State: plain data, caller-owned, copyable; fields are for logs, write none of them.
+/// Lambda and its parts have no unit; Y, P, y and s1 are those of the head of this file.
 typedef struct sd_afr_delay {
     sd_afr_delay_config_t config;
     sd_afr_learned_t learned;
-    float    turn[2], phase[2];                  ///< exp(-j) of a position; of the cycle so far.
+    float    turn[2], phase[2];                  ///< Cosine and sine: of the half order over a position; over the cycle so far.
     float    trim[SD_AFR_CYLINDERS_MAX];         ///< As above, times the mean lambda.
-    float    x, lag2, lag1, move2, move1;        ///< The model.
-    float    seen[2], told[2];                   ///< Y and P of the cycle so far,
-    float    sum, level;                         ///< its samples, and the mean of the last cycle's.
-    float    last_seen, last_told;               ///< y and s1 at the last sample: they stand where there is none.
-    uint16_t samples, last_samples;
+    float    x, lag2, lag1, move2, move1;        ///< The model: air fraction, its two lags, and what share each moves in a position.
+    float    seen[2], told[2];                   ///< Y and P of the cycle so far: cosine and sine parts, air fraction.
+    float    sum, level;                         ///< Sum of this cycle's samples; mean of the last cycle's. Air fraction.
+    float    last_seen, last_told;               ///< y and s1 at the last sample, air fraction: they stand where there is none.
+    uint16_t samples, last_samples;              ///< In this cycle so far; in the last one.
     uint16_t settles, skip;                      ///< Cycles that do not count after a step, and how many are left of them.
-    float    usual_seen[2], usual_told[2];       ///< Means.
+    float    usual_seen[2], usual_told[2];       ///< Means of Y and P over cycles, air fraction.
     float    seen_square, told_square, cross[2]; ///< Sums of |Y|^2, |P|^2, Y P*, less their means.
-    float    off[2];                             ///< Mean of what the fit leaves of the last few cycles.
-    uint16_t cycles;                             ///< In them.
+    float    off[2];                             ///< Mean of what the fit leaves of Y in the last few cycles, air fraction.
+    uint16_t cycles;                             ///< Cycles in the sums and means above.
     uint16_t probed;                             ///< Cycles of the probe so far, 0: none.
-    uint8_t  set;
+    uint8_t  set;                                ///< 1: a step of the positions has been set.
     uint8_t  unproven;                           ///< 1: `learned` is of an earlier start, and no fit has borne it out.
 } sd_afr_delay_t;
 

@@ -12,6 +12,7 @@
 extern "C" {
 #endif
 
+/// What came to the sensor at a position.
 typedef struct sd_afr_inflow {
     float   share[SD_AFR_CYLINDERS_MAX];    ///< Of the gas once it is in, (0, 1].
     uint8_t cylinder[SD_AFR_CYLINDERS_MAX]; ///< By firing order, ascending.

@@ -39,27 +39,28 @@ typedef struct sd_afr_joint_config {
     float    reject;            ///< Innovations beyond this many of their sd are left out, [3, 1e3].
 } sd_afr_joint_config_t;
 
-/// Its parts; symmetric. Rows of cylinders are filled up with zeros to a multiple of four.
+/// Its parts; symmetric; the square of an air fraction each. Rows of cylinders are filled up with zeros to a multiple of four.
 typedef struct sd_afr_covariance {
-    float a[SD_AFR_CYLINDERS_MAX][SD_AFR_CYLINDERS_MAX]; ///< Of a_i with a_j, both halves;
-    float x_a[SD_AFR_CYLINDERS_MAX], s2_a[SD_AFR_CYLINDERS_MAX], s1_a[SD_AFR_CYLINDERS_MAX]; ///< of x, s2 and s1 with a_i,
-    float x_x, s2_x, s1_x, s2_s2, s1_s2, s1_s1;          ///< and with one another.
+    float a[SD_AFR_CYLINDERS_MAX][SD_AFR_CYLINDERS_MAX]; ///< Covariance of a_i with a_j, both halves.
+    float x_a[SD_AFR_CYLINDERS_MAX], s2_a[SD_AFR_CYLINDERS_MAX], s1_a[SD_AFR_CYLINDERS_MAX]; ///< Covariance of x, s2 and s1 with a_i.
+    float x_x, s2_x, s1_x, s2_s2, s1_s2, s1_s1;          ///< Covariance of x, s2 and s1 with one another.
 } sd_afr_covariance_t;
 
+/// State: plain data, caller-owned, copyable; fields are for logs, write none of them.
 typedef struct sd_afr_joint {
-    float x, air_fraction[SD_AFR_CYLINDERS_MAX], lag2, lag1;
+    float x, air_fraction[SD_AFR_CYLINDERS_MAX], lag2, lag1; ///< The estimate x, a_i, s2, s1: air fraction.
     sd_afr_covariance_t p;
-    float move2, move1;         ///< In a position,
-    float group2, group1;       ///< and in a group.
-    float noise_var, drift_var, jump_var;
-    float innovation, test_ratio;
+    float move2, move1;         ///< m2 and m1 of a position: the share that each lag moves.
+    float group2, group1;       ///< m2 and m1 of a group, the same.
+    float noise_var, drift_var, jump_var; ///< Variance of a sample's noise, of a cycle's drift, of a jump: air fraction squared.
+    float innovation, test_ratio; ///< e of the last group, air fraction; its square over the expected one, as in sd_status_t.
     sd_afr_joint_config_t config;
-    float mean_innovation;      ///< Of the last 16 samples or so.
-    float error;                ///< Sum of y - s1 over the samples of the group so far,
-    float keep;                 ///< what share of x is still there from before them,
-    float let_in[SD_AFR_CYLINDERS_MAX]; ///< and what has come from each cylinder, over `keep`.
+    float mean_innovation;      ///< Of the last 16 samples or so, in standard deviations.
+    float error;                ///< Sum of y - s1 over the samples of the group so far.
+    float keep;                 ///< Share of x that is still there from before the group.
+    float let_in[SD_AFR_CYLINDERS_MAX]; ///< What has come from each cylinder in the group, over `keep`.
     uint16_t rejected, rejected_in_row, jumps, hold; ///< In groups; hold: until the next jump may be seen.
-    uint8_t  running;
+    uint8_t  running;           ///< 1: the estimate follows the samples.
     uint8_t  positions, samples; ///< Of the group so far.
     uint8_t  flowing;           ///< Bit i: the cylinder's gas passed in the last group.
 } sd_afr_joint_t;
@@ -71,6 +72,7 @@ typedef struct sd_afr_usual {
     float lambda_sd; ///< How far that may have moved since, [1e-6, 1]; anything else: it is not known.
 } sd_afr_usual_t;
 
+/// The cylinder that explains best what is wrong.
 typedef struct sd_afr_blame {
     uint32_t cylinder;  ///< By firing order.
     float    deviation; ///< By how much of lambda it is off.
@@ -100,7 +102,7 @@ void sd_afr_joint_deviation_variances(const sd_afr_joint_t *self, float *varianc
 /// apart is which way the mean of all moved, hence usual->lambda. Once a cycle: it inverts a matrix of all cylinders. All 0
 /// while not running, with fewer than two cylinders, or sd outside its range.
 sd_afr_blame_t sd_afr_joint_blame(const sd_afr_joint_t *self, const sd_afr_usual_t *usual);
-/// Entry of the covariance, states in the order x, a_i, s2, s1; 0 beyond.
+/// Entry of the covariance, air fraction squared, states in the order x, a_i, s2, s1; 0 beyond.
 float sd_afr_joint_covariance(const sd_afr_joint_t *self, uint32_t row, uint32_t column);
 /// Invalid until the first sample; rejected samples degrade it.
 sd_status_t sd_afr_joint_status(const sd_afr_joint_t *self);

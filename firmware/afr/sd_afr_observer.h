@@ -24,11 +24,12 @@ extern "C" {
 /// Read by init only.
 typedef struct sd_afr_observer_config {
     uint8_t  cylinders;      ///< 1 to SD_AFR_CYLINDERS_MAX.
-    uint16_t settle_steps;   ///< Positions until the estimate counts as converged.
+    uint16_t settle_steps;   ///< Positions until the estimate counts as converged, any.
     float    gain_air;       ///< L2, a position, (0, 2).
     float    gain_cylinder;  ///< L_cyl, (0, 100].
 } sd_afr_observer_config_t;
 
+/// State and functions of the observer in one number type: N is f32 or q31, T its type.
 #define SD_AFR_OBSERVER_DECLARE(N, T)                                                                                  \
     typedef struct sd_afr_observer_##N {                                                                               \
         T air;                                       /* x2, per unit of mass_base */                                   \

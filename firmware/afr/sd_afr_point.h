@@ -19,19 +19,20 @@
 extern "C" {
 #endif
 
-#define SD_AFR_EGR_MAX   0.7f
-#define SD_AFR_SPEEDS    4
-#define SD_AFR_PRESSURES 3
-#define SD_AFR_LAMBDAS   2
-#define SD_AFR_OPEN      SD_EXHAUST_OPEN /* positions of a cycle that a point holds */
-#define SD_AFR_PIECE     8  /* of them are interpolated at a time */
-#define SD_AFR_PIECES    (SD_AFR_OPEN / SD_AFR_PIECE + 2)
+#define SD_AFR_EGR_MAX   0.7f ///< Largest share of recirculated gas that is believed.
+#define SD_AFR_SPEEDS    4 ///< Speeds of the grid.
+#define SD_AFR_PRESSURES 3 ///< Intake pressures of the grid.
+#define SD_AFR_LAMBDAS   2 ///< Lambdas of the grid.
+#define SD_AFR_OPEN      SD_EXHAUST_OPEN ///< Positions of a cycle that a point holds.
+#define SD_AFR_PIECE     8 ///< Positions that are interpolated at a time.
+#define SD_AFR_PIECES    (SD_AFR_OPEN / SD_AFR_PIECE + 2) ///< Pieces of work until a point is whole.
 
-/// Where the exhaust is in one node of the grid.
+/// Where the exhaust is in one node of the grid. rate_hz2, per_z0 and per_transport are straight in temperature, so that a point between
+/// two nodes of lambda is the exact one.
 typedef struct sd_afr_node {
     uint16_t share[SD_AFR_OPEN]; ///< Of the charge, times 65536, from open_position after firing TDC on.
-    float    rate_hz2;           ///< The square of rate_hz in sd_exhaust_point_t: like the two below it is straight in temperature,
-    float    per_z0;             ///< 1/z0_kg there, 1/kg,        so that a point between two nodes of lambda is the exact one.
+    float    rate_hz2;           ///< The square of rate_hz in sd_exhaust_point_t, 1/s^2.
+    float    per_z0;             ///< 1 over z0_kg of sd_exhaust_point_t, 1/kg.
     float    per_transport;      ///< 1/(gas between turbine and sensor), 1/kg; 0: no such gas.
     float    kelvin;             ///< Of the gas in the manifold, mean over a cycle.
 } sd_afr_node_t;
@@ -45,8 +46,8 @@ typedef struct sd_afr_grid {
     float    behind_bar;         ///< Pressure behind the turbine.
     float    dead_s;             ///< Sensor's dead time.
     float    tau1_s, tau2_s;     ///< Sensor's lags.
-    float    mass_base_kg;
-    float    psi[SD_EXHAUST_PSI + 1];
+    float    mass_base_kg;       ///< Base of masses in q31, as in sd_exhaust_point_t.
+    float    psi[SD_EXHAUST_PSI + 1];     ///< Flow function of the turbine over the pressure ratio 0 to 1, over its largest value.
     int32_t  psi_q31[SD_EXHAUST_PSI + 1]; ///< The same, times 2^31.
     sd_uego_gains_t inversion[SD_AFR_SPEEDS]; ///< Of the oscillators, at speed_radps.
     sd_afr_node_t node[SD_AFR_SPEEDS][SD_AFR_PRESSURES][SD_AFR_LAMBDAS];
@@ -58,15 +59,16 @@ typedef struct sd_afr_conditions {
     float exhaust_k;                        ///< Measured in the manifold; 0: not known, as calibrated.
     float vanes;                            ///< Area of the turbine's vanes over the calibration's; 0: not known.
     float turbine_rpm;                      ///< 0: not known.
-    float egr_share;                        ///< Recirculated of all that leaves the manifold, (0, SD_AFR_EGR_MAX]; else: none, or not known.
+    float egr_share;                        ///< Recirculated of all that leaves the manifold, (0, SD_AFR_EGR_MAX]; else: none, or not
+                                            ///< known.
 } sd_afr_conditions_t;
 
 /// Read by init only.
 typedef struct sd_afr_point_config {
-    uint16_t cycle_positions;
-    uint8_t  cylinders;
-    uint16_t firing_position[SD_AFR_CYLINDERS_MAX];
-    float    gain_mass;                 ///< As in sd_exhaust_config_t.
+    uint16_t cycle_positions;           ///< Wheel positions in a cycle, as in sd_exhaust_config_t.
+    uint8_t  cylinders;                 ///< 1 to SD_AFR_CYLINDERS_MAX.
+    uint16_t firing_position[SD_AFR_CYLINDERS_MAX]; ///< Cycle position of each firing TDC, below cycle_positions, by firing order.
+    float    gain_mass;                 ///< Gain L1, as in sd_exhaust_config_t.
     float    turbine_drop, turbine_rpm; ///< Share of its area that a turbine loses when its speed squared grows by turbine_rpm squared, the
                                         ///< speed at which the calibration holds; [0, 1] and [1, 1e6].
 } sd_afr_point_config_t;
@@ -78,6 +80,7 @@ typedef enum sd_afr_progress {
     SD_AFR_SET,  ///< The last piece: the point has taken effect.
 } sd_afr_progress_t;
 
+/// State and functions of the point in one number type: N is f32 or q31, T its type.
 #define SD_AFR_POINT_DECLARE(N, T)                                                                                     \
     typedef struct sd_afr_point_##N {                                                                                  \
         sd_exhaust_##N##_t  exhaust;                                                                                   \

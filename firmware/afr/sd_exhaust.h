@@ -28,7 +28,7 @@
 extern "C" {
 #endif
 
-#define SD_AFR_CYLINDERS_MAX SD_CYLINDERS_MAX
+#define SD_AFR_CYLINDERS_MAX SD_CYLINDERS_MAX ///< Cylinders of an engine.
 #define SD_AFR_POSITIONS_MAX 240 /* of a cycle */
 #define SD_EXHAUST_RING      64  /* positions, a power of two: the longest delay is one less */
 #define SD_EXHAUST_PSI       32  /* intervals of psi over z from 1 to 2 */
@@ -57,6 +57,7 @@ typedef struct sd_exhaust_point {
 
 #define SD_EXHAUST_BAR 16 /* what a measured pressure is per unit of */
 
+/// State and functions of the manifold in one number type: N is f32 or q31, T its type.
 #define SD_EXHAUST_DECLARE(N, T)                                                                                       \
     /* The gas that the sensor meets at this position; masses per unit of mass_base. */                                \
     typedef struct sd_exhaust_now_##N {                                                                                \

@@ -23,14 +23,15 @@
 extern "C" {
 #endif
 
-#define SD_UEGO_HARMONICS_MAX 4
-#define SD_UEGO_POSITIONS_MAX 240
+#define SD_UEGO_HARMONICS_MAX 4   ///< Harmonics of the cycle that the inverted sensor follows.
+#define SD_UEGO_POSITIONS_MAX 240 ///< Wheel positions in a cycle.
 #define SD_UEGO_LEAD          1.5f /* positions */
 
 /// Gains of the oscillator form at one speed.
 typedef struct sd_uego_gains {
-    float re[SD_UEGO_HARMONICS_MAX + 1], im[SD_UEGO_HARMONICS_MAX + 1]; ///< G_k; im[0] is not read.
-    float lag2, lag1; ///< Of s2 and s1.
+    float re[SD_UEGO_HARMONICS_MAX + 1], im[SD_UEGO_HARMONICS_MAX + 1]; ///< Gain G_k of each harmonic, real and imaginary part; im[0] is
+                                                                        ///< not read.
+    float lag2, lag1; ///< Gains of s2 and s1.
 } sd_uego_gains_t;
 
 /// Read by init only.
@@ -41,6 +42,7 @@ typedef struct sd_uego_config {
     float    gain, floor;     ///< g (0, 0.1] and rho [0.01, 1] of the Fourier form.
 } sd_uego_config_t;
 
+/// State and functions of the inverted sensor in one number type: N is f32 or q31, T its type.
 #define SD_UEGO_DECLARE(N, T)                                                                                          \
     typedef struct sd_uego_##N {                                                                                       \
         T re[SD_UEGO_HARMONICS_MAX + 1], im[SD_UEGO_HARMONICS_MAX + 1];     /* c_k */                                  \
@@ -57,7 +59,7 @@ typedef struct sd_uego_config {
     /* SD_OK, or SD_ERR_CONFIG with the state untouched. */                                                            \
     sd_result_t sd_uego_init_##N(sd_uego_##N##_t *self, const sd_uego_config_t *config);                               \
     /* Duration of a position, (0, 0.1] s, ignored outside; gains: oscillator form, NULL: Fourier form. */             \
-    void sd_uego_set_##N(sd_uego_##N##_t *self, const int32_t *sine_q31, float step_s, const sd_uego_gains_t *gains);                           \
+    void sd_uego_set_##N(sd_uego_##N##_t *self, const int32_t *sine_q31, float step_s, const sd_uego_gains_t *gains);   \
     /* The next sample begins anew. */                                                                                 \
     void sd_uego_restart_##N(sd_uego_##N##_t *self);                                                                   \
     /* Position with the measured air fraction; anything outside (-1, 1) counts as not measured. Returns u. */         \

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /// sd_airpath_bank.h - which actuator of the air path is faulty: two unknown-input observers, one blind to each actuator's fault, the
-/// offsets of their residuals, and the multi-CUSUM that decides (document 001; docs/theory/airpath.md).
+/// offsets of their residuals, and the multi-CUSUM that decides (document 001, Figure 8, Algorithm 3, equation (31);
+/// docs/theory/airpath.md).
 ///
 ///     state 0 waits  -> 1 settles -> 2 learns -> 3 decides        a sensor that is silent or stuck, or a restart: back to 0
 /// While the engine moves from one operating point to another nothing is decided; at another point than that where offsets were learned
@@ -24,14 +25,25 @@
 extern "C" {
 #endif
 
-#define SD_AIRPATH_OBSERVERS 2
+#define SD_AIRPATH_OBSERVERS 2 ///< One for each actuator.
 #define SD_AIRPATH_FAULTS    5 ///< Base in q31 of what is in faults of interest: 2^5.
 
 /// Groups of the hypotheses, and bits of what is said to be faulty.
-typedef enum sd_airpath_fault { SD_AIRPATH_NO_FAULT = 0, SD_AIRPATH_EGR_FAULT = 1, SD_AIRPATH_VGT_FAULT = 2,
-    SD_AIRPATH_UNCLEAR = 3 } sd_airpath_fault_t;
-typedef enum sd_airpath_phase { SD_AIRPATH_WAITS, SD_AIRPATH_SETTLES, SD_AIRPATH_LEARNS, SD_AIRPATH_DECIDES } sd_airpath_phase_t;
+typedef enum sd_airpath_fault {
+    SD_AIRPATH_NO_FAULT  = 0, ///< Nothing is said to be faulty.
+    SD_AIRPATH_EGR_FAULT = 1, ///< The EGR valve.
+    SD_AIRPATH_VGT_FAULT = 2, ///< The turbine's vanes.
+    SD_AIRPATH_UNCLEAR   = 3, ///< One of both, or neither: the residuals do not tell them apart.
+} sd_airpath_fault_t;
+/// How far the block has come.
+typedef enum sd_airpath_phase {
+    SD_AIRPATH_WAITS,   ///< For readings within their ranges.
+    SD_AIRPATH_SETTLES, ///< The observers' start dies out.
+    SD_AIRPATH_LEARNS,  ///< The offsets of healthy residuals.
+    SD_AIRPATH_DECIDES, ///< Faults are looked for.
+} sd_airpath_phase_t;
 
+/// State and functions of the bank in one number type: N is f32 or q31, T its type.
 #define SD_AIRPATH_BANK_DECLARE(N, T)                                                                                  \
     /* Of the calibration page. */                                                                                     \
     typedef struct sd_airpath_tables_##N {                                                                             \

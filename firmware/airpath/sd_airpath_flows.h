@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/// sd_airpath_flows.h - the air path as document 001 models it: four states, three flows (docs/theory/airpath.md).
+/// sd_airpath_flows.h - the air path as document 001 models it, equation (1): four states, three flows (docs/theory/airpath.md).
 ///
 ///     p'   = kappa (-k p + R_air T_charge W_air / V_in + R_exhaust T_egr W_egr / V_in)     intake pressure, kPa
 ///     ma'  = -k ma + W_air                                                             air in the intake, g
@@ -25,16 +25,28 @@ extern "C" {
 #define SD_AIRPATH_DROP_KNOTS  33 ///< Of the turbine's law over the pressure ratio 0 to 1.
 
 /// State of the model, in this order.
-typedef enum sd_airpath_state { SD_AIRPATH_PRESSURE, SD_AIRPATH_AIR, SD_AIRPATH_EGR, SD_AIRPATH_EXHAUST,
-    SD_AIRPATH_STATES } sd_airpath_state_t;
+typedef enum sd_airpath_state {
+    SD_AIRPATH_PRESSURE, ///< Of the intake manifold, kPa.
+    SD_AIRPATH_AIR,      ///< Fresh air in the intake manifold, g.
+    SD_AIRPATH_EGR,      ///< Recirculated gas in the intake manifold, g.
+    SD_AIRPATH_EXHAUST,  ///< Gas in the exhaust manifold, g.
+    SD_AIRPATH_STATES,   ///< Their number.
+} sd_airpath_state_t;
 
 /// Bases of q31, powers of two of the unit.
 enum {
-    SD_AIRPATH_AMOUNT = 10, SD_AIRPATH_FLOW = 16, SD_AIRPATH_EMPTYING = 6, SD_AIRPATH_KELVIN = 11, SD_AIRPATH_RPM = 15,
-    SD_AIRPATH_PER_GRAM = 10, /* kPa/g */
-    SD_AIRPATH_KAPPA = 1, SD_AIRPATH_GAS = 9 /* J/(kg K) */, SD_AIRPATH_AREA = 14 /* mm2 */
+    SD_AIRPATH_AMOUNT = 10,    ///< Of a pressure 2^10 kPa, of a mass 2^10 g.
+    SD_AIRPATH_FLOW = 16,      ///< 2^16 g/s.
+    SD_AIRPATH_EMPTYING = 6,   ///< 2^6 1/s.
+    SD_AIRPATH_KELVIN = 11,    ///< 2^11 K.
+    SD_AIRPATH_RPM = 15,       ///< 2^15 rpm.
+    SD_AIRPATH_PER_GRAM = 10,  ///< 2^10 kPa/g.
+    SD_AIRPATH_KAPPA = 1,      ///< 2.
+    SD_AIRPATH_GAS = 9,        ///< 2^9 J/(kg K).
+    SD_AIRPATH_AREA = 14       ///< 2^14 mm2.
 };
 
+/// Model, readings and flows in one number type: N is f32 or q31, T its type; ranges are those of f32.
 #define SD_AIRPATH_FLOWS_DECLARE(N, T)                                                                                 \
     typedef struct sd_airpath_model_##N {                                                                              \
         T kappa;               /* [1, 1.5]. */                                                                         \

@@ -16,8 +16,9 @@
 extern "C" {
 #endif
 
-#define SD_AIRPATH_RESIDUALS 2
+#define SD_AIRPATH_RESIDUALS 2 ///< One of each observer.
 
+/// State and functions of the offsets in one number type: N is f32 or q31, T its type.
 #define SD_AIRPATH_OFFSETS_DECLARE(N, T)                                                                               \
     typedef struct sd_airpath_offsets_##N {                                                                            \
         sd_acc_##N##_t sum[SD_AIRPATH_RESIDUALS];  /* Of the window under way. */                                      \

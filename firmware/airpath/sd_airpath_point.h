@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /// sd_airpath_point.h - whether the engine runs at one operating point, and whether it is still that where offsets were learned.
 ///
-/// Document 001's model holds at rest: its temperatures come from sensors that lag, and what its parameters are off by leaves other
-/// residuals at another point. So nothing is decided while speed or fuel are on their way, and offsets are learned anew at a point far
+/// Document 001's model, equation (1), holds at rest: its temperatures come from sensors that lag, and what its parameters are off by
+/// leaves other residuals at another point. So nothing is decided while speed or fuel are on their way, and offsets are learned anew at a
+/// point far
 /// from the last one.
 ///     calm: for calm_s, speed within 5 % and fuel within 10 % of what they are on average over mean_s
 ///     left: speed more than 12 % or fuel more than 25 % off the point that was kept
@@ -18,10 +19,11 @@
 extern "C" {
 #endif
 
-#define SD_AIRPATH_POINT_MEAN_S 1.5f
-#define SD_AIRPATH_POINT_CALM_S 3.0f
+#define SD_AIRPATH_POINT_MEAN_S 1.5f ///< Time constant of the means, s.
+#define SD_AIRPATH_POINT_CALM_S 3.0f ///< How long the point must have been calm, s.
 #define SD_AIRPATH_PERIOD       6 ///< Base of a period in q31 is 2^-6 s.
 
+/// State and functions of the point in one number type: N is f32 or q31, T its type.
 #define SD_AIRPATH_POINT_DECLARE(N, T)                                                                                 \
     /* All zero is a valid start. */                                                                                   \
     typedef struct sd_airpath_point_##N {                                                                              \

@@ -24,11 +24,12 @@
 extern "C" {
 #endif
 
-#define SD_CUSUM_HYPOTHESES_MAX 8
-#define SD_CUSUM_RESIDUALS_MAX  4
+#define SD_CUSUM_HYPOTHESES_MAX 8 ///< Faults that are weighed against health.
+#define SD_CUSUM_RESIDUALS_MAX  4 ///< Residuals that they are weighed by.
 #define SD_CUSUM_BITS           16 ///< Of sums.
 #define SD_CUSUM_WEIGHT_BITS    11 ///< Of weights over 1/residual: 5 of a coefficient, and 2^16 over 2^10.
 
+/// Tables, state and functions in one number type: N is f32 or q31, T its type.
 #define SD_CUSUM_DECLARE(N, T)                                                                                         \
     typedef struct sd_cusum_tables_##N {                                                                               \
         T       weight[SD_CUSUM_HYPOTHESES_MAX][SD_CUSUM_RESIDUALS_MAX]; /* S^-1 mu_l, within +-1e6. */                \

@@ -20,8 +20,8 @@
 extern "C" {
 #endif
 
-#define SD_NUIO_STATES  4
-#define SD_NUIO_OUTPUTS 2
+#define SD_NUIO_STATES  4 ///< Of sd_airpath_state_t.
+#define SD_NUIO_OUTPUTS 2 ///< The two measured pressures.
 
 /// The table is made on the host (tools/airpath); in f32 every number within +-1e6, units are those of the states over those of the
 /// outputs. In q31 they are coefficients of sd_bases.h.

@@ -2,7 +2,7 @@
 /// sd_balance.h - fuel trims that make all cylinders alike, from what each deviates from their mean: its lambda or its
 /// torque, over the mean.
 ///
-/// Once a cycle, a PI law for each cylinder as in document 004, its step limited, its value limited:
+/// Once a cycle, a PI law for each cylinder as for document 004, Figure 16, its step limited, its value limited:
 ///     trim_i -= clamp(g deviation_i + P (deviation_i - last deviation_i), rate);  trims less their mean;  clamp(trim_i, limit)
 /// With P 0, the default, it is a pure integrator.
 /// g = gain (0.5 + 0.5 w), w the share of the deviations' mean square, smoothed over 4 cycles, that their stated variance
@@ -33,29 +33,30 @@ typedef struct sd_balance_config {
     float    rate;         ///< Largest change of a trim in a cycle, before the mean of all is taken off, (0, 1].
     float    limit;        ///< Largest |trim|, (0, 0.5].
     float    sd_max;       ///< Of a deviation, above which nothing is learned, (0, 1].
-    uint16_t hold_cycles;  ///< After a transient or an invalid estimate.
+    uint16_t hold_cycles;  ///< After a transient or an invalid estimate, any number.
 } sd_balance_config_t;
 
 /// What is known of the cylinders at the end of a cycle, by firing order.
 typedef struct sd_balance_input {
-    const float *deviation, *sd; ///< Of every cylinder, and its standard deviation.
+    const float *deviation, *sd; ///< Of every cylinder's torque or lambda, as a share of the mean; its standard deviation, the same.
     float   follow;              ///< Share of a change that the estimate takes up in a cycle, (0, 1].
     uint8_t told;                ///< The estimate knows of the trims as they are now (sd_afr.h); 0: it follows them.
     uint8_t health;              ///< Of the estimate.
     uint8_t transient;           ///< Speed or fuel moves.
 } sd_balance_input_t;
 
+/// State: plain data, caller-owned, copyable; fields are for logs, write none of them.
 typedef struct sd_balance {
     sd_balance_config_t config;
     sd_watch_t watch;
     float    trim[SD_BALANCE_CYLINDERS_MAX]; ///< Fuel factor less 1.
     float    mean_square, noise;             ///< Of the deviations, smoothed; of their stated variance.
     uint32_t learned;                        ///< Cycles since restart in which trims moved.
-    float    deviation[SD_BALANCE_CYLINDERS_MAX]; ///< Of the cycle at work.
-    float    last[SD_BALANCE_CYLINDERS_MAX];      ///< Of the last one that moved the trims.
-    uint8_t  has_last;
+    float    deviation[SD_BALANCE_CYLINDERS_MAX]; ///< Of the cycle at work, share of the mean.
+    float    last[SD_BALANCE_CYLINDERS_MAX];      ///< Of the last cycle that moved the trims, share of the mean.
+    uint8_t  has_last;                       ///< 1: `last` is there.
     uint16_t hold;                           ///< Cycles left on hold.
-    uint8_t  diverged, at_limit;
+    uint8_t  diverged, at_limit;             ///< 1: the phase is wrong; a trim is at config.limit.
     uint8_t  at_work;                        ///< What sd_balance_work does next, 0: nothing.
 } sd_balance_t;
 

@@ -56,7 +56,8 @@ static float misfit(complex_t injector, complex_t shown, complex_t turn) {
 
 /* What one order says of this cycle, both signs. */
 static void weigh(sd_watch_t *self, uint32_t m) {
-    const complex_t seen = pattern(self, self->last_injector, self->usual_injector, m), shown = pattern(self, self->shown, self->usual_shown, m);
+    const complex_t seen = pattern(self, self->last_injector, self->usual_injector, m),
+        shown = pattern(self, self->shown, self->usual_shown, m);
     complex_t right = turn_of(self, m), wrong = turn_of(self, 2u * m);
     const bool alternating = 2u * m == self->cylinders; /* has no phase: only what is in line with it comes back */
     if (alternating) { right.im = wrong.im = 0.0f; }

@@ -11,7 +11,8 @@
 /// while cranking does not surprise it, nor what lies behind a missing tooth or the mark; the one whose predictions have been
 /// better leads. An edge is placed on the tooth position it comes nearest to, so a missing tooth is coasted through and a
 /// doubled or spurious edge is left out, whatever happens elsewhere. After each pass of the mark the edges around it vote on
-/// whether the angle holds or has slipped by a few teeth, which is then put right. Theory and measured figures: docs/theory/crank.md.
+/// whether the angle holds or has slipped by a few teeth, which is then put right. Theory: docs/theory/crank.md; figures:
+/// docs/results/crank.md.
 ///
 /// Real-time contract: integer arithmetic only, no heap, no globals, loops bounded by the constants below; one
 /// writer per state. Call order: sd_crank_init once; then sd_crank_edge for each crank edge, sd_crank_cam_edge for
@@ -27,14 +28,14 @@
 extern "C" {
 #endif
 
-#define SD_CRANK_POSITIONS_MIN 12u
-#define SD_CRANK_POSITIONS_MAX 120u
+#define SD_CRANK_POSITIONS_MIN 12u  ///< Fewest positions of a wheel.
+#define SD_CRANK_POSITIONS_MAX 120u ///< Most positions of a wheel.
 #define SD_CRANK_MISSING_MAX   12u ///< Missing positions of a wheel.
 #define SD_CRANK_MARKS_MAX     4u  ///< Runs of missing positions of a wheel.
 #define SD_CRANK_RUN_MAX       3u  ///< Missing positions in one run.
 #define SD_CRANK_COAST_MAX     8u  ///< Positions the decoder coasts without an edge before it gives up sync.
 #define SD_CRANK_WITNESSES     16u ///< Edges remembered for the vote on the mark.
-#define SD_CRANK_CLOCKS        3u
+#define SD_CRANK_CLOCKS        3u  ///< Predictions of the next tooth beside each other.
 #define SD_CRANK_SIGHTS        6u  ///< Gaps followed at a time while searching.
 
 /// Tooth spacings are Q12: 4096 is the distance between two neighbouring teeth.
@@ -77,12 +78,12 @@ typedef struct sd_tooth {
 /// Counters since init; all wrap.
 typedef struct sd_crank_counts {
     uint32_t edges;         ///< Crank edges taken.
-    uint32_t sync_gains, sync_losses;
+    uint32_t sync_gains, sync_losses; ///< Times the angle was found, and lost.
     uint32_t coasted;       ///< Tooth positions passed without an edge.
     uint32_t spurious;      ///< Edges left out while in sync.
     uint32_t slips;         ///< Times the vote at a mark moved the angle.
     uint32_t marks_missed;  ///< Marks whose vote could not confirm the angle.
-    uint32_t stalls;
+    uint32_t stalls;        ///< Times the engine was found at rest.
     uint32_t cam_rejected;  ///< Cam edges far from where they belong, or without crank sync.
 } sd_crank_counts_t;
 
@@ -148,7 +149,7 @@ typedef struct sd_crank {
     int32_t  witness[SD_CRANK_WITNESSES];   ///< Travel at the last edges of any kind.
     uint32_t mark_at;                       ///< First missing position of mark m in byte m from the lowest on; 255: no such mark.
     sd_crank_sight_t sight[SD_CRANK_SIGHTS];
-    uint8_t  witness_next;
+    uint8_t  witness_next;                  ///< Where the next edge goes in `witness`.
     uint8_t  mark_count, mark_first[SD_CRANK_MARKS_MAX], mark_run[SD_CRANK_MARKS_MAX]; ///< First missing position, run.
     uint8_t  mark_teeth[SD_CRANK_MARKS_MAX]; ///< Teeth from each mark to the next; to the second of a pair that follows.
     uint8_t  teeth;           ///< Teeth of the wheel.

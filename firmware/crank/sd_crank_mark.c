@@ -56,7 +56,7 @@ static sd_vote_t count(const sd_crank_t *self, int32_t width, int32_t before) {
 /* The slips with which this edge is astray. With a slip of s the mark begins s teeth later. */
 static uint32_t astray_with(int32_t here, int32_t width, uint32_t within) {
     const int32_t least = clamp_in(plus32(here, ONE / 2) >> 12, -SLIP_MAX, SLIP_MAX + 1);            /* before the mark from this slip on */
-    const int32_t most = clamp_in(plus32(minus32(here, width), ONE / 2) >> 12, -SLIP_MAX - 1, SLIP_MAX);       /* after it up to this slip */
+    const int32_t most = clamp_in(plus32(minus32(here, width), ONE / 2) >> 12, -SLIP_MAX - 1, SLIP_MAX); /* after it up to this slip */
     const uint32_t before = ALL_SLIPS & (ALL_SLIPS << (4 * (least + SLIP_MAX))); /* by 28 at most */
     const uint32_t after = (ALL_SLIPS >> (4 * (SLIP_MAX - most))) & ~before;
     uint32_t off = ALL_SLIPS & ~(before | after);

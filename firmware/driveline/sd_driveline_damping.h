@@ -16,6 +16,7 @@
 extern "C" {
 #endif
 
+/// Choices, read at each step.
 typedef struct sd_driveline_damping_config {
     float   gain_nms;  ///< Torque at the crank for a rate of torsion of 1 rad/s, [0, 1e4].
     float   limit_nm;  ///< Largest request either way, [0, 2000].
@@ -24,6 +25,7 @@ typedef struct sd_driveline_damping_config {
     uint8_t enabled;   ///< 0: the request is 0.
 } sd_driveline_damping_config_t;
 
+/// State: plain data, caller-owned.
 typedef struct sd_driveline_damping {
     float request_nm; ///< At the crank, to be added to what the driver wants.
 } sd_driveline_damping_t;

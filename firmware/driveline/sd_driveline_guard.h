@@ -54,10 +54,12 @@ extern "C" {
 /// Numbers of the tables for q31, made by init.
 typedef struct sd_driveline_model_q31 {
     uint32_t tick;             ///< Of the capture timer: mantissa, 2^-tick_down of it is a tick's part of a step's base.
+    /// As in sd_driveline_tables_t, over the bases above.
     sd_q31_t pitch_rad, wheel_pitch_rad, shortest_s, per_inertia, viscous_nms, per_vehicle, soft_nmprad, stiff_nmprad, damping_nms;
+    /// As in sd_driveline_tables_t, over the bases above.
     sd_q31_t kink_rad, rolling_nm, drag_nms2, reject_rad, per_reject, doubt_rad, settle_s, moving_radps, moving_hold_s;
     sd_q31_t ratio;            ///< Of the gear that it runs in.
-    uint32_t tick_down;
+    uint32_t tick_down;        ///< Binary places that `tick` is shifted down by.
 } sd_driveline_model_q31_t;
 
 /// Of tooth, out and state the f32 variant has the units of the names. EXTRA: what only one of the two carries.

@@ -36,7 +36,8 @@ static bool take_model(MODEL *m, const sd_driveline_tables_t *t) {
            given(t->per_inertia, SD_DRIVELINE_PER_INERTIA_BITS, &m->per_inertia) &&
            given(t->per_vehicle, SD_DRIVELINE_PER_VEHICLE_BITS, &m->per_vehicle) &&
            given(t->viscous_nms, SD_DRIVELINE_VISCOUS_BITS, &m->viscous_nms) && given(t->kink_rad, SD_DRIVELINE_TWIST_BITS, &m->kink_rad) &&
-           given(t->soft_nmprad, SD_DRIVELINE_STIFFNESS_BITS, &m->soft_nmprad) && given(t->stiff_nmprad, SD_DRIVELINE_STIFFNESS_BITS, &m->stiff_nmprad) &&
+           given(t->soft_nmprad, SD_DRIVELINE_STIFFNESS_BITS, &m->soft_nmprad) &&
+           given(t->stiff_nmprad, SD_DRIVELINE_STIFFNESS_BITS, &m->stiff_nmprad) &&
            given(t->damping_nms, SD_DRIVELINE_DAMPING_BITS, &m->damping_nms) &&
            given(t->rolling_nm, SD_DRIVELINE_SHAFT_BITS, &m->rolling_nm) && given(t->drag_nms2, SD_DRIVELINE_DRAG_BITS, &m->drag_nms2);
 }

@@ -28,20 +28,23 @@
 extern "C" {
 #endif
 
+/// State: plain data, caller-owned, copyable; fields are for logs, write none of them.
 typedef struct sd_driveline_hybrid {
-    float    z[SD_DRIVELINE_LOCATIONS][3]; ///< Of the residual generators.
-    float    x[3];                         ///< Of the continuous observer.
-    float    last_speed_rpm;
+    float    z[SD_DRIVELINE_LOCATIONS][3]; ///< States of the residual generators, in the units of x.
+    float    x[3];                         ///< Of the continuous observer: torsion, rad, crank and wheel speed, rad/s, less the
+                                           ///< equilibrium.
+    float    last_speed_rpm;               ///< Measured, at the last step.
     float    run_s;      ///< Since init, as far as settle_s.
     float    since_s, calm_s; ///< Since the location changed; since its residual last did not fit.
     uint16_t rejected;   ///< Steps left out, saturating.
     uint8_t  location;   ///< 1 to 3.
-    uint8_t  begun, may_leave;
+    uint8_t  begun, may_leave; ///< 1: a step was made; the location may change again.
 } sd_driveline_hybrid_t;
 
+/// What is said at a step.
 typedef struct sd_driveline_hybrid_out {
     float    x[3];       ///< Torsion, rad, crank and wheel speed, rad/s, less the equilibrium.
-    float    residual_rpm[SD_DRIVELINE_LOCATIONS];
+    float    residual_rpm[SD_DRIVELINE_LOCATIONS]; ///< Of each location.
     uint8_t  fits[SD_DRIVELINE_LOCATIONS]; ///< 1: |residual| <= threshold.
     uint8_t  location;   ///< 1 to 3.
     uint8_t  changed;    ///< 1: at this step.

@@ -13,6 +13,7 @@
 extern "C" {
 #endif
 
+/// How far the course went back.
 typedef enum sd_course_jump {
     SD_COURSE_NONE    = 0, ///< The tooth follows the last one.
     SD_COURSE_SHIFTED = 1, ///< It is one revolution off: the phase became known.

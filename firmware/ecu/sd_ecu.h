@@ -54,6 +54,7 @@ typedef struct sd_work {
     uint8_t    steady;        ///< 1: neither speed nor fuel moved, and everything burned.
 } sd_work_t;
 
+/// State: plain data, caller-owned, without pointers into itself; write none of its fields.
 typedef struct sd_ecu {
     sd_parameters_t    working;   ///< The parameters that rule.
     sd_parameters_t    reference; ///< As they came with the page.

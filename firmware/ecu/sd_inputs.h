@@ -16,6 +16,7 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
+/// A reading as it came last.
 typedef struct sd_reading {
     float    value; ///< In the unit and within the range of sd_input_infos; 0 before the first one.
     uint32_t tick;  ///< When it was taken, capture ticks.
@@ -29,7 +30,8 @@ typedef struct sd_inputs {
     uint32_t rejected; ///< Samples of an unknown sensor, out of range or NaN: ignored and counted, wraps.
 } sd_inputs_t;
 
-/// Takes a sample. False, and counted, when it is of no known input or out of its range; the last reading then stands.
+/// Takes a sample. False, and counted, when it is of no known input or `value`, in the unit of its signal, is out of its range; the last
+/// reading then stands.
 bool sd_inputs_take(sd_inputs_t *self, uint16_t channel, uint32_t tick, float value);
 
 /// Compares every reading's age with its limit. Call it every 10 ms: between two calls a reading ages by no more than that.
@@ -38,12 +40,12 @@ void sd_inputs_age(sd_inputs_t *self, uint32_t tick, float tick_hz);
 /// Whether the input was read within its age limit.
 static inline bool sd_inputs_fresh(const sd_inputs_t *self, sd_input_t input) { return ((self->fresh >> (uint32_t)input) & 1u) != 0u; }
 
-/// The reading while it is fresh, otherwise the usual value of the table.
+/// The reading, in the unit of its signal, while it is fresh, otherwise the usual value of the table.
 static inline float sd_inputs_value(const sd_inputs_t *self, sd_input_t input) {
     return sd_inputs_fresh(self, input) ? self->reading[input].value : sd_input_infos[input].usual;
 }
 
-/// The reading while it is fresh, otherwise 0: for what is as it was calibrated where nobody measures it.
+/// The reading, in the unit of its signal, while it is fresh, otherwise 0: for what is as it was calibrated where nobody measures it.
 static inline float sd_inputs_value_or_0(const sd_inputs_t *self, sd_input_t input) {
     return sd_inputs_fresh(self, input) ? self->reading[input].value : 0.0f;
 }

@@ -17,6 +17,7 @@ extern "C" {
 
 #define SD_PUBLISH_PART 16u ///< Most events of one part; it also bounds the stack.
 
+/// Where signals go, and with which tick.
 typedef struct sd_publish {
     sd_signals_t signals;                ///< Present values.
     uint32_t     flags[SD_OWNER_COUNT];  ///< Of each owner's signals, as an event has them: health | why << 8.

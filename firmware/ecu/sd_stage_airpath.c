@@ -9,7 +9,8 @@ static bool lacks(const sd_calibration_t *page, bool fixed) { return fixed && (p
 sd_result_t sd_stage_airpath_init(sd_stage_airpath_t *self, const sd_calibration_t *page, const sd_parameters_t *p) {
     const bool fixed = wants_fixed(p);
     if (lacks(page, fixed)) { return SD_ERR_CONFIG; }
-    const sd_result_t result = fixed ? sd_stage_airpath_init_q31(&self->in.q31, page, p) : sd_stage_airpath_init_f32(&self->in.f32, page, p);
+    const sd_result_t result = fixed ? sd_stage_airpath_init_q31(&self->in.q31, page, p)
+        : sd_stage_airpath_init_f32(&self->in.f32, page, p);
     if (result == SD_OK) { self->fixed_point = fixed ? 1u : 0u; }
     return result;
 }

@@ -2,8 +2,8 @@
 /// sd_stage_airpath.h - diagnosis of the air path's actuators in the ecu, in its 10 ms task: inputs judged one by one, then the bank.
 ///
 /// A needed reading older than airpath.late_after, or a pressure or air flow that repeats itself to the last bit, rests the decisions until
-/// a new one comes. Once a sensor has repeated itself for airpath.stuck_after, or has been silent for its age limit (a reading out of range is as
-/// none), decisions are invalid, sums begin anew, and nothing is learned.
+/// a new one comes. Once a sensor has repeated itself for airpath.stuck_after, or has been silent for its age limit (a reading out of range
+/// is as none), decisions are invalid, sums begin anew, and nothing is learned.
 ///
 /// Two variants from one body: the usual ecu runs either, as airpath.arithmetic has it, an ecu of fixed point _q31, without floating-point
 /// arithmetic. Floats of inputs, parameters and of what is said are only carried there.
@@ -17,27 +17,28 @@ extern "C" {
 #endif
 
 #define SD_AIRPATH_NOISY 3 ///< Sensors that never read the same twice: air flow, intake and exhaust pressure.
-#define SD_AIRPATH_ACTUATORS 2
+#define SD_AIRPATH_ACTUATORS 2 ///< EGR valve and turbine vanes.
 #define SD_AIRPATH_SAID 4 ///< Decision functions that are said: those of the actuators.
 
 /// What a sensor that should be noisy read last.
 typedef struct sd_airpath_watch {
-    float    value;
-    uint32_t tick;
+    float    value;      ///< In the unit of its signal.
+    uint32_t tick;       ///< Capture ticks of that reading.
     uint32_t same_steps; ///< For how many steps it has not changed, saturating.
 } sd_airpath_watch_t;
 
 /// What the crank says at this time.
 typedef struct sd_stage_airpath_crank {
-    float   speed_rpm;
+    float   speed_rpm; ///< Of the crank.
     uint8_t health;    ///< sd_health_t of it.
     uint8_t cylinders; ///< 1 to 8.
 } sd_stage_airpath_crank_t;
 
 /// What is said of a step, in the units of the signals.
 typedef struct sd_stage_airpath_out {
-    float residual_kpa[SD_AIRPATH_RESIDUALS], offset_faults[SD_AIRPATH_RESIDUALS]; ///< As in sd_airpath_out_f32_t.
-    float decision[SD_AIRPATH_SAID];
+    float residual_kpa[SD_AIRPATH_RESIDUALS], offset_faults[SD_AIRPATH_RESIDUALS]; ///< Residuals; offsets per fault of interest, as in
+                                                                                   ///< sd_airpath_out_f32_t.
+    float decision[SD_AIRPATH_SAID]; ///< Sums of sd_cusum.h, log of a likelihood ratio, >= 0.
     float since_s;    ///< Time since the fault's most likely beginning; 0 without one.
     uint8_t fault;    ///< sd_airpath_fault_t.
     uint8_t phase;    ///< sd_airpath_phase_t.
@@ -45,6 +46,7 @@ typedef struct sd_stage_airpath_out {
     sd_status_t status;
 } sd_stage_airpath_out_t;
 
+/// State and functions of the stage in one number type: N is f32 or q31, T its type.
 #define SD_STAGE_AIRPATH_DECLARE(N, T)                                                                                 \
     /* Owned by the stage. */                                                                                          \
     typedef struct sd_stage_airpath_##N {                                                                              \
@@ -74,8 +76,10 @@ typedef struct sd_stage_airpath {
     uint8_t fixed_point; ///< 1: q31.
 } sd_stage_airpath_t;
 
+/// SD_OK, or SD_ERR_CONFIG with the state untouched: the page has no tables for the arithmetic that is asked for.
 sd_result_t sd_stage_airpath_init(sd_stage_airpath_t *self, const sd_calibration_t *page, const sd_parameters_t *p);
 sd_result_t sd_stage_airpath_configure(sd_stage_airpath_t *self, const sd_calibration_t *page, const sd_parameters_t *p);
+/// A period later: takes the readings as they stand and fills *out.
 void sd_stage_airpath_step(sd_stage_airpath_t *self, const sd_calibration_t *page, const sd_inputs_t *inputs,
                            const sd_stage_airpath_crank_t *crank, uint32_t tick, sd_stage_airpath_out_t *out);
 

@@ -17,7 +17,8 @@ sd_result_t sd_stage_driveline_init(sd_stage_driveline_t *self, const sd_calibra
     self->choice = damping_of(p);
     if (sd_driveline_damping_init(&self->damping, &self->choice) != SD_OK) { return SD_ERR_CONFIG; }
     if (driveline == NULL) { return SD_OK; }
-    if (!sd_page_driveline_ok(driveline) || (sd_driveline_guard_init_f32(&self->guard, &driveline->tables) != SD_OK)) { return SD_ERR_CONFIG; }
+    if (!sd_page_driveline_ok(driveline) ||
+        (sd_driveline_guard_init_f32(&self->guard, &driveline->tables) != SD_OK)) { return SD_ERR_CONFIG; }
     self->out.status.why = self->reference.status.why = SD_WHY_NO_SYNC;
     return SD_OK;
 }

@@ -43,12 +43,12 @@ typedef struct sd_stage_driveline {
     sd_driveline_hybrid_out_t reference;  ///< Of the last task.
     float    before_nm;    ///< Torque of all cylinders at the last tooth.
     float    mean_nm;      ///< Of the engine, over some 64 teeth.
-    float    torque_nms;   ///< Torque told since the last task, times time,
-    float    task_s;       ///< and that time.
+    float    torque_nms;   ///< Torque told since the last task, times time.
+    float    task_s;       ///< The time that `torque_nms` covers.
     uint32_t tick;         ///< Of the last placed tooth.
-    float    begun_rad;    ///< Torsion when the firing period under way began,
-    float    begun_s;      ///< how long ago that is,
-    float    still_s;      ///< and for how long the shaft has moved less than the tables' limit, from period to period.
+    float    begun_rad;    ///< Torsion when the firing period under way began.
+    float    begun_s;      ///< How long ago the firing period under way began.
+    float    still_s;      ///< For how long the shaft has moved less than the tables' limit, from period to period.
     uint16_t positions;    ///< Passed in it.
     uint8_t  hybrid_gear;  ///< That the reference runs in; 0: it rests.
 } sd_stage_driveline_t;

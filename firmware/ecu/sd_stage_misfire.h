@@ -17,7 +17,12 @@ extern "C" {
 #define SD_FUEL_UNKNOWN (-1.0f) ///< In place of a commanded fuel, mg.
 
 /// As misfire.method has it; from 1 on sd_wheel_kind_t + 1.
-typedef enum sd_method { SD_METHOD_MONITOR, SD_METHOD_FOLSMO, SD_METHOD_FOSMO, SD_METHOD_ROO } sd_method_t;
+typedef enum sd_method {
+    SD_METHOD_MONITOR, ///< From the torque of single firings (sd_misfire.h).
+    SD_METHOD_FOLSMO,  ///< Document 000's observers (sd_switched_wheel.h), and so below.
+    SD_METHOD_FOSMO,   ///< First order sliding mode.
+    SD_METHOD_ROO,     ///< Reduced order.
+} sd_method_t;
 
 /// Owned by the stage.
 typedef struct sd_stage_misfire {
@@ -25,15 +30,15 @@ typedef struct sd_stage_misfire {
     union { sd_wheel_f32_t f32; sd_wheel_q31_t q31; } wheel; ///< With another method than the monitor.
     sd_status_t status;              ///< Of the method's last firing.
     float    fuel_mg[SD_CYLINDERS_MAX]; ///< Commanded at the last TDC of each firing; SD_FUEL_UNKNOWN where no command was fresh.
-    float    fuel_level_min_percent;
+    float    fuel_level_min_percent; ///< Fuel level below which firings are not judged.
     float    work_per_mg;            ///< Work of 1 mg of fuel, per unit of the wheel's work base.
-    float    converted_mg;           ///< The fuel that `work` was made from,
-    sd_q31_t work;                   ///< in q31.
+    float    converted_mg;           ///< The fuel that `work` was made from.
+    sd_q31_t work;                   ///< Work of that fuel, per unit of the wheel's work base.
     uint16_t doubt;                  ///< Positions until no firing under way holds a tooth that was not trusted.
     uint8_t  method;                 ///< sd_method_t.
     uint8_t  fixed_point;            ///< 1: q31.
-    uint16_t position;               ///< Cycle position of the last placed tooth,
-    uint16_t until_tdc;              ///< and positions from there to the next TDC of a firing; 0: not known.
+    uint16_t position;               ///< Cycle position of the last placed tooth.
+    uint16_t until_tdc;              ///< Positions from `position` to the next TDC of a firing; 0: not known.
 } sd_stage_misfire_t;
 
 /// A firing that is to be judged, and what is known beside it.
@@ -42,11 +47,11 @@ typedef struct sd_stage_misfire_in {
     const sd_firing_t *read;    ///< Its torque; NULL where no filter runs, and the monitor says nothing.
     sd_status_t estimate;       ///< Of that torque.
     float   energy_j;           ///< Kinetic energy of the crank.
-    float   speed_radps;
-    bool    phase_known;
+    float   speed_radps;        ///< Of the crank at the firing.
+    bool    phase_known;        ///< The cycle's revolution is known.
     bool    geared;             ///< It is known that a gear is in and the clutch closed.
     bool    shifting;           ///< The controller says that a gear is being shifted.
-    bool    level_known;
+    bool    level_known;        ///< A fuel level was told.
     float   fuel_level_percent; ///< Where known.
 } sd_stage_misfire_in_t;
 

@@ -22,7 +22,9 @@ static bool ready(const sd_stage_mixture_t *self) { return self->afr.config.cyli
  * observer would take back what it was told. */
 static bool is_told(const sd_stage_mixture_t *self) { return self->afr.config.method == (uint8_t)SD_AFR_JOINT; }
 
-static sd_afr_tables_t tables_of(const sd_calibration_t *page) { return (sd_afr_tables_t){ .grid = &page->afr, .sine_q31 = page->fourier.sine_q31 }; }
+static sd_afr_tables_t tables_of(const sd_calibration_t *page) {
+    return (sd_afr_tables_t){ .grid = &page->afr, .sine_q31 = page->fourier.sine_q31 };
+}
 
 /* ---- init ------------------------------------------------------------------------------------------------------ */
 
@@ -32,7 +34,8 @@ static sd_result_t init_afr(sd_afr_t *afr, const sd_calibration_t *page, const s
                                .drift_slow = p->afr_cylinder_drift_slow, .jump = p->afr_cylinder_jump, .slow_above = p->afr_slow_mode_above,
                                .gain_air = p->afr_gain_air, .gain_cylinder = p->afr_gain_cylinder,
                                .inversion_gain = p->afr_inversion_gain, .inversion_floor = p->afr_inversion_floor,
-                               .gain_mass = p->afr_gain_mass, .turbine_drop = p->afr_turbine_drop, .turbine_rpm = p->afr_turbine_rated_rpm };
+                               .gain_mass = p->afr_gain_mass, .turbine_drop = p->afr_turbine_drop,
+                               .turbine_rpm = p->afr_turbine_rated_rpm };
     /* The joint filter has one arithmetic. */
     config.fixed_point = ((p->afr_arithmetic > 0.5f) && (config.method != (uint8_t)SD_AFR_JOINT)) ? 1u : 0u;
     for (uint32_t i = 0; i < page->cylinders; ++i) { config.firing_position[i] = page->firing_position[i]; }
@@ -160,7 +163,8 @@ static bool take_over(sd_stage_mixture_t *self, const sd_parameters_t *p, float 
     return true;
 }
 
-sd_result_t sd_stage_mixture_resume(sd_stage_mixture_t *self, const sd_calibration_t *page, const sd_parameters_t *p, const sd_afr_kept_t *kept) {
+sd_result_t sd_stage_mixture_resume(sd_stage_mixture_t *self, const sd_calibration_t *page, const sd_parameters_t *p,
+                                    const sd_afr_kept_t *kept) {
     if (!ready(self) || (self->delay.config.cylinders == 0u)) { return SD_OK; }
     if (sd_afr_delay_resume(&self->delay, page->afr.dead_s, kept) != SD_OK) { return SD_ERR_CONFIG; }
     if (p->afr_delay_learning >= 0.5f) { (void)take_over(self, p, 0.0f, &self->delay.learned); } /* at rest nothing is under way */

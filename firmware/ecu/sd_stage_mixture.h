@@ -19,16 +19,16 @@ extern "C" {
 typedef struct sd_stage_mixture {
     sd_afr_t       afr;
     sd_afr_delay_t delay;           ///< What it learned survives a loss of sync.
-    float    burned_sum;            ///< Of the samples since the last tooth,
-    uint32_t burned_count;          ///< and how many.
+    float    burned_sum;            ///< Sum of the burned shares sampled since the last tooth.
+    uint32_t burned_count;          ///< How many samples `burned_sum` holds.
     uint32_t cycle_samples;         ///< Samples in this cycle.
     float    pressure_sum;          ///< The same of the pressure in the manifold, bar.
-    uint32_t pressure_count;
-    float    waiting[SD_MIXTURE_WAITING]; ///< Burned share at positions not yet stepped, or SD_AFR_NO_SAMPLE,
-    float    waiting_bar[SD_MIXTURE_WAITING]; ///< and the pressure, or 0.
+    uint32_t pressure_count;        ///< How many samples `pressure_sum` holds.
+    float    waiting[SD_MIXTURE_WAITING]; ///< Burned share at positions not yet stepped, or SD_AFR_NO_SAMPLE.
+    float    waiting_bar[SD_MIXTURE_WAITING]; ///< Pressure in the manifold at those positions; 0: no sample.
     uint16_t waiting_position;      ///< Cycle position of the oldest of them.
-    uint8_t  waiting_first, waiting_count;
-    float    last_trim[SD_BALANCE_CYLINDERS_MAX]; ///< Of the last cycle, by firing order.
+    uint8_t  waiting_first, waiting_count; ///< Where the oldest of them stands; how many there are.
+    float    last_trim[SD_BALANCE_CYLINDERS_MAX]; ///< Trims of the last cycle, by firing order: fuel factor less 1.
     float    last_variance;         ///< Of a cylinder's mixture, of the mean, last cycle.
     float    egr_share;             ///< Recirculated of all that leaves the manifold, mean of some cycles; 0: none, or not known.
     uint8_t  probe_done;            ///< With or without an answer, since the trims were allowed.
@@ -36,20 +36,20 @@ typedef struct sd_stage_mixture {
 
 /// What is known at the end of a cycle.
 typedef struct sd_mixture_cycle {
-    float    speed_radps;
+    float    speed_radps;    ///< Mean of the cycle.
     bool     steady;         ///< Neither speed nor fuel moves, and everything burned.
     bool     trimming;       ///< Trims are wanted.
     bool     diverged;       ///< They were given up, because their phase is wrong.
     uint32_t trims_learned;  ///< Cycles in which they moved.
-    const float *trim;       ///< As commanded, by firing order.
+    const float *trim;       ///< As commanded, by firing order: fuel factor less 1.
 } sd_mixture_cycle_t;
 
 /// What is known of recirculation at the end of a cycle; at->egr_share is not read.
 typedef struct sd_mixture_egr {
-    const sd_afr_conditions_t *at;
-    float stoichiometric;    ///< Air to fuel.
+    const sd_afr_conditions_t *at; ///< Speed, pressure, fuel and temperature; not NULL.
+    float stoichiometric;    ///< Stoichiometric air to fuel ratio, by mass.
     float air_gps;           ///< Fresh air; 0: not known.
-    float opening;           ///< Of the valve, 0 closed, 1 open; 0: not known, and there is taken to be none.
+    float opening;           ///< Share that the valve is open, 0 closed, 1 open; 0: not known, and there is taken to be none.
 } sd_mixture_egr_t;
 
 /// What the stage says of a cycle, by firing order.
@@ -63,7 +63,8 @@ typedef struct sd_mixture_out {
 sd_result_t sd_stage_mixture_init(sd_stage_mixture_t *self, const sd_calibration_t *page, const sd_parameters_t *p);
 /// Goes on with what was kept of delay and lags; nothing to do without an exhaust in the page. SD_OK, or SD_ERR_CONFIG with the state
 /// untouched: it is of another sensor (sd_afr_delay_resume).
-sd_result_t sd_stage_mixture_resume(sd_stage_mixture_t *self, const sd_calibration_t *page, const sd_parameters_t *p, const sd_afr_kept_t *kept);
+sd_result_t sd_stage_mixture_resume(sd_stage_mixture_t *self, const sd_calibration_t *page, const sd_parameters_t *p,
+                                    const sd_afr_kept_t *kept);
 /// What to keep; all 0 without an exhaust in the page.
 void sd_stage_mixture_keep(const sd_stage_mixture_t *self, const sd_calibration_t *page, sd_afr_kept_t *kept);
 /// Other parameters: the filter begins anew, what was learned of the delay stays. SD_OK, or SD_ERR_CONFIG with the state untouched.
@@ -82,9 +83,10 @@ bool sd_stage_mixture_tooth(sd_stage_mixture_t *self, const sd_calibration_t *pa
 /// End of a cycle, first piece: the trims are told to the filter, and the delay learns from them. True: the delay was found to be far
 /// off, so that the trims' loop is another one now.
 bool sd_stage_mixture_learn(sd_stage_mixture_t *self, const sd_parameters_t *p, const sd_mixture_cycle_t *cycle);
-/// The share of what leaves the manifold that is recirculated, [0, SD_AFR_EGR_MAX]. By mass: what cylinders aspirate (intake pressure and the
-/// calibration's air for it) and fuel, less fresh air and fuel. Fresh air is the meter's, or what the mean lambda m of the exhaust has left,
-/// (1 + s) fuel/m less the fuel, which holds with recirculation too once the mixture stands. Mean of some 10 cycles; 0 while the valve
+/// The share of what leaves the manifold that is recirculated, [0, SD_AFR_EGR_MAX]. By mass: what cylinders aspirate (intake pressure and
+/// the calibration's air for it) and fuel, less fresh air and fuel. Fresh air is the meter's, or what the mean lambda m of the exhaust has
+/// left, (1 + s) fuel/m less the fuel, which holds with recirculation too once the mixture stands. Mean of some 10 cycles; 0 while the
+/// valve
 /// is shut.
 float sd_stage_mixture_recirculated(sd_stage_mixture_t *self, const sd_calibration_t *page, const sd_mixture_egr_t *egr);
 /// Next piece: notes the operating point of the coming cycle and says what the filter found.

@@ -26,10 +26,12 @@ void sd_stage_torque_jump(sd_stage_torque_t *self, sd_course_jump_t jump) {
 void sd_stage_torque_tooth(sd_stage_torque_t *self, const sd_calibration_t *page, const sd_tooth_t *tooth, sd_torque_out_t *out) {
     const uint8_t trusted = (tooth->health == (uint8_t)SD_VALID) ? 1u : 0u;
     if (self->fixed_point != 0u) {
-        out->mass_nm = sd_fourier_step_q31(&self->observer.q31, &page->fourier, tooth->cycle_position, tooth->advance, tooth->period_ticks, trusted);
+        out->mass_nm = sd_fourier_step_q31(&self->observer.q31, &page->fourier, tooth->cycle_position, tooth->advance, tooth->period_ticks,
+                                           trusted);
         out->status = sd_fourier_status_q31(&self->observer.q31);
     } else {
-        out->mass_nm = sd_fourier_step_f32(&self->observer.f32, &page->fourier, tooth->cycle_position, tooth->advance, tooth->period_ticks, trusted);
+        out->mass_nm = sd_fourier_step_f32(&self->observer.f32, &page->fourier, tooth->cycle_position, tooth->advance, tooth->period_ticks,
+                                           trusted);
         out->status = sd_fourier_status_f32(&self->observer.f32);
     }
     sd_status_worst_of(&out->status, tooth->health, tooth->why);

@@ -24,6 +24,7 @@ typedef struct sd_stage_trims {
     float trim[SD_BALANCE_CYLINDERS_MAX];   ///< As commanded: the balance's and a probe's, by firing order.
 } sd_stage_trims_t;
 
+/// What the trims are to be made from.
 typedef enum sd_trims_wish {
     SD_TRIMS_OFF,    ///< The controller forbids trims, or no source is chosen: they are 0.
     SD_TRIMS_LEARN,  ///< They follow the source.
@@ -32,7 +33,7 @@ typedef enum sd_trims_wish {
 
 /// What cylinders deviate by from their mean, over the mean, by firing order.
 typedef struct sd_deviations {
-    float   value[SD_CYLINDERS_MAX], sd[SD_CYLINDERS_MAX];
+    float   value[SD_CYLINDERS_MAX], sd[SD_CYLINDERS_MAX]; ///< Deviation of each cylinder from the mean, a share of it; its deviation.
     float   follow; ///< Share of a change that the estimate takes up in a cycle, (0, 1].
     uint8_t told;   ///< 1: the estimate knows of the trims as they are now; 0: it follows them.
     uint8_t health; ///< sd_health_t.

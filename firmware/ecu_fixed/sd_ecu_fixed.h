@@ -35,14 +35,15 @@ extern "C" {
 typedef struct sd_work {
     sd_cycle_t cycle;           ///< That ended.
     sd_status_t torque;         ///< Of the Fourier observer at its end.
-    sd_afr_estimate_t mixture;  ///< What the mixture stage said of it,
-    sd_status_t mixture_status; ///< and how good it is.
+    sd_afr_estimate_t mixture;  ///< What the mixture stage said of the last cycle.
+    sd_status_t mixture_status; ///< How good `mixture` is.
     uint16_t   said;            ///< Signals of its row already sent.
     uint8_t    piece;           ///< The piece that comes next.
     uint8_t    part;            ///< How many parts of it are done.
     uint8_t    steady;          ///< 1: neither speed nor fuel moved, and all fuel burned.
 } sd_work_t;
 
+/// State: plain data, caller-owned, without pointers into itself; write none of its fields.
 typedef struct sd_ecu {
     sd_parameters_t    working;   ///< The parameters that rule.
     sd_parameters_t    reference; ///< As they came with the page.
@@ -57,8 +58,8 @@ typedef struct sd_ecu {
     sd_fixed_mixture_t mixture;
     sd_fixed_trims_t   trims;
     sd_stage_airpath_q31_t airpath;
-    sd_stage_airpath_crank_t airpath_crank; ///< Of the last task,
-    sd_stage_airpath_out_t airpath_out;     ///< and what came of it.
+    sd_stage_airpath_crank_t airpath_crank; ///< What the crank said at the last task.
+    sd_stage_airpath_out_t airpath_out;     ///< What the air path said at the last task.
     sd_work_t          work;
     sd_publish_t       say;
     float    last_speed_radps, last_fuel_mg; ///< Of the last cycle, to see whether the engine is steady.
@@ -72,7 +73,7 @@ typedef struct sd_ecu {
     uint8_t  trims_wanted;   ///< 1: when balance.enable was last fresh, it allowed trims.
 } sd_ecu_t;
 
-/// As in sd_ecu.h.
+/// As in sd_ecu.h: SD_OK, or SD_ERR_CONFIG.
 sd_result_t sd_ecu_init(sd_ecu_t *self, const sd_calibration_t *page);
 /// As in sd_ecu.h.
 uint32_t sd_ecu_run(sd_ecu_t *self, const sd_calibration_t *page, const sd_port_t *port);

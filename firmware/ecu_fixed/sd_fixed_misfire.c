@@ -71,7 +71,8 @@ uint32_t sd_fixed_misfire_tooth(sd_fixed_misfire_t *self, const sd_calibration_t
     return sd_wheel_tooth_q31(&self->wheel, &page->wheel, &seen, self->work);
 }
 
-void sd_fixed_misfire_judge(sd_fixed_misfire_t *self, const sd_calibration_t *page, uint32_t firing, uint32_t inhibit, sd_wheel_verdict_q31_t *v) {
+void sd_fixed_misfire_judge(sd_fixed_misfire_t *self, const sd_calibration_t *page, uint32_t firing, uint32_t inhibit,
+                            sd_wheel_verdict_q31_t *v) {
     const uint32_t begins = (uint32_t)SD_INHIBIT_START | (uint32_t)SD_INHIBIT_ESTIMATE;
     const uint32_t doubtful = (self->doubt != 0u) ? (uint32_t)SD_INHIBIT_OUTSIDE : 0u;
     sd_wheel_judge_q31(&self->wheel, &page->wheel, firing, inhibit | doubtful, v);

@@ -13,7 +13,7 @@ extern "C" {
 typedef struct sd_fixed_misfire {
     sd_wheel_q31_t wheel;
     sd_status_t status;       ///< Of the last firing.
-    float    converted_mg;    ///< The fuel that `work` was made from, mg a stroke;
+    float    converted_mg;    ///< The fuel that `work` was made from, mg a stroke.
     sd_q31_t work;            ///< per unit of the wheel's work base, negative: not known.
     float    work_per_mg;     ///< That a milligram gives, per unit.
     uint32_t misfires;        ///< Since init.
@@ -31,7 +31,8 @@ void sd_fixed_misfire_spurious(sd_fixed_misfire_t *self, const sd_calibration_t 
 /// A placed tooth and the fuel commanded now, mg, below 0: not known. Returns the firing, + 1, that is to be read at it; 0: none.
 uint32_t sd_fixed_misfire_tooth(sd_fixed_misfire_t *self, const sd_calibration_t *page, const sd_tooth_t *tooth, float fuel_mg);
 /// Judges a firing; inhibit: sd_inhibit_t bits that the caller knows of.
-void sd_fixed_misfire_judge(sd_fixed_misfire_t *self, const sd_calibration_t *page, uint32_t firing, uint32_t inhibit, sd_wheel_verdict_q31_t *v);
+void sd_fixed_misfire_judge(sd_fixed_misfire_t *self, const sd_calibration_t *page, uint32_t firing, uint32_t inhibit,
+                            sd_wheel_verdict_q31_t *v);
 
 #ifdef __cplusplus
 }

@@ -14,8 +14,8 @@ extern "C" {
 
 /// Samples of a sensor since the last tooth.
 typedef struct sd_fixed_mean {
-    int64_t  sum;
-    uint32_t count;
+    int64_t  sum;   ///< Of the samples, each in q31.
+    uint32_t count; ///< Of them.
 } sd_fixed_mean_t;
 
 /// Owned by the stage; idle without an exhaust in the page, or with a method that is not the chain's.
@@ -23,10 +23,11 @@ typedef struct sd_fixed_mixture {
     sd_afr_point_q31_t point;
     sd_afr_chain_q31_t chain;
     sd_fixed_mean_t air, pressure;  ///< Air fraction, and bar over SD_EXHAUST_BAR.
-    sd_q31_t waiting_air[SD_MIXTURE_WAITING], waiting_pressure[SD_MIXTURE_WAITING]; ///< At positions not yet stepped.
+    sd_q31_t waiting_air[SD_MIXTURE_WAITING], waiting_pressure[SD_MIXTURE_WAITING]; ///< At positions not yet stepped: air fraction, and
+                                                                                    ///< pressure per unit of SD_EXHAUST_BAR bar.
     uint16_t waiting_position;      ///< Cycle position of the oldest of them.
-    uint8_t  waiting_first, waiting_count;
-    uint16_t cycle_positions;
+    uint8_t  waiting_first, waiting_count; ///< Where the oldest of them stands; how many there are.
+    uint16_t cycle_positions; ///< Wheel positions in a cycle.
     uint32_t cycle_samples;         ///< Of lambda, in this cycle.
     uint32_t cycles;                ///< Since a start.
     uint8_t  present;               ///< 0: idle, and the page has no exhaust; 1: idle, for the method is not built; 2: it runs.

@@ -12,6 +12,7 @@
 extern "C" {
 #endif
 
+/// What the trims are to be made from.
 typedef enum sd_trims_wish {
     SD_TRIMS_OFF,    ///< The controller forbids trims, or no source is chosen: they are 0.
     SD_TRIMS_LEARN,  ///< They follow the mixture.
@@ -21,9 +22,9 @@ typedef enum sd_trims_wish {
 /// All zero is a valid start.
 typedef struct sd_fixed_trims {
     sd_q31_t trim[SD_CYLINDERS_MAX]; ///< Fuel factor less 1, by firing order.
-    sd_q31_t last[SD_CYLINDERS_MAX]; ///< Deviations of the last cycle that moved them.
+    sd_q31_t last[SD_CYLINDERS_MAX]; ///< Deviations of the last cycle that moved them, share of the mean.
     uint16_t hold;                   ///< Cycles left on hold.
-    uint8_t  has_last, at_limit, not_built;
+    uint8_t  has_last, at_limit, not_built; ///< 1: `last` is there; a trim is at its limit; what was wished is not in this ecu.
 } sd_fixed_trims_t;
 
 /// Trims to 0, all forgotten.

@@ -36,7 +36,7 @@
 extern "C" {
 #endif
 
-#define SD_MISFIRE_CYLINDERS_MAX SD_CYLINDERS_MAX
+#define SD_MISFIRE_CYLINDERS_MAX SD_CYLINDERS_MAX ///< Cylinders of an engine.
 
 /// SI units but for fuel; read by init only, need not outlive it.
 typedef struct sd_misfire_config {
@@ -46,12 +46,12 @@ typedef struct sd_misfire_config {
     float    cyclic;             ///< Largest usual standard deviation of a healthy firing's work over its mean, [0.001, 0.5].
     float    z_false, z_missed;  ///< Wanted distances in deviations: 3.54 is 2 in 10,000, 2.58 is 5 in 1000; [1, 6].
     float    definition;         ///< Share of the work below which it is a misfire, [0.2, 0.8].
-    float    partial;            ///< Share below which it is a partial burn, [definition, 1].
+    float    partial;            ///< Share of the work below which it is a partial burn, [definition, 1].
     float    fuel_min_mg;        ///< Below it there is nothing to monitor, > 0.
     float    torque_min_nm;      ///< The same for the expected torque, >= 0.
     float    speed_change;       ///< Change of speed from firing to firing beyond which the gear is being shifted, (0, 1].
-    uint16_t start_firings;      ///< Not monitored after a start.
-    uint16_t hold_firings;       ///< Not monitored after fuel cut or a shift, whoever noticed it.
+    uint16_t start_firings;      ///< Not monitored after a start, any number.
+    uint16_t hold_firings;       ///< Not monitored after fuel cut or a shift, whoever noticed it, any number.
     uint16_t continuous_firings; ///< Of a cylinder, all misfires, from which it counts as continuous; >= 2.
     float    emission_percent;   ///< Of the firings in 1000 revolutions, [0.001, 100].
     float    catalyst_percent;   ///< Of the firings in 200 revolutions, [0.001, 100].
@@ -59,8 +59,9 @@ typedef struct sd_misfire_config {
     uint16_t catalyst_exceedances; ///< Windows that make it blink; >= 1.
 } sd_misfire_config_t;
 
+/// The malfunction lamp.
 typedef enum sd_lamp {
-    SD_LAMP_OFF = 0,
+    SD_LAMP_OFF = 0,      ///< No window was exceeded.
     SD_LAMP_PENDING = 1,  ///< A window was exceeded.
     SD_LAMP_ON = 2,       ///< Emissions.
     SD_LAMP_BLINKS = 3,   ///< Catalyst.
@@ -79,17 +80,19 @@ typedef struct sd_misfire_firing {
     float   energy_j;     ///< Kinetic energy of the crank; widens what counts as a shift by what a misfire does. 0: unknown.
 } sd_misfire_firing_t;
 
+/// What is said of a firing.
 typedef struct sd_misfire_verdict {
     uint8_t verdict;   ///< sd_verdict_t.
     uint8_t inhibit;   ///< sd_inhibit_t bits, 0 when judged.
     uint8_t firing;    ///< In firing order, from 0.
     uint8_t cylinder;  ///< Physical, from 1.
-    float   index, index_sd, limit; ///< 0 when not judged. index_sd: sd_0.
+    float   index, index_sd, limit; ///< Torque given over torque expected; sd_0, the deviation of a healthy one; limit of the index. 0 when
+                                    ///< not judged.
 } sd_misfire_verdict_t;
 
 /// Firings and misfires in a window, by physical cylinder.
 typedef struct sd_misfire_window {
-    uint32_t firings, misfires[SD_MISFIRE_CYLINDERS_MAX];
+    uint32_t firings, misfires[SD_MISFIRE_CYLINDERS_MAX]; ///< Monitored, of all cylinders; misfires of each.
 } sd_misfire_window_t;
 
 /// Decisions and rates; those of a window are of the last complete one.
@@ -109,15 +112,15 @@ typedef struct sd_misfire {
     uint8_t  learned[SD_MISFIRE_CYLINDERS_MAX];    ///< Firings that the factor has learned from, up to 64.
     uint16_t in_row[SD_MISFIRE_CYLINDERS_MAX];     ///< Misfires, by firing.
     uint8_t  scatter_seen;                         ///< Firings that the scatter has learned from, up to 64.
-    float    scatter;                              ///< r; 1 at init.
-    float    last_off;                             ///< Of the firing before, off its level; 0: unknown.
+    float    scatter;                              ///< r, a mean of squares over the expected one, >= 0; 1 at init.
+    float    last_off;                             ///< Index of the firing before less its level, over sd_0; 0: unknown.
     float    off_square, off_product;              ///< Running means, of neighbours both healthy; their ratio is rho.
-    float    last_speed_radps, test_ratio, innovation;
+    float    last_speed_radps, test_ratio, innovation; ///< At the last firing; the last two as in sd_status_t.
     uint16_t hold, since_start;                    ///< Firings left; firings since start, saturating.
-    uint16_t rejected, emission_exceeded, catalyst_exceeded, why;
-    uint8_t  health, lamp, suspects;
-    uint8_t  first_1000_done;
-    uint32_t firings, misfires, partial_burns;
+    uint16_t rejected, emission_exceeded, catalyst_exceeded, why; ///< As in the report and in its status.
+    uint8_t  health, lamp, suspects;               ///< As in the report and in its status.
+    uint8_t  first_1000_done;                      ///< 1: the first 1000 revolutions are over.
+    uint32_t firings, misfires, partial_burns;     ///< Judged since init, saturating.
     sd_misfire_window_t running_200, running_1000, last_200, last_1000;
     sd_misfire_config_t config;
 } sd_misfire_t;

@@ -2,13 +2,13 @@
 /// sd_switched.h - the switched observers of document 000: ROO, FOSMO and FOLSMO, for the crank's acceleration.
 ///
 /// Plant: v1' = v2, v2' = -k2 v2 - k1 v1 + C Q. All cylinders share its numbers; which of them is active shows in the input C Q
-/// alone, so switching is the caller's choice of input. With e1 = y - v1^ (the document's sign restored, docs/theory/misfire.md):
+/// alone, so switching is the caller's choice of input. With e1 = y - v1^ (the document's sign restored, docs/theory/observers.md):
 ///   FOLSMO  v1^' = v2^,  v2^' = -k2 v2^ - k1 v1^ + C Q + L e1 + rho sgn(e1)          equations (5), (6)
 ///   FOSMO   the same with L = 0
 ///   ROO     z' = -(k2 + l) z - (k1 + l (k2 + l)) y + C Q,  v2^ = z + l y
 /// All three are one step, x+ = x + D x + g (u + rho sgn(e1)) + h ym, acceleration = x2 + l y, with different numbers:
 /// L stands in D and h, ROO has x1 = 0. u is the mean input over the step and ym the mean of its two samples, so the
-/// step is exact but for the curvature of y within it; sgn(e1) is held over a step. docs/theory/misfire.md says what each is
+/// step is exact but for the curvature of y within it; sgn(e1) is held over a step. docs/theory/observers.md says what each is
 /// worth: none of them finds a misfire that its input does not know of.
 ///
 /// A table is made for one length of the step: an interval of time, or of crank angle where k1, k2 and the input are those of the

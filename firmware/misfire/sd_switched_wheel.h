@@ -31,7 +31,13 @@ extern "C" {
 #define SD_WHEEL_POSITIONS_MAX 120 ///< Of a revolution.
 #define SD_WHEEL_INDEX_BITS    4   ///< An index is per unit of 16.
 
-typedef enum sd_wheel_kind { SD_WHEEL_FOLSMO, SD_WHEEL_FOSMO, SD_WHEEL_ROO, SD_WHEEL_KINDS } sd_wheel_kind_t;
+/// Which of document 000's observers.
+typedef enum sd_wheel_kind {
+    SD_WHEEL_FOLSMO, ///< First order Luenberger sliding mode, equations (5), (6).
+    SD_WHEEL_FOSMO,  ///< First order sliding mode.
+    SD_WHEEL_ROO,    ///< Reduced order.
+    SD_WHEEL_KINDS,  ///< Their number.
+} sd_wheel_kind_t;
 
 /// What happens at a position of the cycle: a firing + 1, or 0; flags.
 #define SD_WHEEL_OPENS(mark) ((uint32_t)(mark) & 15u)         ///< Its window begins behind this position.

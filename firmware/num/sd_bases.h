@@ -29,7 +29,9 @@ static inline sd_q31_t sd_times_q31(sd_q31_t a, sd_q31_t b, int up) { return sd_
 
 /* The same, in q31 to the nearest: for what is summed up over many steps. */
 static inline float    sd_times_near_f32(float a, float b, int up)       { (void)up; return a * b; }
-static inline sd_q31_t sd_times_near_q31(sd_q31_t a, sd_q31_t b, int up) { return sd_sat_q31(((int64_t)a * b + ((int64_t)1 << (30 - up))) >> (31 - up)); }
+static inline sd_q31_t sd_times_near_q31(sd_q31_t a, sd_q31_t b, int up) {
+    return sd_sat_q31(((int64_t)a * b + ((int64_t)1 << (30 - up))) >> (31 - up));
+}
 /* A float that is carried (of an input, of a parameter) as a quantity, and a quantity as one; in q31 per unit of 2^bits, by integers. */
 static inline float       sd_given_f32(float x, int bits)    { (void)bits; return x; }
 static inline sd_q31_t    sd_given_q31(float x, int bits)    {
@@ -48,8 +50,9 @@ static inline sd_q31_t sd_part_q31(sd_q31_t part, sd_q31_t x) { return (sd_q31_t
 /* Sums of products of coefficients and quantities, with one rounding at the end. In q31 a coefficient is per unit of 32 times what the
  * bases say, and those of a sum, signs left out, add up to less than that. */
 #define SD_WIDE_BITS 5
+/// A sum that one value of 31 bits has no room for; in f32 a value like any other.
 typedef float   sd_wide_f32_t;
-typedef int64_t sd_wide_q31_t;
+typedef int64_t sd_wide_q31_t; ///< The same in q31.
 static inline float   sd_wide_of_f32(float x)                                     { return x; }
 static inline int64_t sd_wide_of_q31(sd_q31_t x)                                  { return (int64_t)x * (1 << (31 - SD_WIDE_BITS)); }
 static inline float   sd_wide_mul_f32(float coefficient, float x)                 { return coefficient * x; }
@@ -63,7 +66,9 @@ static inline float   sd_wide_add_f32(float a, float b)                         
 static inline int64_t sd_wide_add_q31(int64_t a, int64_t b)                       { return a + b; }
 /* A coefficient that moves by a part of [0, 1) of another one, both of which fit into one sum. */
 static inline float    sd_wide_moved_f32(float from, float part, float by)        { return from + part * by; }
-static inline sd_q31_t sd_wide_moved_q31(sd_q31_t from, sd_q31_t part, sd_q31_t by) { return from + (sd_q31_t)(((int64_t)part * by) >> 32) * 2; }
+static inline sd_q31_t sd_wide_moved_q31(sd_q31_t from, sd_q31_t part, sd_q31_t by) {
+    return from + (sd_q31_t)(((int64_t)part * by) >> 32) * 2;
+}
 static inline float    sd_wide_end_f32(float sum)                                 { return sum; }
 static inline sd_q31_t sd_wide_end_q31(int64_t sum)                               { return sd_sat_q31(sum >> (31 - SD_WIDE_BITS)); }
 /* Whether `count` coefficients may stand in one sum. */

@@ -8,11 +8,11 @@
 extern "C" {
 #endif
 
-#define SD_PI            3.14159265f
-#define SD_TWO_PI        6.2831853f
-#define SD_RAD_PER_DEG   0.017453293f
-#define SD_RADPS_PER_RPM 0.10471976f
-#define SD_RPM_PER_RADPS 9.5492966f
+#define SD_PI            3.14159265f  ///< Pi.
+#define SD_TWO_PI        6.2831853f   ///< Two pi.
+#define SD_RAD_PER_DEG   0.017453293f ///< Radians in a degree.
+#define SD_RADPS_PER_RPM 0.10471976f  ///< rad/s in a revolution a minute.
+#define SD_RPM_PER_RADPS 9.5492966f   ///< Revolutions a minute in a rad/s.
 
 /// True for low <= x <= high, false for NaN.
 static inline bool sd_within(float x, float low, float high) { return (x >= low) && (x <= high); }

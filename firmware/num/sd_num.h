@@ -26,13 +26,16 @@ typedef int32_t sd_q31_t; /* LSB 4.66e-10 per unit */
 _Static_assert((-1 >> 1) == -1, "q31 needs an arithmetic right shift");
 #endif
 
+/// A constant factor, and below it the same in q31.
 typedef struct { float factor; } sd_gain_f32_t;
 typedef struct { sd_q31_t mantissa; int32_t exponent; } sd_gain_q31_t; /* value = mantissa 2^(exponent - 31) */
+/// A row of a matrix, and below it the same in q31.
 typedef struct { float factor[4]; } sd_row_f32_t;
 typedef struct { sd_q31_t mantissa[4]; } sd_row_q31_t;                   /* value = mantissa 2^(SD_ROW_BITS - 31) */
 typedef float   sd_acc_f32_t;
 typedef int64_t sd_acc_q31_t;
 
+/// x cut to what 31 bits hold.
 static inline sd_q31_t sd_sat_q31(int64_t x) {
     const int32_t low = (int32_t)(uint32_t)x, high = (int32_t)(x >> 32);
     return (high == (low >> 31)) ? low : (high >> 31) ^ INT32_MAX;
@@ -71,6 +74,7 @@ static inline sd_q31_t sd_high_q31(int64_t x) {
     return sd_add_q31(high, high) | (sd_q31_t)((uint32_t)x >> 31);
 }
 
+/// Sum, difference, product, size and opposite; a factor times a value. q31 saturates and rounds down.
 static inline float    sd_add_f32(float a, float b)       { return a + b; }
 static inline float    sd_sub_f32(float a, float b)       { return a - b; }
 static inline float    sd_mul_f32(float a, float b)       { return a * b; }
@@ -145,7 +149,9 @@ static inline sd_q31_t sd_q31_by_integers(float x) {
     const sd_scaled_t a = sd_scaled_of(x);
     return (a.mantissa < 0) ? -sd_scaled_to_q31(sd_scaled_neg(a)) - ((a.exponent > 0) ? 1 : 0) : sd_scaled_to_q31(a);
 }
-static inline sd_q31_t sd_from_float_q31(float x)    { return SD_BY_INTEGERS ? sd_q31_by_integers(x) : sd_sat_q31((int64_t)(x * 2147483648.0f)); }
+static inline sd_q31_t sd_from_float_q31(float x)    {
+    return SD_BY_INTEGERS ? sd_q31_by_integers(x) : sd_sat_q31((int64_t)(x * 2147483648.0f));
+}
 static inline float    sd_to_float_f32(float x)      { return x; }
 static inline float    sd_to_float_q31(sd_q31_t x)   { return SD_BY_INTEGERS ? sd_float_q31(x) : (float)x * (1.0f / 2147483648.0f); }
 static inline float    sd_from_q31_f32(sd_q31_t x)   { return (float)x * (1.0f / 2147483648.0f); }
@@ -163,6 +169,7 @@ static inline sd_gain_q31_t sd_gain_of_q31(float value) { return sd_gain_scaled_
 /* What a kernel does at init and once a cycle with numbers of any size: sd_real_N_t, in f32 floats, in q31 scaled integers. */
 typedef float       sd_real_f32_t;
 typedef sd_scaled_t sd_real_q31_t;
+/// The same of numbers of any size, for what init works out: sd_real_f32_t is a float, sd_real_q31_t a scaled number (sd_scaled.h).
 static inline float       sd_real_of_f32(float x)                          { return x; }
 static inline sd_scaled_t sd_real_of_q31(float x)                          { return sd_scaled_of(x); }
 static inline float       sd_real_int_f32(int32_t x)                      { return (float)x; }

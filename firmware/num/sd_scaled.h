@@ -15,11 +15,13 @@
 extern "C" {
 #endif
 
+/// A number: mantissa times a power of two.
 typedef struct sd_scaled {
     int32_t mantissa; ///< 0, or 2^30 to 2^31 in size.
     int32_t exponent; ///< value = mantissa 2^(exponent - 31).
 } sd_scaled_t;
 
+/// The bits of a float, and the float of bits.
 static inline uint32_t sd_bits_of(float x) {
     union { float f; uint32_t u; } both;
     both.f = x;
@@ -54,7 +56,7 @@ static inline bool sd_bits_between(float x, float above, float below) {
 
 /* ---- making one ----------------------------------------------------------------------------------------------------- */
 
-#define SD_SCALED_ZERO ((sd_scaled_t){ 0, 0 })
+#define SD_SCALED_ZERO ((sd_scaled_t){ 0, 0 }) ///< The number 0.
 
 /// m 2^exponent for any whole m.
 static inline sd_scaled_t sd_scaled_make(int64_t m, int32_t exponent) {
@@ -77,6 +79,7 @@ static inline sd_scaled_t sd_scaled_narrow(int32_t m, int32_t exponent) {
 static inline sd_scaled_t sd_scaled_int(int32_t x)  { return sd_scaled_narrow(x, 0); }
 static inline sd_scaled_t sd_scaled_q31(int32_t x)  { return sd_scaled_narrow(x, -31); }
 
+/// The number that a float is. Not for NaN.
 static inline sd_scaled_t sd_scaled_of(float x) {
     const uint32_t u = sd_bits_of(x), e = (u >> 23) & 0xffu;
     if ((e == 0u) || (e == 255u)) { return SD_SCALED_ZERO; } /* zero and what is next to it */
@@ -86,6 +89,7 @@ static inline sd_scaled_t sd_scaled_of(float x) {
 
 /* ---- arithmetic ----------------------------------------------------------------------------------------------------- */
 
+/// Opposite, size of the mantissa, sum, difference, and whether one is below another.
 static inline sd_scaled_t sd_scaled_neg(sd_scaled_t a) { return (sd_scaled_t){ -a.mantissa, a.exponent }; }
 
 static inline uint32_t sd_scaled_size(sd_scaled_t a) { return (uint32_t)((a.mantissa < 0) ? -a.mantissa : a.mantissa); }

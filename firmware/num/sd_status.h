@@ -33,7 +33,7 @@ typedef enum sd_why {
 
 /// Outcome of an init or a command. 0 is success; a negative value leaves the state as it was.
 typedef enum sd_result {
-    SD_OK         = 0,
+    SD_OK         = 0,  ///< Done.
     SD_ERR_CONFIG = -1, ///< A configuration field is outside the range documented beside it (NaN included).
     SD_ERR_PAGE   = -2, ///< A calibration page is truncated, of another version, or its checksum is wrong.
 } sd_result_t;

@@ -11,10 +11,10 @@ extern "C" {
 
 #ifdef SD_ECU_FIXED
 #define V(verb) sd_real_##verb##_q31
-typedef sd_real_q31_t sd_value_t;
+typedef sd_real_q31_t sd_value_t; ///< A number that init works with.
 #else
 #define V(verb) sd_real_##verb##_f32
-typedef sd_real_f32_t sd_value_t;
+typedef sd_real_f32_t sd_value_t; ///< A number that init works with.
 #endif
 
 #ifdef __cplusplus

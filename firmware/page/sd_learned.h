@@ -19,6 +19,7 @@ typedef struct sd_kept {
     sd_afr_kept_t     mixture; ///< Delay and lags of the lambda sensor.
 } sd_kept_t;
 
+/// All that an ecu has learned, as it is kept while the engine is off.
 typedef struct sd_learned {
     sd_page_head_t head;
     sd_kept_t      kept;

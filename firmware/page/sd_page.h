@@ -13,6 +13,7 @@
 extern "C" {
 #endif
 
+/// Begins every page.
 typedef struct sd_page_head {
     uint32_t magic;     ///< Kind and format of the page; the last character counts formats.
     uint32_t bytes;     ///< Size of the whole page, this head included.

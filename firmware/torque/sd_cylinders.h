@@ -17,12 +17,13 @@
 extern "C" {
 #endif
 
+/// Part of the calibration page, read only.
 typedef struct sd_cylinder_map {
     uint8_t cylinders; ///< 1 to SD_CYLINDERS_MAX; 0: the harmonics are too few to tell the cylinders apart.
     uint8_t harmonics; ///< n_h of the observer.
-    float gain_energy, gain_mean, gain_reference; ///< Of the observer, as in sd_fourier_config_t.
+    float gain_energy, gain_mean, gain_reference; ///< Gains of the observer that it was made for, as in sd_fourier_config_t.
     float map[SD_CYLINDERS_MAX][2 * SD_FOURIER_HARMONICS_MAX + 1]; ///< By firing order; N m for a N m of coefficient.
-    float offset_nm[SD_CYLINDERS_MAX];
+    float offset_nm[SD_CYLINDERS_MAX];  ///< Motored torque of each cylinder at no intake pressure.
     float nm_per_bar[SD_CYLINDERS_MAX]; ///< Of intake pressure.
     float sd_kgm2[SD_CYLINDERS_MAX]; ///< Standard deviation over omega^2 and over the tooth times' error in rad.
 } sd_cylinder_map_t;

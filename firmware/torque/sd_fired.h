@@ -45,8 +45,8 @@ extern "C" {
 typedef struct sd_fired_sums {
     float cycles, psi, psi2;                    ///< Sum of 1, psi, psi^2 over cycles.
     float square;                               ///< Sum over cycles of the mean over teeth of m^2.
-    float late[SD_KALMAN_POSITIONS_MAX];        ///< Sum of m over cycles, rad,
-    float late_psi[SD_KALMAN_POSITIONS_MAX];    ///< and of psi m.
+    float late[SD_KALMAN_POSITIONS_MAX];        ///< Sum of m over cycles, rad.
+    float late_psi[SD_KALMAN_POSITIONS_MAX];    ///< Sum of psi m over cycles, rad.
     sd_hidden_t hidden[SD_KALMAN_HIDDEN_MAX];
 } sd_fired_sums_t;
 
@@ -56,7 +56,7 @@ typedef struct sd_fired_cycle {
     float psi, scale_nm;   ///< Mean torque over J w^2; J w^2.
     float charge_bar;      ///< Mean of the cylinders.
     float fuel_mg;         ///< Commanded for a firing; below 0: not known.
-    float firing_nm[SD_KALMAN_FIRINGS_MAX];
+    float firing_nm[SD_KALMAN_FIRINGS_MAX]; ///< Torque of each firing, as the filter had it.
     uint8_t steady;        ///< 1: the commanded fuel has not moved lately, and the filter had its teeth corrected.
 } sd_fired_cycle_t;
 
@@ -67,17 +67,18 @@ typedef struct sd_fired_pattern {
     float tooth_rad;      ///< The same without hidden directions.
     float found_rad;      ///< Its rms over the teeth.
     float hidden_share;   ///< Standard deviation of a firing less the mean of all that hidden directions leave, over J w^2.
-    float cycles;
+    float cycles;         ///< Number of cycles that it was learned in.
 } sd_fired_pattern_t;
 
 /// What only the task touches.
 typedef struct sd_fired_task {
-    float known[SD_KALMAN_PARTS_MAX]; ///< Q' S of the pattern without hidden directions.
+    float known[SD_KALMAN_PARTS_MAX]; ///< Q' S of the pattern without hidden directions, rad.
     float left_rad2;      ///< Variance that the fit leaves of a tooth in a cycle.
     uint8_t since;        ///< Cycles since the pattern was placed.
     uint8_t placed;       ///< 1: the pattern that is not in use is a new one.
 } sd_fired_task_t;
 
+/// State: plain data, caller-owned, copyable; fields are for logs, write none of them.
 typedef struct sd_fired {
     sd_fired_cycle_t cycle[2];
     sd_fired_pattern_t pattern[2];
@@ -87,7 +88,7 @@ typedef struct sd_fired {
     uint8_t steady;       ///< Cycles since the commanded fuel changed, saturating.
     uint8_t following;    ///< 1: the cycle under way was seen from its start.
     uint8_t collects;     ///< Which cycle teeth write.
-    uint8_t waits;        ///< 1: the other one was seen whole and is not in the sums yet;
+    uint8_t waits;        ///< 1: the other one was seen whole and is not in the sums yet.
     uint8_t handed;       ///< 1: the task has it.
     uint8_t used;         ///< Which pattern is in use.
     uint16_t teeth;       ///< Taken in the cycle under way.

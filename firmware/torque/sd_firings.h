@@ -116,10 +116,10 @@ bool sd_firings_task_end(sd_firings_t *self);
 /// The tooth pattern as it is believed now.
 typedef struct sd_firings_pattern {
     const float *late_rad; ///< How late each tooth of a revolution comes, rad; NULL: nothing is believed.
-    float cycles;          ///< That it was learned in; where nothing is believed, cycles without fuel so far.
+    float cycles;          ///< Number of cycles that it was learned in; where nothing is believed, of cycles without fuel so far.
     float sd_rad;          ///< Its standard deviation; 0: nothing learned.
-    float tooth_rad;       ///< Of that what teeth have by themselves, or the deviation of a wheel that is not known,
-    float hidden_share;    ///< and what the rest leaves in a firing less the mean of all, over J w^2.
+    float tooth_rad;       ///< The part of sd_rad that teeth have by themselves, or the deviation of a wheel that is not known.
+    float hidden_share;    ///< What the other part leaves in a firing less the mean of all, over J w^2.
 } sd_firings_pattern_t;
 
 /// The pattern that is known best: from fuel cut, from firing, or none.

@@ -25,8 +25,8 @@
 extern "C" {
 #endif
 
-#define SD_FOURIER_HARMONICS_MAX 12
-#define SD_FOURIER_POSITIONS_MAX 120
+#define SD_FOURIER_HARMONICS_MAX 12  ///< Harmonics of the cycle.
+#define SD_FOURIER_POSITIONS_MAX 120 ///< Wheel positions a revolution.
 
 /// SI units; read by init only, need not outlive it.
 typedef struct sd_fourier_config {
@@ -36,7 +36,7 @@ typedef struct sd_fourier_config {
     float    gain_mean;        ///< L_a0, 1/rad^2, > 0.
     float    gain_reference;   ///< L_ref, 1/rad^2, > 0 and below the limit above.
     float    reject_energy;    ///< |e| / E beyond which a tooth is left out, (0, 1]; 1 leaves out hardly any.
-    uint16_t settle_steps;     ///< Teeth until the estimate counts as converged.
+    uint16_t settle_steps;     ///< Teeth until the estimate counts as converged, any number.
     float    tick_hz;          ///< Capture ticks a second, [1e5, 2e8].
     float    speed_base_radps; ///< Highest speed, (0, 2000]; per-unit base of q31.
     float    torque_base_nm;   ///< Highest |coefficient| and |torque|, (0, 20000]; per-unit base of q31.
@@ -47,7 +47,7 @@ typedef struct sd_fourier_tables {
     float   inertia_base_kgm2;                      ///< Largest J, (0, 10].
     /// [positions]: J half a pitch before each position over the largest, (0, 1], times 2^31, saturated.
     int32_t inertia_q31[SD_FOURIER_POSITIONS_MAX];
-    /// [2 positions]: sin(pi k / positions) 2^31, saturated, within 4e-6; periodic over the cycle.
+    /// [2 positions]: sin(pi k / positions) 2^31, saturated, each within 4e-6 below 1; periodic over the cycle.
     int32_t sine_q31[2 * SD_FOURIER_POSITIONS_MAX];
 } sd_fourier_tables_t;
 

@@ -16,12 +16,19 @@
 extern "C" {
 #endif
 
-enum { SD_HIDDEN_FUEL, SD_HIDDEN_CHARGE, SD_HIDDEN_MEAN, SD_HIDDEN_PATTERN, SD_HIDDEN_STATES };
+/// Coefficients of a direction's reading, in the order of the head of this file.
+enum {
+    SD_HIDDEN_FUEL,    ///< k, N m per mg.
+    SD_HIDDEN_CHARGE,  ///< o, N m per bar.
+    SD_HIDDEN_MEAN,    ///< e, share of the mean torque.
+    SD_HIDDEN_PATTERN, ///< p, rad.
+    SD_HIDDEN_STATES   ///< Their number.
+};
 
 /// What is known of one. Kept when the engine is off. All 0: nothing is known yet.
 typedef struct sd_hidden {
-    float x[SD_HIDDEN_STATES];  ///< k, o, e, p.
-    float c[SD_HIDDEN_STATES * (SD_HIDDEN_STATES + 1) / 2]; ///< Their covariance: row i, column j <= i at i (i + 1) / 2 + j.
+    float x[SD_HIDDEN_STATES];  ///< Coefficients k, o, e, p.
+    float c[SD_HIDDEN_STATES * (SD_HIDDEN_STATES + 1) / 2]; ///< Their variances and covariances: row i, column j <= i at i (i + 1) / 2 + j.
     float speed_radps, fuel_mg; ///< Operating point that e belongs to.
 } sd_hidden_t;
 
@@ -29,10 +36,10 @@ typedef struct sd_hidden {
 typedef struct sd_hidden_reading {
     float z_nm;      ///< What the firings read in this direction, as if there were no pattern in it, N m.
     float fuel_mg;   ///< Commanded for a firing, above 0.
-    float charge_bar;
+    float charge_bar; ///< Mean of the cylinders' intake pressure.
     float mean_nm;   ///< Mean torque of all firings.
     float scale_nm;  ///< J w^2.
-    float speed_radps;
+    float speed_radps; ///< Of the crank.
     float variance;  ///< Of z, from cycle to cycle, (N m)^2, above 0.
 } sd_hidden_reading_t;
 

@@ -30,7 +30,7 @@
 ///
 /// Real-time contract: no heap, no globals, no libm. The known torque of a position is summed once for all filters. One
 /// writer per state. Tables are read only, may be shared and may stand in flash. Call order: init; step for every placed
-/// tooth; restart after lost sync or a stall. Instructions on a Cortex-M7: docs/theory/firing.md.
+/// tooth; restart after lost sync or a stall. Instructions on a Cortex-M7: docs/results/firing.md.
 #ifndef SD_KALMAN_H
 #define SD_KALMAN_H
 #include "sd_motion.h"
@@ -40,8 +40,8 @@
 extern "C" {
 #endif
 
-#define SD_KALMAN_SHAPE_MIN (-1.0f)
-#define SD_KALMAN_SHAPE_MAX 3.0f
+#define SD_KALMAN_SHAPE_MIN (-1.0f) ///< Least shape of the pulses: no wall loss.
+#define SD_KALMAN_SHAPE_MAX 3.0f    ///< Largest shape: four times the calibration's wall loss.
 #define SD_KALMAN_MEAN 10 ///< Cycles that a cylinder's mean torque is taken over.
 
 /// What may change while the filter runs, and needs no restart then. It stands in the state, because tables are constant.
@@ -49,7 +49,7 @@ typedef struct sd_kalman_choice {
     float    torque_base_nm; ///< Highest |coefficient|, [1e-3, 20000]; beyond it the filter starts anew.
     float    reject_rad;     ///< Lateness beyond which a tooth is left out, besides what a torque explains, [1e-6, 1]; once
                              ///< settled it is 8 times the innovation as met.
-    uint16_t settle_teeth;   ///< Teeth until the estimate counts as converged.
+    uint16_t settle_teeth;   ///< Teeth until the estimate counts as converged, any number.
 } sd_kalman_choice_t;
 
 /// A placed tooth.
@@ -73,7 +73,7 @@ typedef struct sd_firing {
                         ///< what is not known of the engine, and with the gains for rough roads what the load's walk gives.
     float   noise_nm;   ///< From timing errors that are new at each edge: as met, and no less than the gains were made for.
     float   mean_nm;    ///< Of this cylinder's last SD_KALMAN_MEAN cycles, fewer after a start.
-    float   mean_sd_nm;
+    float   mean_sd_nm; ///< Standard deviation of mean_nm, as sd_nm.
 } sd_firing_t;
 
 /// What the tables say at a filter's speed, looked up every fourth tooth: in so few the speed hardly changes.
@@ -105,7 +105,7 @@ typedef struct sd_kalman_filter {
 /// One filter, or two beside each other, and what they share.
 typedef struct sd_kalman {
     sd_motion_charge_t charge; ///< Of the cylinders; kept by restart.
-    float    shape;       ///< Of the pulses, [SD_KALMAN_SHAPE_MIN, SD_KALMAN_SHAPE_MAX], kept by restart.
+    float    shape;       ///< Of the pulses, times the wall loss, [SD_KALMAN_SHAPE_MIN, SD_KALMAN_SHAPE_MAX], kept by restart.
     /// What each cylinder reads without combustion, over its charge; 0: not learned; kept by restart.
     float    zero_nm_per_bar[SD_KALMAN_FIRINGS_MAX];
     sd_motion_tuning_t tuning; ///< Kept by restart.

@@ -4,7 +4,8 @@
 
 /* Puts a torque among the cylinder's last ones and returns their mean. */
 static float remember(sd_kalman_filter_t *f, uint32_t i, float torque_nm) {
-    const uint32_t place = f->next[i], next = place + 1u, before = f->kept[i], kept = (before < SD_KALMAN_MEAN) ? before + 1u : SD_KALMAN_MEAN;
+    const uint32_t place = f->next[i], next = place + 1u, before = f->kept[i],
+        kept = (before < SD_KALMAN_MEAN) ? before + 1u : SD_KALMAN_MEAN;
     f->ring_nm[i][place] = torque_nm;
     f->next[i] = (uint8_t)((next < SD_KALMAN_MEAN) ? next : 0u);
     f->kept[i] = (uint8_t)kept;

@@ -15,16 +15,16 @@
 extern "C" {
 #endif
 
-#define SD_KALMAN_COEFFICIENTS_MAX 25
-#define SD_KALMAN_POSITIONS_MAX    120
-#define SD_KALMAN_SPEEDS_MAX       12
-#define SD_KALMAN_FIRINGS_MAX      SD_CYLINDERS_MAX
+#define SD_KALMAN_COEFFICIENTS_MAX 25  ///< Torque coefficients, the constant one included.
+#define SD_KALMAN_POSITIONS_MAX    120 ///< Wheel positions a revolution.
+#define SD_KALMAN_SPEEDS_MAX       12  ///< Speeds of a set of gains.
+#define SD_KALMAN_FIRINGS_MAX      SD_CYLINDERS_MAX ///< Firings of a cycle.
 #define SD_KALMAN_SETS_MAX         2    ///< Of gains.
-#define SD_KALMAN_GAINS_MAX        (SD_KALMAN_SETS_MAX * SD_KALMAN_SPEEDS_MAX)
-#define SD_KALMAN_MODES_MAX        2
-#define SD_KALMAN_PARTS_MAX        (3 + SD_KALMAN_FIRINGS_MAX)
-#define SD_KALMAN_HIDDEN_MAX       (SD_KALMAN_FIRINGS_MAX / 2)
-#define SD_KALMAN_SCALES           (5 + 2 * SD_KALMAN_MODES_MAX)
+#define SD_KALMAN_GAINS_MAX        (SD_KALMAN_SETS_MAX * SD_KALMAN_SPEEDS_MAX) ///< Gain tables of all sets.
+#define SD_KALMAN_MODES_MAX        2 ///< Vibrations of a crank that twists.
+#define SD_KALMAN_PARTS_MAX        (3 + SD_KALMAN_FIRINGS_MAX) ///< Parts that a cycle's lateness is split into.
+#define SD_KALMAN_HIDDEN_MAX       (SD_KALMAN_FIRINGS_MAX / 2) ///< Directions of the tooth pattern that look like torque.
+#define SD_KALMAN_SCALES           (5 + 2 * SD_KALMAN_MODES_MAX) ///< Scales of a set of gains.
 #ifndef SD_KALMAN_POOL
 /// Words for torques and gains: 12 harmonics at 4 speeds take 26,400, 8 cylinders with 2 modes at 12 speeds 17,640. A build for less
 /// may define it.
@@ -37,14 +37,14 @@ typedef struct sd_kalman_mode {
     float damping;          ///< z, share of critical, [0, 1).
     float constant_radpnm;  ///< Compliance to x_0, [-1, 1].
     float cylinder_radpnm[SD_KALMAN_FIRINGS_MAX]; ///< Compliance to each cylinder's torque, [-1, 1].
-    float spring_nmprad;    ///< Torque that leaves the crank through a flywheel's spring, for q, [-1e7, 1e7],
-    float damper_nmprad;    ///< and for v, [-1e7, 1e7].
+    float spring_nmprad;    ///< Torque that leaves the crank through a flywheel's spring, per rad of q, [-1e7, 1e7].
+    float damper_nmprad;    ///< The same per rad of v, [-1e7, 1e7].
 } sd_kalman_mode_t;
 
 /// One word of a row.
 typedef union sd_kalman_word {
-    float   value;
-    int16_t gain[2];
+    float   value;   ///< In the unit of its place.
+    int16_t gain[2]; ///< Two gains, each over its scale, times 32767.
     struct {
         uint8_t first; ///< The pulses of this row are those of firings first, first + 1 ... round the firing order.
         uint8_t close; ///< Bit i: cylinder i's intake valve closes here.
@@ -56,7 +56,7 @@ typedef union sd_kalman_word {
 /// Where the parts of a row begin, in words. Behind the motored torques, three words a cylinder, come the pulses, six words
 /// each of `window` ones, then two words a mode, then the gains.
 enum {
-    SD_ROW_AT       = 0,
+    SD_ROW_AT       = 0, ///< What happens at the position: `at` of the word.
     SD_ROW_INTERVAL = 1, ///< 2 over J_interval, the inertia that takes as long as J(alpha) does, 1/(kg m2).
     SD_ROW_TOOTH    = 2, ///< 2 over J at the tooth, 1/(kg m2).
     SD_ROW_KNOWN    = 3, ///< Motored torque beside what scales with intake pressure, Nm: mean, moment, point.
@@ -93,7 +93,7 @@ typedef struct sd_kalman_tables {
     uint16_t row_words;    ///< Words of a row, as sd_motion_row_words says.
     uint16_t gains_at;     ///< Word of a row where its gains begin, as sd_motion_gains_at says.
     float    tick_hz;          ///< Capture ticks a second, [1e5, 2e8].
-    float    pitch_rad;        ///< 2 pi over N.
+    float    pitch_rad;        ///< 2 pi over N, (0, 0.6].
     float    shape_min_nm;     ///< Mean torque of all cylinders below which the shape is not learned, [0, 20000].
     float    inertia_mean_kgm2;///< J_mean, (0, 10].
     sd_kalman_mode_t mode[SD_KALMAN_MODES_MAX];
@@ -101,14 +101,15 @@ typedef struct sd_kalman_tables {
     /// Of K_0, K_1, K_x[0], all other K_x, K_s, and K_q, K_v of each mode; each [0, 1e4].
     float    gain_scale[SD_KALMAN_SETS_MAX][SD_KALMAN_SCALES];
     float    noise_rad[SD_KALMAN_GAINS_MAX];    ///< Of each speed of each set: timing error that the gains were made for, > 0.
-    float    expected_rad[SD_KALMAN_GAINS_MAX]; ///< Expected rms of the innovation, no less than that.
-    /// Standard deviation of a firing less the mean of all cylinders (of one cylinder, of itself), per rad of timing error, over J_mean w^2:
-    /// one firing, errors new at each edge; mean of SD_KALMAN_MEAN cycles, the same; either, errors that stay with a tooth.
+    float    expected_rad[SD_KALMAN_GAINS_MAX]; ///< Expected rms of the innovation, at least noise_rad.
+    /// Standard deviation of a firing less the mean of all cylinders (of one cylinder, of itself), per rad of timing error, over J_mean
+    /// w^2: one firing, errors new at each edge; mean of SD_KALMAN_MEAN cycles, the same; either, errors that stay with a tooth.
     float    single_sd[SD_KALMAN_GAINS_MAX], mean_sd[SD_KALMAN_GAINS_MAX], pattern_sd[SD_KALMAN_GAINS_MAX];
     float    load_sd_nm[SD_KALMAN_GAINS_MAX]; ///< Of a firing, from the load's walk that the gains were made for, >= 0.
     /// Standard deviation of a firing less the mean of all cylinders from what is not known of the engine: share of the mean torque, share
-    /// of the cylinders' rms difference from it, and Nm per bar of charge: before and after the cylinder's zero was learned.
+    /// of the cylinders' rms difference from it, and Nm per bar of charge: before and after the cylinder's zero was learned. Each >= 0.
     float    mean_share[SD_KALMAN_GAINS_MAX], spread_share[SD_KALMAN_GAINS_MAX];
+    /// The last of these, before and after; >= 0.
     float    charge_nm_per_bar[SD_KALMAN_GAINS_MAX], learned_nm_per_bar[SD_KALMAN_GAINS_MAX];
     sd_kalman_word_t pool[SD_KALMAN_POOL]; ///< Last, so that a page may end where the used part ends.
 } sd_kalman_tables_t;
@@ -126,7 +127,7 @@ typedef struct sd_motion_charge {
 /// of r times the frequency at r times the speed is what it was, so they are looked up at 1 / r of the speed.
 typedef struct sd_motion_tuning {
     float frequency;  ///< r, [0.9, 1.1].
-    float gain_speed; ///< 1 / r.
+    float gain_speed; ///< 1/r, by which speeds are looked up.
     float compliance; ///< 1 / r^2: the twist that a torque holds, over that of the tables.
 } sd_motion_tuning_t;
 
@@ -162,6 +163,7 @@ uint32_t sd_kalman_pool_used(const sd_kalman_tables_t *tables);
 /// Gains of one speed of one set.
 static inline uint32_t sd_motion_columns(const sd_kalman_tables_t *t) { return t->coefficients + 2u + t->shapes + 2u * t->modes; }
 
+/// Row of cycle position k, below 2 N.
 static inline const sd_kalman_word_t *sd_motion_word(const sd_kalman_tables_t *t, uint32_t k) { return &t->pool[k * t->row_words]; }
 
 /// Whether the wheel has a tooth at a position.

@@ -38,14 +38,14 @@ extern "C" {
 
 /// What is kept when the engine is off: with it, learning goes on where it ended.
 typedef struct sd_pattern_sums {
-    float cycles, u, uu;                    ///< Sum of 1, u, u^2 over cycles,
-    float r, rr, ur;                        ///< of r, r^2, u r,
-    float late_common;                      ///< and of r <S, L>.
+    float cycles, u, uu;                    ///< Sum of 1, u, u^2 over cycles.
+    float r, rr, ur;                        ///< Sum of r, r^2, u r over cycles; r in bar.
+    float late_common;                      ///< Sum of r <S, L> over cycles, rad^2.
     float late[SD_KALMAN_POSITIONS_MAX];    ///< Sum of L, trend taken out, over cycles.
-    float late_u[SD_KALMAN_POSITIONS_MAX];  ///< Sum of u L.
+    float late_u[SD_KALMAN_POSITIONS_MAX];  ///< Sum of u L, rad.
     float square;                           ///< Sum over cycles of the mean over teeth of L^2.
-    float zero[SD_KALMAN_FIRINGS_MAX];      ///< Sum of u^2 (reading of cylinder i over its charge), Nm/bar,
-    float zero_u2[SD_KALMAN_FIRINGS_MAX];   ///< and of u^2.
+    float zero[SD_KALMAN_FIRINGS_MAX];      ///< Sum of u^2 (reading of cylinder i over its charge), Nm/bar.
+    float zero_u2[SD_KALMAN_FIRINGS_MAX];   ///< Sum of u^2 over the same cycles.
     sd_twist_sums_t twist;
     sd_fired_sums_t fired;                  ///< While the engine fires (sd_fired.h); untouched here.
 } sd_pattern_sums_t;
@@ -59,26 +59,24 @@ typedef struct sd_pattern_work {
     float r;         ///< u times the mean charge, bar.
     float scale_nm;  ///< J w^2 of the cycle.
     float exponent;  ///< c that is taken out.
-    float square;    ///< Sums over the positions done: of lateness squared,
-    float explained, ///< of what pattern and slope explain of the sums,
-        pattern_square,       ///< of the pattern squared,
-        late_common,          ///< <S, L> of this cycle,
-        late_common_sums,     ///< <S, sum L>,
-        common_square;        ///< and |S|^2.
+    /// Sums over the positions done, rad^2: lateness squared; what pattern and slope explain of the sums; the pattern squared; <S, L> of
+    /// this cycle; <S, sum L>; |S|^2.
+    float square, explained, pattern_square, late_common, late_common_sums, common_square;
 } sd_pattern_work_t;
 
+/// State: plain data, caller-owned, copyable; fields are for logs, write none of them.
 typedef struct sd_pattern {
     sd_pattern_sums_t sums;
     float late_rad[SD_KALMAN_POSITIONS_MAX]; ///< The pattern, mean 0; 0 where there is no tooth.
     float sd_rad;         ///< Its standard deviation, a tooth; 0: nothing learned.
     float exponent;       ///< c that was taken out of it, of SD_PATTERN_EXPONENT_MAX at most; 0: nothing learned.
-    float exponent_sd;    ///< Its standard deviation; that of no knowledge while nothing is learned.
-    float exponent_next;  ///< As the sums have it now: c of the next cycle.
+    float exponent_sd;    ///< Standard deviation of that exponent; that of no knowledge while nothing is learned.
+    float exponent_next;  ///< The exponent as the sums have it now: c of the next cycle.
     uint8_t pooled;       ///< 1: the speeds seen tell pattern from motored torque.
     sd_pattern_work_t work;
-    sd_motion_t free;     ///< Prediction of the cycle under way,
-    sd_motion_charge_t charge; ///< the cylinders' charges in it,
-    sd_motion_tuning_t tuning; ///< and frequencies of the crank's modes.
+    sd_motion_t free;     ///< Prediction of the cycle under way.
+    sd_motion_charge_t charge; ///< The cylinders' charges in that cycle.
+    sd_motion_tuning_t tuning; ///< Frequencies of the crank's modes in that cycle.
     sd_twist_t twist;     ///< Frequencies of a crank that twists.
     float energy_j, constant_nm; ///< Guess for the cycle under way: at its start, and throughout.
     float cycle_rad[2 * SD_KALMAN_POSITIONS_MAX]; ///< L of the cycle under way.

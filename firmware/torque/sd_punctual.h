@@ -19,8 +19,8 @@ extern "C" {
 
 /// State; all 0 at the start.
 typedef struct sd_punctual {
-    int32_t late_ticks; ///< By which the last placed edge was taken to come later than its place would have, [-2^29, 2^28],
-    float   left_ticks; ///< and what that is short of, [-0.5, 0.5].
+    int32_t late_ticks; ///< By which the last placed edge was taken to come later than its place would have, [-2^29, 2^28].
+    float   left_ticks; ///< What late_ticks is short of, ticks, [-0.5, 0.5].
 } sd_punctual_t;
 
 /// The period that ends at a placed tooth, in ticks, at least 1 where one was given. `advance`: positions in it.

@@ -20,11 +20,12 @@
 extern "C" {
 #endif
 
+/// State: plain data, caller-owned, copyable; fields are for logs, write none of them.
 typedef struct sd_road {
     float   difference_nm[SD_KALMAN_FIRINGS_MAX]; ///< Of the last cycle, by firing.
     float   evidence; ///< [0, 4].
     uint8_t seen;     ///< Bit i: difference_nm[i] is known.
-    uint8_t rough;
+    uint8_t rough;        ///< 1: the filter for rough roads is believed.
 } sd_road_t;
 
 /// Differences from before are forgotten; what is known of the road stays. All zero is a valid start.

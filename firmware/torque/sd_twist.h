@@ -27,9 +27,10 @@ extern "C" {
 typedef struct sd_twist_sums {
     float deviation; ///< Of the modes' frequency from the tables', as a share, [-0.1, 0.1].
     float variance;  ///< Of that, from jitter and what its steps leave; 0 without modes.
-    float bias;      ///< And what an error of the model may make of it: it does not average out.
+    float bias;      ///< What an error of the model may make of the deviation, a share; it does not average out.
 } sd_twist_sums_t;
 
+/// State: plain data, caller-owned, copyable; fields are for logs, write none of them.
 typedef struct sd_twist {
     sd_motion_t trial; ///< The free prediction with modes a little faster.
     sd_motion_tuning_t tuning; ///< Of the trial.
@@ -41,7 +42,7 @@ typedef struct sd_twist {
 void sd_twist_init(sd_twist_t *self, const sd_kalman_tables_t *tables, sd_twist_sums_t *sums);
 /// Whether they are in range, and of such a crank; false for NaN.
 bool sd_twist_sums_ok(const sd_twist_sums_t *sums, const sd_kalman_tables_t *tables);
-/// Standard deviation of the deviation, both together; 0 without modes.
+/// Standard deviation of the deviation, a share, from variance and bias together; 0 without modes.
 float sd_twist_sd(const sd_twist_sums_t *sums);
 /// The frequencies as learned.
 sd_motion_tuning_t sd_twist_tuning(const sd_twist_sums_t *sums);

@@ -9,8 +9,8 @@
 /// The same teeth pass both times, so that their own errors, the inertia's course over the angle, the reciprocating masses and the
 /// motored torque cancel; no pulse, no tooth pattern and no fit goes in. The differences T' - T are exact, since times are counted.
 ///
-/// What it cannot say: the level (load and friction are not known, so that steady running gives 0), and, of one cycle alone, the work of one
-/// cylinder. The difference of two windows in a row is how much more work the later firing did than the same cylinder's firing a cycle
+/// What it cannot say: the level (load and friction are not known, so that steady running gives 0), and, of one cycle alone, the work of
+/// one cylinder. The difference of two windows in a row is how much more work the later firing did than the same cylinder's firing a cycle
 /// before; that is one cylinder's only where firings are far enough apart (`own`).
 ///
 /// Its error: the inertia is a factor. Each end of the window has the edges' error, so sd = 4 E sqrt((edge/span)^2 + timer^2/T^2), with
@@ -30,7 +30,7 @@
 extern "C" {
 #endif
 
-#define SD_WORK_WINDOWS_MAX SD_CYLINDERS_MAX
+#define SD_WORK_WINDOWS_MAX SD_CYLINDERS_MAX ///< Windows of a cycle.
 
 /// The window of one firing. It lies between two teeth that are there; windows do not overlap and come in firing order.
 typedef struct sd_work_window {
@@ -43,18 +43,18 @@ typedef struct sd_work_window {
 /// Read only. Tables of one engine and wheel.
 typedef struct sd_work_tables {
     sd_work_window_t window[SD_WORK_WINDOWS_MAX]; ///< By firing order.
-    uint16_t cycle;    ///< Positions of a cycle, twice the wheel's.
+    uint16_t cycle;    ///< Positions of a cycle, twice the wheel's, 24 to 240.
     uint8_t  windows;  ///< As many as firings; 0: the engine has none, and nothing is said.
     uint8_t  own;      ///< Bit i: window i less the one before holds the work of firing i, and at most a tenth of another's.
     uint8_t  alike;    ///< 1: the windows repeat after a revolution, so that they are placed well without a phase.
-    uint8_t  reserved[3]; ///< 0.
+    uint8_t  reserved[3]; ///< 0 to fill the word; not read.
 } sd_work_tables_t;
 
 /// All zero is no valid start: sd_work_restart makes one.
 typedef struct sd_work_meter {
     uint32_t begin_tick;  ///< Of the first tooth of the window under way.
-    uint32_t ticks;       ///< T of the window that ended last,
-    uint32_t last_ticks;  ///< and T' of it.
+    uint32_t ticks;       ///< T of the window that ended last.
+    uint32_t last_ticks;  ///< T' of that window.
     uint32_t passed_ticks[SD_WORK_WINDOWS_MAX]; ///< T of each window when it passed last.
     float    work_j;      ///< Of the window that ended last, as read; of no meaning before.
     uint16_t waits;       ///< Cycle position of the tooth that is waited for; UINT16_MAX: of none.

@@ -12,6 +12,7 @@
 extern "C" {
 #endif
 
+/// The port on one interface. Caller-owned.
 typedef struct sd_can {
     int fd;
     sd_can_codec_t codec;
@@ -26,7 +27,8 @@ sd_port_t sd_can_port(sd_can_t *self);
 int  sd_can_wait(sd_can_t *self, int milliseconds);
 /// Sends waiting frames. 1: none is left.
 int  sd_can_flush(sd_can_t *self);
-/// Reads frames until one brings truth (1; codec.truth holds it) or none is left, or a few thousand are read (0). For a tool: its receive only
+/// Reads frames until one brings truth (1; codec.truth holds it) or none is left, or a few thousand are read (0). For a tool: its receive
+/// only
 /// hands out what this has read.
 int  sd_can_read(sd_can_t *self);
 

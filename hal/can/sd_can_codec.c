@@ -123,7 +123,8 @@ int sd_can_encode_truth(sd_can_codec_t *self, const sd_truth_t *truth) {
                                                e->tick, e->tooth, e->flags };
         PACK(self, truth_edge, TRUTH_EDGE, 1, m);
     } else if (truth->kind == SD_TRUTH_CYCLE) {
-        const struct sd_bus_truth_cycle_t m = { c->torque_nm, c->imep_pa, c->tdc_time_s, c->exhaust_lambda, c->cycle, c->cylinder, c->misfire };
+        const struct sd_bus_truth_cycle_t m =
+            { c->torque_nm, c->imep_pa, c->tdc_time_s, c->exhaust_lambda, c->cycle, c->cylinder, c->misfire };
         PACK(self, truth_cycle, TRUTH_CYCLE, 1, m);
     } else {
         const struct sd_bus_truth_end_t m = { truth->end.edges, truth->end.cycles };

@@ -9,6 +9,7 @@
 extern "C" {
 #endif
 
+/// Takes an event of the bench.
 typedef void bench_taker_t(const sd_event_t *event);
 
 uint32_t bench_count(void); ///< Events of the bench; 0: there is none.

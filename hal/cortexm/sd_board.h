@@ -18,9 +18,9 @@ extern "C" {
 
 /// Before the events. RAM is zero where nothing was loaded, so that event_count 0 means that there are none.
 typedef struct board_header {
-    uint32_t event_count, page_bytes;
+    uint32_t event_count, page_bytes; ///< Events that follow; bytes of the calibration page.
     uint32_t step_q16; ///< How long a tick of the events lasts, in ticks of 40 ns, with 16 bits behind the point.
-    uint32_t unused;
+    uint32_t unused;   ///< Fills the header to 16 bytes.
 } board_header_t;
 
 /// Interrupts, numbers of the NVIC.
@@ -55,8 +55,10 @@ void board_start_ticks(void);
 /// Its count, 24 bits.
 uint32_t board_ticks(void);
 
+/// Prints a text to the console of the host.
 void board_print(const char *text);
 void board_figure(const char *name, uint64_t value); ///< "NAME HEX".
+/// Ends the program with this exit status; does not return.
 void board_exit(uint32_t code);
 
 /// Opens a file of the host, to be read (0) or to be written (1); a negative number when it cannot be.

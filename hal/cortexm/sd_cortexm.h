@@ -42,7 +42,7 @@ typedef struct sd_cortexm {
     sd_event_t edges[SD_CORTEXM_EDGES];   ///< flags 1: edges were lost right before it.
     sd_event_t others[SD_CORTEXM_OTHERS];
     volatile uint32_t edges_written, others_written; ///< Run on and wrap; each has one priority that writes it.
-    volatile uint32_t edges_read, others_read;
+    volatile uint32_t edges_read, others_read; ///< Run on and wrap; the work interrupt writes them.
     volatile uint32_t crank_seen, crank_done; ///< Crank edges captured, and handled.
     volatile uint32_t overruns;     ///< Edges captured while the one before was not handled, wraps.
     volatile uint32_t lost_edges;   ///< Edges for which the queue had no room, wraps.
@@ -59,6 +59,7 @@ typedef struct sd_cortexm {
     uint32_t calm, patience;        ///< Edges since the last overrun or change of level; how many it takes.
 } sd_cortexm_t;
 
+/// Empties the queues and forgets every count.
 void sd_cortexm_init(sd_cortexm_t *self);
 
 /// Of the capture interrupt: an edge of crank or cam at `tick`. Never blocks.

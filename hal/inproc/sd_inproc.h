@@ -10,6 +10,7 @@ extern "C" {
 
 #define SD_INPROC_EVENTS 256u ///< A power of two; a ring holds that many.
 
+/// Events on their way to one side.
 typedef struct sd_inproc_ring {
     sd_event_t events[SD_INPROC_EVENTS];
     uint32_t   written, read; ///< Both run on and wrap together.
@@ -21,6 +22,7 @@ typedef struct sd_inproc {
     uint32_t dropped; ///< Events that found their ring full.
 } sd_inproc_t;
 
+/// The two ends; they live as long as *self does.
 sd_port_t sd_inproc_ecu_side(sd_inproc_t *self);
 sd_port_t sd_inproc_host_side(sd_inproc_t *self);
 

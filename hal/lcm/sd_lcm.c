@@ -130,7 +130,8 @@ void sd_lcm_truth(sd_lcm_t *self, const sd_truth_t *truth) {
         c->truth_edge[c->truth_edges++] = (sixdeg_truth_edge_t){ e->time_s, e->angle_deg, e->crank_deg, e->speed_radps, e->net_torque_nm,
                                                                  (int32_t)e->tick, (int8_t)e->tooth, (int8_t)e->flags };
     } else if (truth->kind == SD_TRUTH_CYCLE) {
-        c->truth_cycle[c->truth_cycles++] = (sixdeg_truth_cycle_t){ y->torque_nm, y->imep_pa, y->tdc_time_s, y->exhaust_lambda, y->cycle, (int8_t)y->cylinder,
+        c->truth_cycle[c->truth_cycles++] =
+            (sixdeg_truth_cycle_t){ y->torque_nm, y->imep_pa, y->tdc_time_s, y->exhaust_lambda, y->cycle, (int8_t)y->cylinder,
                                                                     (int8_t)y->misfire };
     }
     const int full = (c->truth_edges == SD_LCM_ROWS) || (c->truth_cycles == SD_LCM_ROWS);

@@ -13,17 +13,21 @@
 extern "C" {
 #endif
 
+/// The port on one provider. Caller-owned.
 typedef struct sd_lcm {
-    lcm_t *lcm;
+    lcm_t *lcm; ///< Of the library; NULL when closed.
     sd_lcm_codec_t codec;
 } sd_lcm_t;
 
 /// `url` "" is LCM's own default. 0, or -1 when LCM cannot use it.
 int  sd_lcm_open(sd_lcm_t *self, const char *url, sd_role_t role, uint16_t session);
+/// Leaves the bus and frees what the library holds.
 void sd_lcm_close(sd_lcm_t *self);
+/// Its end for events; lives as long as *self is open.
 sd_port_t sd_lcm_port(sd_lcm_t *self);
 /// Waits until a message comes, at most so long, and takes it. 1: one came.
 int  sd_lcm_wait(sd_lcm_t *self, int milliseconds);
+/// Sends a claim at once.
 void sd_lcm_claim(sd_lcm_t *self, sd_claim_t claim);
 /// Adds to the truth that goes with the next clock event; SD_TRUTH_END goes at once.
 void sd_lcm_truth(sd_lcm_t *self, const sd_truth_t *truth);

@@ -23,7 +23,8 @@ void sd_lcm_add_signal(sd_lcm_codec_t *self, const sd_event_t *event) {
 
 /* ---- messages to events ---------------------------------------------------------------------------------------- */
 
-_Static_assert(offsetof(sixdeg_outputs_t, done) == SD_RATE_COUNT * sizeof(int32_t), "each rate has its length at the head of an outputs message");
+_Static_assert(offsetof(sixdeg_outputs_t, done) == SD_RATE_COUNT * sizeof(int32_t),
+               "each rate has its length at the head of an outputs message");
 
 /* lcm-gen's decoders believe the lengths in a message and get memory for them, so these are looked at first. They are
    the first fields, big endian, after the 8 bytes of the type's fingerprint. */
@@ -113,7 +114,8 @@ static int take_truth(sd_lcm_codec_t *self, const void *bytes, int size) {
         for (int32_t i = 0; i < m.cycles; ++i) {
             const sixdeg_truth_cycle_t *c = &m.cycle[i];
             keep_truth(self, (sd_truth_t){ .kind = SD_TRUTH_CYCLE,
-                                           .cycle = { c->torque_nm, c->imep_pa, c->tdc_time_s, c->exhaust_lambda, c->cycle, (uint8_t)c->cylinder, (uint8_t)c->misfire } });
+                                           .cycle = { c->torque_nm, c->imep_pa, c->tdc_time_s, c->exhaust_lambda, c->cycle,
+                                                     (uint8_t)c->cylinder, (uint8_t)c->misfire } });
         }
         if (m.end != 0) {
             keep_truth(self, (sd_truth_t){ .kind = SD_TRUTH_END, .end = { (uint32_t)m.sent_edges, (uint32_t)m.sent_cycles } });

@@ -7,6 +7,7 @@
 extern "C" {
 #endif
 
+/// The sides of a bus.
 typedef enum sd_role {
     SD_ROLE_ECU,   ///< Sends signals, never sees truth.
     SD_ROLE_PLANT, ///< Sends events and truth.

@@ -14,16 +14,18 @@
 extern "C" {
 #endif
 
+/// Signals of one rate and tick while they are collected. Zero it to begin.
 typedef struct sd_row {
-    uint32_t tick;
+    uint32_t tick;                      ///< Capture ticks, that of its events.
     uint8_t  rate;                      ///< sd_rate_t.
     uint16_t left;                      ///< Channels of its rate that it does not hold yet.
     uint8_t  health[SD_OWNER_COUNT];    ///< sd_health_t.
     uint16_t why[SD_OWNER_COUNT];       ///< sd_why_t bits.
     uint8_t  present[SD_SIGNAL_COUNT];  ///< 1: this channel is in the row.
-    float    value[SD_SIGNAL_COUNT];    ///< By channel.
+    float    value[SD_SIGNAL_COUNT];    ///< By channel, in the unit of the signal.
 } sd_row_t;
 
+/// Empties a row for a tick and a rate.
 static inline void sd_row_begin(sd_row_t *row, uint32_t tick, uint8_t rate) {
     memset(row, 0, sizeof *row);
     row->tick = tick;
@@ -31,26 +33,30 @@ static inline void sd_row_begin(sd_row_t *row, uint32_t tick, uint8_t rate) {
     row->left = (uint16_t)sd_rate_infos[rate].count;
 }
 
+/// Notes how far an owner is to be trusted: sd_health_t, sd_why_t bits.
 static inline void sd_row_status(sd_row_t *row, uint32_t owner, uint8_t health, uint16_t why) {
     row->health[owner] = health;
     row->why[owner] = why;
 }
 
+/// Notes a signal's value, in its unit.
 static inline void sd_row_put(sd_row_t *row, uint32_t channel, float value) {
     row->left = (uint16_t)(row->left - (1u - row->present[channel]));
     row->present[channel] = 1;
     row->value[channel] = value;
 }
 
-/// Events waiting at one end of a port. Zero it to begin.
 #define SD_QUEUE_EVENTS 4096u ///< A power of two; more than 10 ms at the highest speed cause.
+/// Events waiting at one end of a port. Zero it to begin.
 typedef struct sd_queue {
     sd_event_t events[SD_QUEUE_EVENTS];
     uint32_t   written, read; ///< Both run on and wrap together.
     uint32_t   overrun;       ///< Events that found it full.
 } sd_queue_t;
 
+/// Adds an event; where there is no room it is counted in `overrun`.
 void     sd_queue_put(sd_queue_t *queue, const sd_event_t *event);
+/// Moves up to `room` events to `events`; returns how many.
 uint32_t sd_queue_take(sd_queue_t *queue, sd_event_t *events, uint32_t room);
 
 /// Adds an SD_EVENT_SIGNAL to the row of its rate; `rows` holds one for each, zeroed to begin. Returns that row when it now
@@ -63,11 +69,12 @@ int sd_row_events(const sd_row_t *row, sd_queue_t *queue);
 
 /// Order of the messages of one sender. Zero it to begin.
 typedef struct sd_order {
-    uint16_t next, session;
-    uint8_t  started, stale_in_row;
+    uint16_t next, session;         ///< Number that is expected; session of the sender.
+    uint8_t  started, stale_in_row; ///< 1: a message was seen; stale ones in a row.
     uint32_t starts; ///< Times the sender has started anew.
 } sd_order_t;
 
+/// What a message is, by its number.
 typedef enum sd_arrival {
     SD_ARRIVAL_NEXT,  ///< As expected.
     SD_ARRIVAL_GAP,   ///< Messages before it are lost, or the sender has started anew.
@@ -79,7 +86,7 @@ sd_arrival_t sd_order_check(sd_order_t *order, uint16_t session, uint16_t sequen
 
 /// What became of messages; all wrap.
 typedef struct sd_port_counts {
-    uint32_t sent, received;
+    uint32_t sent, received; ///< Taken by the bus; taken off it.
     uint32_t unsent;    ///< Gone, because nobody took them off the bus for too long or the bus is down.
     uint32_t foreign;   ///< Not ours.
     uint32_t malformed; ///< Ours by name, with a wrong length or content.
@@ -89,24 +96,30 @@ typedef struct sd_port_counts {
 
 /// Truth, which travels past the ecu: same meaning as in sixdeg.dbc.
 typedef struct sd_truth_edge {
-    double   time_s, angle_deg, crank_deg, speed_radps, net_torque_nm;
-    uint32_t tick;
-    uint8_t  tooth, flags;
+    double   time_s, angle_deg, crank_deg, speed_radps, net_torque_nm; ///< Angle of the cycle, and unwrapped; torque at the crank.
+    uint32_t tick;         ///< Capture ticks of the edge.
+    uint8_t  tooth, flags; ///< Position on the wheel; bits: false edge, backward.
 } sd_truth_edge_t;
 
+/// The same of a cylinder's cycle.
 typedef struct sd_truth_cycle {
-    double  torque_nm, imep_pa, tdc_time_s, exhaust_lambda;
-    int32_t cycle;
-    uint8_t cylinder, misfire;
+    double  torque_nm, imep_pa, tdc_time_s, exhaust_lambda; ///< Mean combustion torque; its pressure; time of firing TDC; of its gas.
+    int32_t cycle;             ///< From 0.
+    uint8_t cylinder, misfire; ///< Physical, from 1; 1: it did not burn.
 } sd_truth_cycle_t;
 
 /// The run is over; so much truth was sent.
 typedef struct sd_truth_end {
-    uint32_t edges, cycles;
+    uint32_t edges, cycles; ///< Of each kind.
 } sd_truth_end_t;
 
+/// Any of these.
 typedef struct sd_truth {
-    enum { SD_TRUTH_EDGE, SD_TRUTH_CYCLE, SD_TRUTH_END } kind;
+    enum {
+        SD_TRUTH_EDGE,  ///< `edge` counts.
+        SD_TRUTH_CYCLE, ///< `cycle` counts.
+        SD_TRUTH_END    ///< `end` counts.
+    } kind;
     union {
         sd_truth_edge_t  edge;
         sd_truth_cycle_t cycle;
@@ -116,10 +129,10 @@ typedef struct sd_truth {
 
 /// Somebody who answers for an ecu, or asks for one: sixdeg.dbc, claim.
 typedef struct sd_claim {
-    uint32_t id, signature;
+    uint32_t id, signature; ///< Who it is; SD_SIGNALS_SIGNATURE of its table of signals.
 } sd_claim_t;
-#define SD_CLAIM_RUNNING 0u
-#define SD_CLAIM_WHO     0xffffffffu
+#define SD_CLAIM_RUNNING 0u          ///< id of an ecu that is running and stays.
+#define SD_CLAIM_WHO     0xffffffffu ///< id of one who asks whether there is an ecu.
 
 #ifdef __cplusplus
 }

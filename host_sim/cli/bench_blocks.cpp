@@ -68,7 +68,8 @@ void filters(benchmark::State &state) {
     sd_firings_out_t out;
     time(state, [&](std::uint32_t k) {
         const sd_tooth_t &t = tooth_of(k);
-        const sd_firings_tooth_t tooth{t.cycle_position, t.position, t.advance, t.period_ticks, t.health, 1, 1, 0, 0, -1, kIntakeBar, kSpeedRadps};
+        const sd_firings_tooth_t tooth{t.cycle_position, t.position, t.advance, t.period_ticks, t.health, 1, 1, 0, 0, -1, kIntakeBar,
+                                       kSpeedRadps};
         sd_firings_step(&self, &warm.page->kalman, &tooth, &out);
         benchmark::DoNotOptimize(out);
     });

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "common/nearest.hpp"
+#include "common/progress.hpp"
 
 namespace sixdeg {
 
@@ -58,7 +59,16 @@ Option Command::output_folder(std::string &folder, const std::string &help) {
 Option Command::number(std::string &value) { return option("--number", value, "f32 or q31").one_of({"f32", "q31"}); }
 Option Command::settings(std::vector<std::string> &value, const std::string &help) { return option("--set", value, help).one_at_a_time(); }
 
-void Command::runs(std::function<void()> action) { app_->callback(std::move(action)); }
+void Command::runs(std::function<void()> action) {
+    std::string name = app_->get_name(); // such as "study afr"
+    for (const CLI::App *above = app_->get_parent(); above && above->get_parent(); above = above->get_parent())
+        name = above->get_name() + " " + name;
+    app_->callback([name, action = std::move(action)] {
+        const Progress progress(name);
+        action();
+    });
+}
+void Command::runs_without_progress(std::function<void()> action) { app_->callback(std::move(action)); }
 void Command::needs_command() { app_->require_subcommand(1); }
 
 namespace {

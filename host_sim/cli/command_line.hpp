@@ -64,8 +64,10 @@ class Command {
     Option number(std::string &value);
     /// --set KEY=VALUE, as often as one likes.
     Option settings(std::vector<std::string> &value, const std::string &help);
-    /// What happens when the command is given.
+    /// What happens when the command is given. A terminal shows how far it is (common/progress.hpp).
     void runs(std::function<void()> action);
+    /// The same for a command that waits for others, or draws on the terminal itself.
+    void runs_without_progress(std::function<void()> action);
     /// A group: one of the commands below it must be given.
     void needs_command();
 

@@ -64,7 +64,7 @@ void add_ecu(Command &app) {
     command.settings(options->set, "key=value, over the tune file");
     command.number(options->number);
     command.option("--record", options->record, "event log of all that goes in and out (docs/reference/log.md)");
-    command.runs([options] { run(*options); });
+    command.runs_without_progress([options] { run(*options); });
 }
 
 } // namespace sixdeg

@@ -32,7 +32,8 @@ std::optional<FiringBounds> firing_bounds(const Scenario &scenario, const sd_par
     walking.constant_walk = noise.constant_walk;
     const double percent = 100 * mean_inertia_kgm2(engine) * speed * speed / result.firing->mean_nm;
     const auto both = [&](const BoundNoise &bound, int cycles) { return percent * firing_bound(model, bound, cycles, kWindowCycles); };
-    return FiringBounds{both(constant, 1), both(constant, FiringScore::kMeanCycles), both(walking, 1), both(walking, FiringScore::kMeanCycles)};
+    return FiringBounds{both(constant, 1), both(constant, FiringScore::kMeanCycles), both(walking, 1),
+                        both(walking, FiringScore::kMeanCycles)};
 }
 
 nlohmann::ordered_json firing_json(const RunResult &result, const std::optional<FiringBounds> &bounds) {
@@ -48,7 +49,8 @@ nlohmann::ordered_json firing_json(const RunResult &result, const std::optional<
         json["single_bound_percent"] = bounds->single_percent, json["imbalance_bound_percent"] = bounds->imbalance_percent;
         json["single_over_bound"] = f.single_percent / bounds->single_percent;
         json["imbalance_over_bound"] = f.imbalance_percent / bounds->imbalance_percent;
-        json["single_walk_bound_percent"] = bounds->single_walk_percent, json["imbalance_walk_bound_percent"] = bounds->imbalance_walk_percent;
+        json["single_walk_bound_percent"] = bounds->single_walk_percent,
+            json["imbalance_walk_bound_percent"] = bounds->imbalance_walk_percent;
         json["single_over_walk_bound"] = f.single_percent / bounds->single_walk_percent;
         json["imbalance_over_walk_bound"] = f.imbalance_percent / bounds->imbalance_walk_percent;
     }
@@ -70,7 +72,8 @@ void print_firing(const char *heading, const RunResult &result, const std::optio
     }
     const FiringFigures &f = *result.firing;
     const auto figure = [&](double rms, double largest, double over_stated, double bound, double walking) {
-        const std::string beside = bound > 0 ? fmt::format(", bound {:.3f} %, ratio {:.2f} (load walking {:.3f} %, {:.2f})", bound, rms / bound,
+        const std::string beside = bound > 0
+            ? fmt::format(", bound {:.3f} %, ratio {:.2f} (load walking {:.3f} %, {:.2f})", bound, rms / bound,
                                                            walking, rms / walking) : "";
         return fmt::format("{:.3f} % rms, {:.3f} % largest{}; {:.2f} of what is stated", rms, largest, beside, over_stated);
     };
@@ -83,12 +86,15 @@ void print_firing(const char *heading, const RunResult &result, const std::optio
     if (result.waveform)
         row("  waveform", fmt::format("{:.2f} % rms, shift {:+.3f} deg", result.waveform->rms_true_percent, result.waveform->shift_deg));
     if (result.pattern_sd_deg > 0)
-        row("  tooth pattern learned to", fmt::format("{:.4f} deg over {:.0f} cycles", result.pattern_sd_deg, double(result.learned.pattern.cycles)));
+        row("  tooth pattern learned to",
+            fmt::format("{:.4f} deg over {:.0f} cycles", result.pattern_sd_deg, double(result.learned.pattern.cycles)));
     if (result.exponent != 0)
-        row("  exponent of compression", fmt::format("{:+.4f} beyond the calibration's, stated to {:.4f}", result.exponent, result.exponent_sd));
+        row("  exponent of compression",
+            fmt::format("{:+.4f} beyond the calibration's, stated to {:.4f}", result.exponent, result.exponent_sd));
     const sd_twist_sums_t &twist = result.learned.pattern.twist;
     if (twist.variance > 0)
-        row("  frequency of the crank's twist", fmt::format("{:+.3f} % beyond the tables, stated to {:.3f} %", 100 * double(twist.deviation),
+        row("  frequency of the crank's twist",
+            fmt::format("{:+.3f} % beyond the tables, stated to {:.3f} %", 100 * double(twist.deviation),
                                                             100 * double(sd_twist_sd(&twist))));
 }
 

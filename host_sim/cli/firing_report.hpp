@@ -10,8 +10,8 @@
 
 namespace sixdeg {
 
-/// Standard deviations, % of the mean combustion torque. Load constant over the window, and walking as the filter is told; firings free to change as the
-/// firmware's prior says; 25 cycles seen; tooth errors of the encoder, or what learning left of them, stay for all.
+/// Standard deviations, % of the mean combustion torque. Load constant over the window, and walking as the filter is told; firings free to
+/// change as the firmware's prior says; 25 cycles seen; tooth errors of the encoder, or what learning left of them, stay for all.
 struct FiringBounds {
     double single_percent, imbalance_percent;
     double single_walk_percent, imbalance_walk_percent;

@@ -37,7 +37,8 @@ int main(int argc, char **argv) {
     };
     try {
         if (writes_to_standard_output(argc, argv)) sixdeg::keep_standard_output_for_files();
-        return sixdeg::run_command_line("sixdeg: see inside every cylinder from the sensors a production engine already has", commands, argc, argv);
+        return sixdeg::run_command_line("sixdeg: see inside every cylinder from the sensors a production engine already has", commands,
+                                        argc, argv);
     } catch (const sixdeg::InputError &error) {
         std::fprintf(stderr, "sixdeg: %s\n", error.what());
         return 2;

@@ -7,6 +7,7 @@
 #include "io/bus/bus.hpp"
 #include "cli/commands.hpp"
 #include "common/error.hpp"
+#include "common/nearest.hpp"
 
 namespace sixdeg {
 namespace {
@@ -17,10 +18,12 @@ struct Options {
 };
 
 std::uint16_t index_of(const std::string &name) {
+    std::vector<std::string> names;
     for (std::uint16_t i = 0; i < SD_PARAMETER_COUNT; ++i) {
         if (name == sd_parameter_infos[i].name) return i;
+        names.emplace_back(sd_parameter_infos[i].name);
     }
-    throw InputError("parameter", name, "not a parameter; docs/reference/signals.md lists them");
+    throw InputError("parameter", name, "not a parameter; docs/reference/signals.md lists them" + nearest_hint(name, names));
 }
 
 /// The page as a tune file: `sixdeg ecu ENGINE.toml --tune FILE` starts with it.
@@ -63,7 +66,8 @@ class Client {
             bus_->wait(20);
             while (bus_->next_truth(truth)) {}
             while (port.receive(port.context, &event, 1) == 1) {
-                if (event.kind == SD_EVENT_PARAMETER && event.channel == request.channel && (event.flags & 0xff) == request.flags) return event;
+                if (event.kind == SD_EVENT_PARAMETER && event.channel == request.channel &&
+                    (event.flags & 0xff) == request.flags) return event;
             }
         }
         return std::nullopt;
@@ -77,10 +81,12 @@ class Client {
         switch (answer.flags >> 8) {
         case SD_PARAMETER_OK: return value;
         case SD_PARAMETER_RANGE:
-            throw InputError("ecu", info.name, fmt::format("out of range; allowed is [{:g}, {:g}] {}; it stays {:g}", info.low, info.high, info.unit, value));
+            throw InputError("ecu", info.name,
+                             fmt::format("out of range; allowed is [{:g}, {:g}] {}; it stays {:g}", info.low, info.high, info.unit, value));
         case SD_PARAMETER_AT_START:
             throw InputError("ecu", info.name,
-                             fmt::format("goes into tables that `sixdeg calibrate` makes, so an ecu takes it at its start only; it stays {:g}", value));
+                             fmt::format("goes into tables that `sixdeg calibrate` makes, so an ecu takes it at its start only; "
+                                         "it stays {:g}", value));
         case SD_PARAMETER_REFUSED:
             throw InputError("ecu", info.name, fmt::format("its block cannot run with this value beside the others; it stays {:g}", value));
         default: throw InputError("ecu", info.name, "it knows no such parameter");
@@ -106,9 +112,9 @@ void set(Client &client, const std::string &assignment) {
 }
 
 void run(const Options &options) {
-    Client client(options.transport);
     std::vector<std::uint16_t> chosen;
     for (const std::string &name : options.names) chosen.push_back(index_of(name.substr(0, name.find('='))));
+    Client client(options.transport);
     for (std::uint16_t i = 0; options.names.empty() && i < SD_PARAMETER_COUNT; ++i) chosen.push_back(i);
     if (options.action == "set") {
         for (const std::string &assignment : options.names) set(client, assignment);
@@ -139,7 +145,9 @@ void add_parameter(Command &app) {
     auto options = std::make_shared<Options>();
     Command command = app.add("parameter", "reads and sets parameters of an ecu while it runs");
     command.task("Over a bus", "parameter get torque.harmonics --transport lcm");
-    command.option("ACTION", options->action, "get, set, dump (as a tune file), diff (against the reference page) or restore").required().one_of({"get", "set", "dump", "diff", "restore"});
+    command.option("ACTION", options->action,
+                   "get, set, dump (as a tune file), diff (against the reference page) or restore").required().one_of({"get", "set", "dump",
+                       "diff", "restore"});
     command.option("NAME", options->names, "names, or NAME=VALUE to set; all when none is given");
     command.option("--transport", options->transport, "can:IFACE, lcm or lcm:URL (docs/reference/bus.md)").required();
     command.runs([options] { run(*options); });

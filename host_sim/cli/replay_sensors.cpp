@@ -6,6 +6,7 @@
 
 #include "cli/replay_command.hpp"
 #include "common/error.hpp"
+#include "common/nearest.hpp"
 
 namespace sixdeg {
 namespace {
@@ -109,7 +110,8 @@ int column_named(const std::string &text, const TextLayout &layout, const std::s
     std::string names;
     for (const std::string &name : layout.names) names += (names.empty() ? "" : ", ") + name;
     throw InputError(from, "",
-                     fmt::format("'{}' is no column: 0 to {}, or a name of the header ({})", text, layout.names.size() - 1, names));
+                     fmt::format("'{}' is no column: 0 to {}, or a name of the header ({}){}", text, layout.names.size() - 1, names,
+                                 nearest_hint(text, layout.names)));
 }
 
 std::vector<SensorSource> sensor_sources(const ReplayOptions &options, const TextLayout &layout, double stoichiometric) {

@@ -20,6 +20,7 @@
 #include "cli/tune_options.hpp"
 #include "common/error.hpp"
 #include "common/files.hpp"
+#include "common/progress.hpp"
 #include "common/stop.hpp"
 #include "io/log/event_log.hpp"
 
@@ -52,7 +53,9 @@ struct Inputs {
     Json files;
 
     std::optional<sd_kept_t> learned_with(const sd_calibration_t &page) const {
-        return lesson ? run_on_bench(*lesson, page, nullptr).learned : learned;
+        if (!lesson) return learned;
+        const Progress progress("learning from " + lesson->name);
+        return run_on_bench(*lesson, page, nullptr).learned;
     }
 };
 
@@ -190,6 +193,7 @@ void print_figures(const Inputs &inputs, const RunResult &result, const std::opt
 PerturbedRun run_perturbed(const Inputs &inputs) {
     const EngineFile &engine = inputs.scenario.engine.shared;
     const Perturbation drawn = draw_perturbation(engine, inputs.scenario.seed);
+    const Progress progress("with a wrong calibration");
     const sd_calibration_t page = calibrate(perturbed(engine, drawn), inputs.tune, inputs.tune_name);
     const auto learned = inputs.learned_with(page);
     return {drawn, run_on_bench(inputs.scenario, page, nullptr, learned ? &*learned : nullptr)};
@@ -221,7 +225,8 @@ BusChoice bus_of(const Options &options) { return {options.transport, options.pa
 
 RunResult run_elsewhere(const Options &options, const Inputs &inputs, RunTables *rows, const EventListener &listener, Elsewhere &figures) {
     if (on_emulator(options))
-        return run_on_emulator(options.transport, inputs.scenario, inputs.calibration, rows, listener, options.restart(), figures.controller);
+        return run_on_emulator(options.transport, inputs.scenario, inputs.calibration, rows, listener, options.restart(),
+                               figures.controller);
     return run_on_bus(bus_of(options), inputs.scenario, inputs.calibration, rows, listener, figures.bus);
 }
 
@@ -284,7 +289,9 @@ void add_options(Command &command, const std::shared_ptr<Options> &options) {
     command.option("--seed", options->seed, "instead of the scenario's").within_whole(0, std::int64_t(1) << 52);
     command.output_folder(options->out, "folder for summary.json, teeth.csv and cycles.csv");
     command.option("--json", options->json, "the summary alone");
-    command.option("--learned", options->learned, "what was learned before, or a scenario whose fuel cut is learned from first (by each calibration for itself); not over a bus");
+    command.option("--learned", options->learned,
+                   "what was learned before, or a scenario whose fuel cut is learned from first (by each calibration for itself); "
+                   "not over a bus");
     command.option("--learn", options->learn, "where what was learned goes at the end of the run; not over a bus");
     command.flag("--nominal", options->nominal, "skip the second run, whose calibration is wrong on purpose; over a bus there is none");
     const Option cache = command.option("--cache", options->cache,

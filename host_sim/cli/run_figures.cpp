@@ -69,7 +69,8 @@ void print_work(const std::optional<WorkFigures> &work) {
     fmt::print("work of a cycle, less its mean, {} times: true {:.1f} J, which varies by {:.2f} % of it; correlation {:.3f}, {:.2f} % rms, "
                "stated {:.2f} %{}\n", work->cycles, work->mean_j, work->spread_percent, work->correlation, work->rms_percent,
                work->stated_percent,
-               work->change_rms_percent > 0 ? fmt::format("; of a firing against the cycle before {:.2f} % of a firing's", work->change_rms_percent)
+               work->change_rms_percent > 0 ? fmt::format("; of a firing against the cycle before {:.2f} % of a firing's",
+                                                          work->change_rms_percent)
                                             : std::string());
 }
 
@@ -151,7 +152,8 @@ void print_mixture(const RunResult &nominal, const std::optional<PerturbedRun> &
     afr("stated deviation", "{:.2f} points", &AfrFigures::stated_points);
     afr("wrong cylinder", "{:.1f} %", &AfrFigures::wrong_cylinder_percent);
     afr("true spread", "{:.2f} %", &AfrFigures::spread_percent);
-    row("delay to the sensor learned", nominal, perturbed, [](const RunResult &r) { return fmt::format("{:+.2f} ms", 1e3 * r.afr_late_s); });
+    row("delay to the sensor learned", nominal, perturbed,
+        [](const RunResult &r) { return fmt::format("{:+.2f} ms", 1e3 * r.afr_late_s); });
     balance("spread before balancing", "{:.2f} %", &BalanceFigures::spread_before_percent);
     balance("cycles to below 3 %, -1 never", "{:.0f}", &BalanceFigures::cycles_to_3_percent);
     balance("largest spread since", "{:.2f} %", &BalanceFigures::largest_spread_percent);
@@ -163,7 +165,8 @@ void print_mixture(const RunResult &nominal, const std::optional<PerturbedRun> &
 void print_driveline(const std::optional<DrivelineFigures> &driveline) {
     if (!driveline) return;
     const DrivelineFigures &d = *driveline;
-    fmt::print("driveline every 10 ms: {} true changes of location; told {:.1f} % of the time, wrong location {:.2f} % of that, torsion {:.2e} rad rms;\n"
+    fmt::print("driveline every 10 ms: {} true changes of location; told {:.1f} % of the time, wrong location {:.2f} % of that, "
+               "torsion {:.2e} rad rms;\n"
                "  moving {:.1f} %; document 003's observers told {:.1f} %, wrong {:.1f} %; largest damping request {:.1f} Nm\n",
                d.changes, d.told_percent, d.wrong_percent, d.torsion_rms_rad, d.moving_percent, d.reference_told_percent,
                d.reference_wrong_percent, d.largest_request_nm);

@@ -30,7 +30,8 @@ std::string row(const Plant &plant) {
     return fmt::format("{:.6f},{:.2f},{:.5f},{:.4f},{:.6f},{:.7f},{:.4f},{:.1f},{:.6f},{:.6f},{:.6f},{:.6f}\n", now.time_s,
                        now.angle_rad * kDegPerRad, plant.model().pressure_pa(0) / kPaPerBar, kGramPerKg * gas.flows().valve[0],
                        gas.pressure_pa() / kPaPerBar, gas.manifold().kg, kGramPerKg * gas.flows().turbine,
-                       gas.turbine_radps() * kRpmPerRadps, gas.downstream_pa() / kPaPerBar, 1 - gas.manifold().air_fraction(), 1 - gas.at_sensor(), plant.uego_lambda());
+                       gas.turbine_radps() * kRpmPerRadps, gas.downstream_pa() / kPaPerBar, 1 - gas.manifold().air_fraction(),
+                           1 - gas.at_sensor(), plant.uego_lambda());
 }
 
 void run(const Options &options) {

@@ -8,7 +8,8 @@ namespace sixdeg {
 void add_study_misfire(Command &study) {
     auto o = std::make_shared<MisfireStudy>();
     Command command = study.add("misfire",
-                                "six detectors of misfires on a made set of edge times, at equal false alarms (docs/results/misfire-study.md)");
+                                "six detectors of misfires on a made set of edge times, at equal false alarms "
+                                "(docs/results/misfire-study.md)");
     command.option("PART", o->part, "one kind of engine alone").one_of(misfire_study_parts());
     command.option("--engines", o->engines, "drawn for each kind and physics, default 10").within(1, 1000);
     command.option("--cycles", o->cycles, "of each run, default 600").within(40, 1000000);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // sixdeg study observers: document 000's benchmark, its Table 2 beside what its observers and ours do here; and what the same
 // observers find of misfires in the ecu.
+#include <algorithm>
 #include <filesystem>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -10,6 +11,7 @@
 #include "cli/misfire_report.hpp"
 #include "cli/tune_options.hpp"
 #include "common/files.hpp"
+#include "common/progress.hpp"
 #include "design/calibration.hpp"
 #include "design/misfire/wheel_design.hpp"
 #include "studies/observers/misfire_detection.hpp"
@@ -156,7 +158,8 @@ Json print_detection(const DetectionCell &cell, const Detection &d, double bound
 void print_model(const EngineFile &engine) {
     const WheelModel m = wheel_model(engine);
     fmt::print("{}: pulse from {:.1f} deg, {:.1f} deg long; k2 {:.3f}, mean {:.4f} per rad; k1 {:.4f}, L {:.3f} per rad2; J {:.4f} kg m2\n",
-               engine.name, m.pulse_start_deg, m.pulse_deg, m.k2_per_rad, m.mean_per_rad, m.k1_per_rad2(), m.luenberger_per_rad2(), m.inertia_kgm2);
+               engine.name, m.pulse_start_deg, m.pulse_deg, m.k2_per_rad, m.mean_per_rad, m.k1_per_rad2(), m.luenberger_per_rad2(),
+                   m.inertia_kgm2);
     constexpr const char *kNames[] = {"FOLSMO", "FOSMO", "ROO"};
     for (int kind = 0; kind < SD_WHEEL_KINDS; ++kind) {
         const WheelCapture c = wheel_capture(engine, m, sd_wheel_kind_t(kind));
@@ -172,11 +175,17 @@ Json run_detections(const Options &o) {
     const sd_parameters_t parameters = read_tune(tune);
     fmt::print("  {:<15} {:>5} {:>27} {:>6} {:>27} {:>5} {:>7}\n", "", "missed", "detected, % [95 %]", "healthy",
                "false alarms, % [95 %]", "wrong", "sep.");
-    for (const DetectionCell &cell : detection_cells()) {
-        if ((o.rpm != 0 && cell.rpm != o.rpm) || (o.bar != 0 && cell.bmep_bar != o.bar)) continue;
+    std::vector<DetectionCell> cells = detection_cells();
+    const auto wanted = [&](const DetectionCell &cell) {
+        return (o.rpm == 0 || cell.rpm == o.rpm) && (o.bar == 0 || cell.bmep_bar == o.bar);
+    };
+    cells.erase(std::stable_partition(cells.begin(), cells.end(), wanted), cells.end());
+    Progress progress("cell", double(cells.size()));
+    for (const DetectionCell &cell : cells) {
         const Scenario scenario = detection_scenario(cell, o.cycles, o.seed);
         const Detection d = run_detection(scenario, o.set);
         json.push_back(print_detection(cell, d, separation_bound(scenario, firing_bounds(scenario, parameters, d.run))));
+        progress.next();
         std::fflush(stdout);
     }
     return json;

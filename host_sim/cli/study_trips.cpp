@@ -58,7 +58,8 @@ void print_window(const char *name, double firings, double percent, double p) {
 
 void run(const Options &options) {
     const auto summary = nlohmann::json::parse(read_file(options.summary), nullptr, false);
-    const double healthy = figure(summary, options.summary, "index_healthy_sd"), stated = figure(summary, options.summary, "index_missed_sd");
+    const double healthy = figure(summary, options.summary, "index_healthy_sd"),
+        stated = figure(summary, options.summary, "index_missed_sd");
     const sd_misfire_config_t config = monitor_config(options);
     const TripFigures f = run_trips(config, {healthy, stated, options.trips, options.revolutions, options.seed});
     const double rate = double(f.false_alarms) / double(f.firings);

@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: MIT
 // sixdeg sweep: a grid over scenario fields, each cell a `sixdeg run` in a process of its own.
-#include <chrono>
 #include <filesystem>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <thread>
-#include <unistd.h>
 
 #include "cli/commands.hpp"
 #include "common/error.hpp"
 #include "common/files.hpp"
+#include "common/progress.hpp"
 #include "common/stop.hpp"
 #include "plant/scenario/scenario.hpp"
 #include "studies/sweep/grid.hpp"
@@ -52,25 +51,6 @@ std::string fingerprint(const Options &options, const std::vector<std::string> &
     return all;
 }
 
-class Progress {
-  public:
-    explicit Progress(std::size_t cells) : cells_(cells), shown_(isatty(2) != 0) {}
-    void done(std::size_t cells, std::size_t runs) const {
-        if (!shown_) return;
-        constexpr std::size_t kWidth = 32;
-        const std::size_t filled = cells_ ? kWidth * cells / cells_ : kWidth;
-        const std::chrono::duration<double> since = std::chrono::steady_clock::now() - start_;
-        const double left = runs ? since.count() / double(runs) * double(cells_ - cells) : 0;
-        fmt::print(stderr, "\r[{:#<{}}{:.<{}}] {} of {}, {:.0f} s left   ", "", filled, "", kWidth - filled, cells, cells_, left);
-        if (cells == cells_) fmt::print(stderr, "\n");
-    }
-
-  private:
-    std::size_t cells_;
-    bool shown_;
-    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
-
 std::string first_line(const std::string &text) { return text.substr(0, text.find('\n')); }
 
 class Sweep {
@@ -97,11 +77,10 @@ class Sweep {
         }
         if (open.size() < cells_.size()) fmt::print("{} of {} cells were done before\n", cells_.size() - open.size(), cells_.size());
         fs::create_directories(fs::path(options_.out) / "cells");
-        const Progress progress(cells_.size());
-        std::size_t done = cells_.size() - open.size(), runs = 0;
+        Progress progress("cell", double(open.size()));
         run_all(commands, options_.jobs, [&](const Ended &ended) {
             take(open[ended.index], ended);
-            progress.done(++done, ++runs);
+            progress.next();
             return true;
         });
         return report();
@@ -142,6 +121,9 @@ class Sweep {
         out.commit();
         fmt::print("{} cells, {} without a result; {}\n", cells_.size(), without,
                    picture ? "sweep.csv and map.svg written" : "sweep.csv written");
+        // The usual figure is not in every summary, and nobody asked for it.
+        const std::string fault = options_.figure == Options().figure ? "" : figure_fault(cells_, options_.figure);
+        if (!fault.empty()) throw InputError("--figure", options_.figure, fault);
         for (const SweepCell &cell : cells_) {
             if (!cell.error.empty()) fmt::print(stderr, "{}: {}\n", fmt::join(cell.settings, " "), cell.error);
         }
@@ -169,7 +151,8 @@ void add_sweep(Command &app) {
     Command command = app.add("sweep", "a grid over scenario fields, many runs side by side");
     command.task("A simulated engine", "sweep host_sim/data/scenarios/balance_1000rpm_5bar.toml --over load.bmep_bar=2,5 --out DIR");
     command.option("SCENARIO", options->scenario, "scenario file (docs/reference/scenario.md)").required();
-    command.option("--over", options->over, "field=value,value,... an axis of the grid; give it once for each axis").required().one_at_a_time();
+    command.option("--over", options->over,
+                   "field=value,value,... an axis of the grid; give it once for each axis").required().one_at_a_time();
     command.output_folder(options->out, "folder for sweep.csv, map.svg and the cells").required();
     command.option("--figure", options->figure, "what map.svg shows over speed.rpm and load.bmep_bar").shows_default();
     command.option("--jobs", options->jobs, "runs at a time").within(1, 256).shows_default();

@@ -74,7 +74,7 @@ void add_watch(Command &app) {
     command.option("--transport", options->transport, "can:IFACE, lcm or lcm:URL (docs/reference/bus.md)").required();
     command.output_folder(options->out, "folder for teeth.csv and cycles.csv, written when the plant's run is over");
     command.option("--engine", options->engine, "engine file, for --out");
-    command.runs([options] { run(*options); });
+    command.runs_without_progress([options] { run(*options); });
 }
 
 } // namespace sixdeg

@@ -158,7 +158,8 @@ OutputFolder::~OutputFolder() {
 
 std::ostream &OutputFolder::stream(const std::string &name) {
     const fs::path path = target_of(folder_ / name);
-    if (is_written_through(path) || path != folder_ / name) throw InputError(path.string(), "", "is a link or no regular file; it is not written over");
+    if (is_written_through(path) || path != folder_ / name) throw InputError(path.string(), "",
+                                                                             "is a link or no regular file; it is not written over");
     std::error_code ec;
     fs::create_directories(folder_, ec);
     auto &stream = streams_[name];

@@ -44,7 +44,8 @@ void check_starts(const sd_calibration_t &calibration, const EngineFile &engine,
     sd_crank_t crank;
     const sd_crank_config_t crank_config = sd_calibration_crank(&calibration, &calibration.parameters);
     if (sd_crank_init(&crank, &crank_config) != SD_OK) {
-        throw InputError(engine.name, "wheel", fmt::format("the decoder takes runs of 1 to 3 missing teeth, at most {} of them at least 4 teeth "
+        throw InputError(engine.name, "wheel",
+                         fmt::format("the decoder takes runs of 1 to 3 missing teeth, at most {} of them at least 4 teeth "
                                                            "apart or two alike with 1 between, "
                                                            "and a stall time of 256 to 16777216 ticks", SD_CRANK_MARKS_MAX));
     }
@@ -64,7 +65,8 @@ double observer_inertia_kgm2(const EngineFile &engine, int k) {
 sd_fourier_tables_t fourier_tables(const EngineFile &engine) {
     sd_fourier_tables_t tables{};
     const int positions = engine.wheel.positions;
-    for (int k = 0; k < positions; ++k) tables.inertia_base_kgm2 = std::max(tables.inertia_base_kgm2, float(observer_inertia_kgm2(engine, k)));
+    for (int k = 0; k < positions; ++k) tables.inertia_base_kgm2 =
+        std::max(tables.inertia_base_kgm2, float(observer_inertia_kgm2(engine, k)));
     for (int k = 0; k < positions; ++k) {
         tables.inertia_q31[k] = to_q31(double(float(observer_inertia_kgm2(engine, k)) / tables.inertia_base_kgm2));
     }
@@ -117,7 +119,8 @@ void check_chain(const sd_calibration_t &c, const std::string &tune_name) {
 /// The air path's diagnosis, where the engine file names a design.
 sd_airpath_tables_f32_t air_path_tables(const EngineFile &engine) {
     if (!engine.air_path || engine.air_path->design_name.empty()) return {};
-    if (engine.air_path->design_text.empty()) throw InputError(engine.name, "airpath.design", "names no file: " + engine.air_path->design_name);
+    if (engine.air_path->design_text.empty()) throw InputError(engine.name, "airpath.design",
+                                                               "names no file: " + engine.air_path->design_name);
     TomlFile file(engine.air_path->design_name, engine.air_path->design_text);
     const AirPathDesign design = read_air_path_design(file, *engine.air_path, engine.displaced_m3() * engine.cylinders());
     file.finish();

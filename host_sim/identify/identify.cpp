@@ -201,8 +201,8 @@ Identified identify(const EngineFile &engine, const CrankRecord &record, const I
         refuse_all(record.pressure.empty()
             ? "in a firing engine the teeth show combustion, whose torque nobody knows; record a fuel cut and name "
                                              "it by --fuel or --motored"
-                                           : "the pressure of one cylinder tells the others' only without combustion; record a fuel cut and name "
-                                             "it by --fuel or --motored",
+                                           : "the pressure of one cylinder tells the others' only without combustion; "
+                                             "record a fuel cut and name it by --fuel or --motored",
                    result);
         take_exchange(engine, record, nullptr, result);
         return result;

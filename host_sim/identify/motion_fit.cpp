@@ -191,7 +191,8 @@ class Fitter {
         for (int i = 0; i < 20; ++i) {
             MatrixXd normal = full_;
             for (Index q = first; q < unknowns_; ++q)
-                normal(q, q) += scatter_ * scatter_ * units_(q) * units_(q) * (1 / (share * share) - 1 / std::pow(gas_.least_unexplained(), 2));
+                normal(q, q) += scatter_ * scatter_ * units_(q) * units_(q) * (1 / (share * share)
+                                                                               - 1 / std::pow(gas_.least_unexplained(), 2));
             MatrixXd wanted = MatrixXd::Zero(shared_, count + 1);
             wanted.col(count) = right_;
             wanted.block(first, 0, count, count).setIdentity();

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "common/error.hpp"
+#include "common/progress.hpp"
 #include "common/stop.hpp"
 #include "loop/air_path_feed.hpp"
 #include "plant/engine/units.hpp"
@@ -24,9 +25,11 @@ class Run {
           truth_(truth),
           score_(int(calibration.parameters.torque_harmonics), plant_.model().tables().steps, kScoredCycles),
           waveform_(kWaveformHarmonics, plant_.model().tables().steps, kScoredCycles),
-          cylinder_score_(scenario.engine.shared.cylinders(), kScoredCycles), firing_(scenario.engine.shared), work_(scenario.engine.shared),
+          cylinder_score_(scenario.engine.shared.cylinders(), kScoredCycles), firing_(scenario.engine.shared),
+              work_(scenario.engine.shared),
           misfire_(scenario.engine.shared), monitor_(scenario.engine.shared), afr_score_(kScoredCycles), balance_score_(kScoredCycles),
-          driveline_score_(double(calibration.tick_hz)) {
+          driveline_score_(double(calibration.tick_hz)),
+          progress_("simulating", scenario.duration_s > 0 ? scenario.duration_s : double(scenario.cycles), Progress::share) {
         if (plant_.car()) plant_.watch_steps([this] { note_car(); });
         plant_.record_steps(&steps_);
         ecu_.record_answers(&heard_);
@@ -82,6 +85,7 @@ class Run {
         if (ecu_.clock_events() != judged_) judge_answered();
         judged_ = ecu_.clock_events();
         result_.simulated_s = edge.time_s;
+        progress_.at(scenario_.duration_s > 0 ? edge.time_s : double(result_.true_cycles / scenario_.engine.shared.firing_order.size()));
         const bool crank = edge.kind == EdgeKind::crank;
         ecu_.send({edge.tick, std::uint16_t(crank ? SD_EVENT_CRANK_EDGE : SD_EVENT_CAM_EDGE), 0, 0, 0});
         score_.steps(steps_), waveform_.steps(steps_);
@@ -276,6 +280,7 @@ class Run {
     std::size_t judged_ = 0;
     std::vector<StepTruth> steps_;
     RunResult result_;
+    Progress progress_;
 };
 
 } // namespace
@@ -291,7 +296,8 @@ RunResult run_on_bench(const Scenario &scenario, const sd_calibration_t &calibra
     if (restart_s) bench->restart_at(*restart_s);
     if (listener) bench->listen(listener);
     if (learned && !bench->resume(*learned))
-        throw InputError("learned page", "", "it is of another wheel or another lambda sensor, or the engine file has neither heat release nor exhaust");
+        throw InputError("learned page", "",
+                         "it is of another wheel or another lambda sensor, or the engine file has neither heat release nor exhaust");
     RunResult result = run_scenario(scenario, calibration, *bench, tables);
     result.learned = bench->learned();
     result.evidence = bench->evidence();

@@ -43,7 +43,8 @@ struct RunResult {
     MisfireFigures monitor; ///< Of the monitor beside it; the same where it is the method.
     sd_kept_t learned{};                  ///< At the end of the run.
     double pattern_sd_deg = 0;            ///< Of its tooth pattern; 0: nothing learned.
-    double exponent = 0, exponent_sd = 0; ///< By which compression's exponent is larger than the calibration's, as learned with it; both 0: not learned.
+    double exponent = 0, exponent_sd = 0; ///< By which compression's exponent is larger than the calibration's, as learned with it; both 0:
+                                          ///< not learned.
     std::optional<AfrFigures> afr;            ///< With a wideband sensor only.
     std::optional<BalanceFigures> balance;    ///< Where fuel trims were allowed.
     std::optional<DrivelineFigures> driveline; ///< With a car in the scenario, and a driveline in the page, only.
@@ -69,6 +70,7 @@ RunResult run_scenario(const Scenario &scenario, const sd_calibration_t &calibra
 /// out. `learned` (nullptr: none) is what was kept from before. A signal that wants the program to stop ends the run
 /// early. `restart_s`: when the ecu begins anew. Throws InputError.
 RunResult run_on_bench(const Scenario &scenario, const sd_calibration_t &calibration, RunTables *tables,
-                       const sd_kept_t *learned = nullptr, const EventListener &listener = {}, std::optional<double> restart_s = std::nullopt);
+                       const sd_kept_t *learned = nullptr, const EventListener &listener = {},
+                           std::optional<double> restart_s = std::nullopt);
 
 } // namespace sixdeg

@@ -110,7 +110,8 @@ void print_bus(const BusFigures &f, std::size_t unanswered) {
     double load[3] = {};
     getloadavg(load, 3);
     row("bus", describe(f.counts));
-    row("  load average of this kernel", fmt::format("{:.2f} {:.2f} {:.2f} on {} CPUs", load[0], load[1], load[2], std::thread::hardware_concurrency()));
+    row("  load average of this kernel",
+        fmt::format("{:.2f} {:.2f} {:.2f} on {} CPUs", load[0], load[1], load[2], std::thread::hardware_concurrency()));
     row("  frames or messages a second", fmt::format("{:.0f}", (f.counts.sent + f.counts.received) / f.took_s));
     row("  round trip of a clock event", fmt::format("p50 {:.0f} us, p99 {:.0f} us", f.round_trip_p50_us, f.round_trip_p99_us));
     row("  clock events, deadlines missed", fmt::format("{}, {}", f.clock_events, f.missed));

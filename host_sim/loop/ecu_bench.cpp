@@ -35,7 +35,8 @@ bool EcuBench::exchange(const sd_event_t &event) {
         }
     }
     if (said_.firings() != firings)
-        fuel_cut_.firing(ecu_, page_.view()->cylinders, double(said_.signals().firing_torque_nm), said_.health(SD_OWNER_FIRING) == SD_VALID);
+        fuel_cut_.firing(ecu_, page_.view()->cylinders, double(said_.signals().firing_torque_nm),
+                         said_.health(SD_OWNER_FIRING) == SD_VALID);
     return cycle_ended;
 }
 

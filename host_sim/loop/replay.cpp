@@ -204,7 +204,8 @@ struct DecoderBench {
 
 ReplayResult replay(const std::string &file, const ReplayPlan &plan, const sd_calibration_t &calibration, ReplaySink &sink) {
     const auto bench = std::make_unique<EcuBench>(calibration);
-    if (plan.learned && !bench->resume(*plan.learned)) throw InputError(file, "--learned", "is of another wheel or another lambda sensor, or the engine file has neither heat release nor exhaust");
+    if (plan.learned && !bench->resume(*plan.learned)) throw InputError(file, "--learned",
+        "is of another wheel or another lambda sensor, or the engine file has neither heat release nor exhaust");
     ReplayResult result = Replayer<EcuBench>(plan, *bench, sink).run();
     result.learned = bench->learned();
     result.evidence = bench->evidence();

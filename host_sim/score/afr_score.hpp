@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The estimate of each cylinder's mixture against the plant's own. Figures: docs/theory/afr.md.
+// The estimate of each cylinder's mixture against the plant's own. Figures: docs/results/afr.md.
 #pragma once
 #include <cstddef>
 #include <deque>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The fuel trims against what the plant's injectors and cylinders do. Figures: docs/theory/afr.md.
+// The fuel trims against what the plant's injectors and cylinders do. Figures: docs/results/afr.md.
 #pragma once
 #include <cstddef>
 #include <optional>

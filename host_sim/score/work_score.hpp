@@ -18,7 +18,8 @@ struct WorkFigures {
     double correlation = 0;         ///< Of what is said with it; 0 where either does not vary.
     double rms_percent = 0;         ///< Of the difference.
     double stated_percent = 0;      ///< Rms of the standard deviations said.
-    double change_rms_percent = 0;  ///< Of a firing against the same cylinder's a cycle before, of a firing's mean true work. 0: never said.
+    double change_rms_percent = 0;  ///< Of a firing against the same cylinder's a cycle before, of a firing's mean true work. 0: never
+                                    ///< said.
 };
 
 class WorkScore {

@@ -21,6 +21,9 @@ import tomllib
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 import cycles  # noqa: E402  the path comes first
 
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "tools"))
+import progress  # noqa: E402
+
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 HERE = pathlib.Path(__file__).resolve().parent
 KEPT = HERE / "figures.toml"
@@ -185,7 +188,7 @@ def main():
         raise SystemExit("budget: needs the Arm compiler and the emulator; tools/setup --cross installs them")
     if not arguments.no_build:
         build(arguments.core)
-    runs = {name: Run(name, arguments.core) for name in arguments.run or PLAN["runs"]}
+    runs = {name: Run(name, arguments.core) for name in progress.over(arguments.run or PLAN["runs"], "budget.py: run")}
     if arguments.functions:
         for run in runs.values():
             run.functions()

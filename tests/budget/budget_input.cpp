@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// budget_input [--twice] RUN.run PAGE EVENTS [OUTPUTS]: the calibration page and the events of a golden run as budget_ecu takes them; prints
-// "page_bytes HEX" and "hash HEX", which is of what the ecu says to them on this machine. Parameters stay as the page has
-// them, so that a mean is of one configuration. --twice: the run, 2 s without an edge, and the run again. OUTPUTS: the events that go out, one behind the other.
+// budget_input [--twice] RUN.run PAGE EVENTS [OUTPUTS]: the calibration page and the events of a golden run as budget_ecu takes them;
+// prints "page_bytes HEX" and "hash HEX", which is of what the ecu says to them on this machine. Parameters stay as the page has
+// them, so that a mean is of one configuration. --twice: the run, 2 s without an edge, and the run again. OUTPUTS: the events that go out,
+// one behind the other.
 #include <algorithm>
 #include <cstdio>
 #include <fmt/format.h>

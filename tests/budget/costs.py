@@ -23,6 +23,8 @@ import tomllib
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 import budget  # noqa: E402  the path comes first
 import costs_page  # noqa: E402
+sys.path.insert(0, str(budget.ROOT / "tools"))
+import progress  # noqa: E402
 
 KEPT = budget.HERE / "costs.toml"
 PAGE = budget.ROOT / "docs" / "results" / "costs.md"
@@ -182,7 +184,7 @@ def states(core):
 def measure(plan):
     figures, wrong = {}, []
     for core, names in plan.items():
-        for name in names:
+        for name in progress.over(names, f"costs.py: {core}, run"):
             run = budget.Run(name, core)
             if not run.same:
                 wrong.append(f"{core} {name}: the target says other bits than the host")

@@ -83,10 +83,10 @@ figure of Arm's table for the Cortex-M4 (100166, section 3.3.1; floating point a
 Cortex-M3 (DDI 0337H, table 3-1): a load 2 cycles, 1 behind another load, one more where the instruction in front computed its address, a
 product 1, a division 12, `vdiv` and `vsqrt` 14, a floating-point result that the next instruction wants one more. Where sources have a
 range there are two ends. A taken branch: 1 more at the quick end and 2 to a wide instruction that is not aligned, as measured on a
-Cortex-M4 (compendium.i-0.nl, "Branch timing"); 3 more, the table's most, at the slow end. A float to or from a core register: 1 or 2. Memory
-answers at once: flash wait states, caches and bus contention are the board's, and not in it. Interrupt entry and exit add {interrupt}
-cycles to a tooth. Nothing here was measured on silicon by us. The quick end is the model's statement, since its branches are measured ones;
-the slow end is a bound.
+Cortex-M4 (compendium.i-0.nl, "Branch timing"); 3 more, the table's most, at the slow end. A float to or from a core register: 1 or 2.
+Memory answers at once: flash wait states, caches and bus contention are the board's, and not in it. Interrupt entry and exit
+add {interrupt} cycles to a tooth. Nothing here was measured on silicon by us. The quick end is the model's statement, since its branches
+are measured ones; the slow end is a bound.
 
 For the Cortex-M7 Arm publishes no such table (quinapalus.com, "Cortex-M7 instruction cycle counts", says so and measures some pairs), so
 it has a range: from two instructions in every cycle (half the instructions) to one at a time with the M4's latencies and no branch
@@ -186,7 +186,8 @@ def loads(f):
             )
     lines = [
         (
-            "\n## Load at 6000 rpm, and the first tooth that is too long\n\nLoad of the core: teeth, what the 10 ms task learns of each cycle,"
+            "\n## Load at 6000 rpm, and the first tooth that is too long\n\n"
+            "Load of the core: teeth, what the 10 ms task learns of each cycle,"
             " and clock, cam and samples at their rate in the run, percent.\nThe first overrun: the speed at which the run's worst tooth"
             " lasts as long as the time to the next edge. One such tooth loses nothing,\nsince edges are captured; an average above 100 %"
             " does.\n\n"

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""A model of what an instruction takes on a Cortex-M4F or M3, in cycles, from the tables of Arm's reference manuals (docs/results/costs.md).
+"""A model of what an instruction takes on a Cortex-M4F or M3, in cycles, from the tables of Arm's reference manuals
+(docs/results/costs.md).
 
     tests/budget/cycles.py IMAGE [cortex-m3]     one line an instruction: address, slow, more when it branches, quick, more
 

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""The ecu of fixed point (docs/theory/fixed.md): its linked image has no floating-point arithmetic; it says the same bits on the target as on
-the host, and what the usual ecu says in q31 within the bounds below; and what a tooth costs."""
+"""The ecu of fixed point (docs/theory/fixed.md): its linked image has no floating-point arithmetic; it says the same bits on the target as
+on the host, and what the usual ecu says in q31 within the bounds below; and what a tooth costs."""
 import pathlib
 import re
 import subprocess
@@ -21,7 +21,8 @@ CORE = "cortex-m3-fixed"
 # AEABI names of float and double arithmetic, comparisons and conversions, and libgcc's own names for them.
 FLOATING = re.compile(r"^__aeabi_(c?[fd]|u?[il]2[fd])\w*$|^__(\w+)[sd]f[23]$|^__(float|fix)\w+$|^__\w*(sf|df)\w*$")
 # How far the two may be apart, in the signals' units: of an edge, of a firing and of a cycle.
-BOUNDS = {"crank.edge_class": 0, "crank.tooth": 0, "crank.angle": 1e-4, "crank.phase_known": 0, "crank.speed": 1e-3, "crank.acceleration": 1e-2,
+BOUNDS = {"crank.edge_class": 0, "crank.tooth": 0, "crank.angle": 1e-4, "crank.phase_known": 0, "crank.speed": 1e-3,
+          "crank.acceleration": 1e-2,
           "torque.mass": 1e-3, "torque.innovation": 1e-4, "work.cycle": 1e-3, "work.change": 2e-3, "work.sd": 1e-4, "work.firing": 0,
           "misfire.verdict": 0, "misfire.inhibit": 0, "misfire.cylinder": 0, "misfire.index": 1e-3, "misfire.residual": 0.1,
           "cycle.speed": 1e-3, "cycle.cylinder_torque": 1e-2, "cycle.cylinder_sd": 1e-4,

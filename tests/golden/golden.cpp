@@ -84,7 +84,8 @@ Outputs outputs_of(const GoldenRun &run, const std::string &dumped) {
 std::string hash_text(const Output &output) { return fmt::format("{:016x}", output.hash.value()); }
 
 std::string table(const Outputs &outputs) {
-    std::string text = "# SPDX-License-Identifier: MIT\n# name, hash, how many, last value; written by golden --update (docs/results/golden.md)\n";
+    std::string text = "# SPDX-License-Identifier: MIT\n"
+                       "# name, hash, how many, last value; written by golden --update (docs/results/golden.md)\n";
     for (const auto &[name, output] : outputs)
         text += fmt::format("{:<28} {} {:>6} {:.9g}\n", name, hash_text(output), output.count, output.last);
     return text;

@@ -29,7 +29,8 @@ FIGURE16, TIP_IN, LEARN = "figure16_1500rpm_9bar.toml", "tip_in.toml", "learn_pa
 PLAIN = "harmonics_1500rpm_2bar.toml"  # no exhaust sensor
 USUAL = ["encoder.jitter_deg=0.01", "encoder.pattern_rms_deg=0.02", "cyclic.cov_percent=2"]
 
-MISFIRING = USUAL + ["run={duration_s=6}", "speed={mode=\"dyno\",rpm=[2000,3500],time_s=[0,6]}", "load.bmep_bar=8", "load.fuel_cut_s=[2.5,2.7]",
+MISFIRING = USUAL + ["run={duration_s=6}", "speed={mode=\"dyno\",rpm=[2000,3500],time_s=[0,6]}", "load.bmep_bar=8",
+                     "load.fuel_cut_s=[2.5,2.7]",
                      "misfires.one_in=25", "encoder.drop_rate=0.0003"]
 
 # name: scenario; what is set in it; tune; and (second, command...) put into the stream: "p NAME VALUE" sets a parameter,
@@ -42,7 +43,8 @@ RUNS = {
                                  "misfires.burned_fraction=0.1"], {},
                  [(3, "q misfire.cyclic_variation"), (4, "p misfire.misfire_below 0.6"), (5, "p misfire.partial_burn_below 0.3"),
                   (5.2, "d misfire.misfire_below")], 0),
-    "folsmo": (PLAIN, MISFIRING, {"misfire.method": 1}, [(3, "q misfire.method"), (4, "p misfire.misfire_below 0.6"), (5, "p misfire.method 0"),
+    "folsmo": (PLAIN, MISFIRING, {"misfire.method": 1},
+               [(3, "q misfire.method"), (4, "p misfire.misfire_below 0.6"), (5, "p misfire.method 0"),
                                                          (5.5, "p misfire.method 1")], 0),
     "folsmo_q31": (PLAIN, MISFIRING, {"misfire.method": 1, "misfire.arithmetic": 1},
                    [(3, "p misfire.method 3"), (4, "p misfire.method 2"), (5, "p misfire.arithmetic 0")], 0),
@@ -58,7 +60,8 @@ RUNS = {
     "chain": (FIGURE16, ["run.duration_s=5", "encoder.jitter_deg=0.01", "uego.sample_us=2000"], {"afr.method": 2},
               [(4, "p afr.method 3")], 0),
     "fixed": (FIGURE16, ["run.duration_s=5", "encoder.jitter_deg=0.01", "uego.sample_us=2000", "exhaust_sensors.pressure_sample_us=2000"],
-              {"torque.fixed_point": 1, "afr.method": 3, "afr.arithmetic": 1, "misfire.method": 1, "misfire.arithmetic": 1, "firing.enabled": 0}, [], 0),
+              {"torque.fixed_point": 1, "afr.method": 3, "afr.arithmetic": 1, "misfire.method": 1, "misfire.arithmetic": 1,
+               "firing.enabled": 0}, [], 0),
     "twist": (PLAIN, USUAL + [f'engine="{ENGINES}eight_diesel.toml"', "run={duration_s=5}", "load.bmep_bar=8",
                               "misfires.one_in=60"], {}, [], 0),
     "dual_mass": (PLAIN, USUAL + [f'engine="{ENGINES}triple_10.toml"', "run={duration_s=5}", "speed.rpm=1200", "load.bmep_bar=6",

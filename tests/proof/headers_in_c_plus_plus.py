@@ -29,7 +29,8 @@ def look(headers, flags, folder):
     names = r"^(?:[a-z]\w*[ *]+)+(sd_\w+)\((?=.*\);)"  # one function of each header that has any must have a C name
     declared = [m[1] for path in headers if (m := re.search(names, path.read_text(), re.M)) and "static" not in m[0]]
     source.write_text(source.read_text() + "void *all[] = {" + ", ".join(f"(void *){name}" for name in declared) + "};\n")
-    subprocess.run(["c++", "-std=c++17", "-c", *flags, *(f"-I{f}" for f in folders), source, "-o", pathlib.Path(folder) / "all.o"], check=not wrong)
+    subprocess.run(["c++", "-std=c++17", "-c", *flags, *(f"-I{f}" for f in folders), source, "-o", pathlib.Path(folder) / "all.o"],
+                   check=not wrong)
     if not wrong:
         symbols = subprocess.run(["nm", "-u", pathlib.Path(folder) / "all.o"], capture_output=True, text=True, check=True).stdout
         wrong.extend(f"{line.split()[-1]} is mangled" for line in symbols.splitlines() if line.split()[-1].startswith("_Z"))

@@ -153,7 +153,8 @@ STACK = """
 pushes or subtracts from the stack pointer. In ctest (`stack_bound`) for all four images, with an image that recurses, takes heap and calls
 through pointers as negative control. On a Cortex-M7 sd_ecu_init takes at most 1,080 bytes, sd_ecu_run at most 1,092 (1,128 on a Cortex-M3)
 and sd_ecu_task_run, which that may interrupt, at most 584 (652); [costs.md](costs.md) has what painting finds of the first two. The port's
-own receive and send come on top. An ecu reaches no heap function, nothing recursive, and no pointer call but the port's. Every loop that is no counted `for` stands in that file with its bound; one that does not fails the test.
+own receive and send come on top. An ecu reaches no heap function, nothing recursive, and no pointer call but the port's. Every loop that
+is no counted `for` stands in that file with its bound; one that does not fails the test.
 
 What this does not cover: an interrupt's own frame (up to 104 bytes with floating point), the port, and a counted `for` whose limit comes
 from the page (positions, cylinders, harmonics: init refuses what is larger than the arrays).
@@ -212,8 +213,8 @@ def misra(kept, root):
         " proved.toml: do not edit. -->\n# MISRA C:2012: deviations\n\n    tests/proof/prove.py misra        # needs Debian's cppcheck"
         " 2.10; fails where a rule without a deviation is broken\n\n"
         + textwrap.fill(
-            "cppcheck's MISRA addon looks at firmware/ (the ecu of fixed point by itself, since its names are the usual one's). It finds what"
-            " can be found in the text; rules that need judgement, and directives, it does not look at. Every rule that the firmware"
+            "cppcheck's MISRA addon looks at firmware/ (the ecu of fixed point by itself, since its names are the usual one's). It finds"
+            " what can be found in the text; rules that need judgement, and directives, it does not look at. Every rule that the firmware"
             " breaks has a deviation here, a rule that is not here is kept, and a deviation that nothing needs any more fails too.",
             138,
         )

@@ -32,7 +32,8 @@ HERE = ROOT / "tests" / "proof"
 KEPT = HERE / "proved.toml"
 PAGES = {"proofs.md": proof_pages.proofs, "misra.md": proof_pages.misra}
 INCLUDES = [
-    f"-Ifirmware/{part}" for part in ("num", "crank", "torque", "misfire", "afr", "balance", "driveline", "airpath", "page", "ecu", "ecu_fixed")
+    f"-Ifirmware/{part}"
+    for part in ("num", "crank", "torque", "misfire", "afr", "balance", "driveline", "airpath", "page", "ecu", "ecu_fixed")
 ]
 INCLUDES += ["-Ihal", "-Ihal/generated"]
 
@@ -176,7 +177,10 @@ def misra():
     return dict(sorted(found.items(), key=lambda item: [int(part) for part in item[0].split(".")])), wrong
 
 
-TIDY = "-*,bugprone-*,clang-analyzer-*,cert-*,-bugprone-easily-swappable-parameters,-cert-dcl37-c,-cert-dcl51-cpp,-bugprone-reserved-identifier"
+TIDY = (
+    "-*,bugprone-*,clang-analyzer-*,cert-*,-bugprone-easily-swappable-parameters,-cert-dcl37-c,-cert-dcl51-cpp,"
+    "-bugprone-reserved-identifier"
+)
 
 
 def tidy():
@@ -219,7 +223,9 @@ def main():
     kept, wrong = tomllib.loads(KEPT.read_text()) if KEPT.exists() else {}, []
     for part in parts:
         found, faults = (
-            eva([name for name in arguments.part if name not in parts]) if part == "eva" else {"misra": misra, "tidy": tidy, "numbers": numbers}[part]()
+            eva([name for name in arguments.part if name not in parts])
+            if part == "eva"
+            else {"misra": misra, "tidy": tidy, "numbers": numbers}[part]()
         )
         wrong += faults
         if arguments.keep and part != "numbers":  # what another one has kept meanwhile stays

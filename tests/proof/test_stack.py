@@ -27,7 +27,8 @@ int main(void) { sd_ecu_init(); sd_ecu_run(deep); return 0; }
 def image(init, run):
     folder = pathlib.Path(tempfile.mkdtemp())
     (folder / "a.c").write_text(FAULTY.replace("BODY_OF_INIT", init).replace("BODY_OF_RUN", run))
-    subprocess.run(["arm-none-eabi-gcc", "-mthumb", "-mcpu=cortex-m3", "-O1", "--specs=nosys.specs", folder / "a.c", "-o", folder / "a.elf"],
+    subprocess.run(["arm-none-eabi-gcc", "-mthumb", "-mcpu=cortex-m3", "-O1", "--specs=nosys.specs", folder / "a.c", "-o",
+                    folder / "a.elf"],
                    check=True, capture_output=True)
     return folder / "a.elf"
 

@@ -99,7 +99,8 @@ struct LcmLink {
     std::vector<Packet> to_ecu(const std::vector<sd_event_t> &events) {
         std::vector<sixdeg_event_t> sent;
         for (const sd_event_t &e : events)
-            sent.push_back({std::int32_t(e.tick), std::int16_t(e.kind), std::int16_t(e.channel), std::int32_t(e.value), std::int32_t(e.flags)});
+            sent.push_back({std::int32_t(e.tick), std::int16_t(e.kind), std::int16_t(e.channel), std::int32_t(e.value),
+                            std::int32_t(e.flags)});
         const sixdeg_inputs_t m{std::int32_t(sent.size()), sequence++ & 0xffff, session, sent.data()};
         std::vector<std::uint8_t> bytes(std::size_t(sixdeg_inputs_t_encoded_size(&m)));
         EXPECT_GT(sixdeg_inputs_t_encode(bytes.data(), 0, int(bytes.size()), &m), 0);

@@ -42,7 +42,8 @@ struct OtherEngine : TorqueSignal {
     double area() const { return M_PI / 4 * bore_m * bore_m; }
     double volume(double a) const {
         const double s = crank_m * std::sin(a);
-        return area() * (2 * crank_m / (compression_ratio - 1) + crank_m + rod_m - crank_m * std::cos(a) - std::sqrt(rod_m * rod_m - s * s));
+        return area() * (2 * crank_m / (compression_ratio - 1) + crank_m + rod_m - crank_m * std::cos(a)
+                         - std::sqrt(rod_m * rod_m - s * s));
     }
     double burnt(double a) const {
         const double y = (a / kDeg - start_deg) / duration_deg;

@@ -39,7 +39,8 @@ class BusCases:
     def same_bytes(self, scenario, *options):
         """Rows of a run over the bus that are those of one process to the byte, and its summary."""
         self.sixdeg("run", scenario, "--nominal", "--out", self.folder / "one", *options)
-        done = self.sixdeg("run", scenario, "--out", self.folder / "two", "--transport", self.transport, "--record", self.folder / "log", *options)
+        done = self.sixdeg("run", scenario, "--out", self.folder / "two", "--transport", self.transport, "--record", self.folder / "log",
+                           *options)
         self.assertEqual(self.csv_bytes("one"), self.csv_bytes("two"))
         one, two = (json.loads((self.folder / n / "summary.json").read_text()) for n in ("one", "two"))
         bus = two.pop("bus")
@@ -76,7 +77,8 @@ class BusCases:
         scenario = self.scenario(more=MIXTURE + "[exhaust_sensors]\npressure_noise_bar = 0.005\ntemperature = true\n")
         choices = [word for setting in ("afr.method=3", "afr.arithmetic=1", "balance.proportional_gain=0.1") for word in ("--set", setting)]
         self.sixdeg("run", scenario, "--nominal", "--out", self.folder / "one", *choices)
-        self.sixdeg("run", scenario, "--nominal", "--out", self.folder / "f32", "--set", "afr.method=3", "--set", "balance.proportional_gain=0.1")
+        self.sixdeg("run", scenario, "--nominal", "--out", self.folder / "f32", "--set", "afr.method=3", "--set",
+                    "balance.proportional_gain=0.1")
         self.sixdeg("run", scenario, "--out", self.folder / "two", "--transport", self.transport, *choices)
         self.assertEqual(self.csv_bytes("one"), self.csv_bytes("two"))
         q31, f32 = (table(self.folder / name / "cycles.csv") for name in ("two", "f32"))
@@ -115,7 +117,8 @@ class BusCases:
         ask = lambda *words, status=0: self.sixdeg("parameter", *words, "--transport", self.transport, status=status)
         self.assertEqual(ask("get", "torque.harmonics").out, "torque.harmonics = 4\n")
         self.assertEqual(ask("diff").out, "")
-        ask("set", "torque.harmonics=6", "crank.stall_time=0.25", "misfire.partial_burn_below=0.7", "balance.integral_gain=0.1", "firing.settle_cycles=5")
+        ask("set", "torque.harmonics=6", "crank.stall_time=0.25", "misfire.partial_burn_below=0.7", "balance.integral_gain=0.1",
+            "firing.settle_cycles=5")
         changed = ("crank.stall_time: 0.25, reference 0.5\ntorque.harmonics: 6, reference 4\nfiring.settle_cycles: 5, reference 3\n"
                    "misfire.partial_burn_below: 0.7, reference 0.8\nbalance.integral_gain: 0.1, reference 0.25\n")
         self.assertEqual(ask("diff").out, changed)
@@ -129,7 +132,8 @@ class BusCases:
         # What was dumped starts another ecu with the same page.
         tune = self.folder / "dumped.toml"
         tune.write_text(ask("dump").out)
-        self.assertEqual(len(re.findall(" = ", tune.read_text())), len(re.findall(r"^\[\[parameter\]\]", (ROOT / "hal/signals.toml").read_text(), re.M)))
+        self.assertEqual(len(re.findall(" = ", tune.read_text())),
+                         len(re.findall(r"^\[\[parameter\]\]", (ROOT / "hal/signals.toml").read_text(), re.M)))
         ask("restore", "crank.stall_time")
         self.assertEqual(ask("diff").out, changed.split("\n", 1)[1])
         ask("restore")
@@ -160,7 +164,8 @@ class BusCases:
             with self.subTest(number=number):
                 out, logs = self.folder / number.name, [self.folder / f"{number.name}_{name}.sdlog" for name in ("plant", "ecu")]
                 ecu = self.ecu("--record", logs[1])
-                plant = self.start("plant", self.scenario("duration_s = 600"), "--transport", self.transport, "--out", out, "--record", logs[0])
+                plant = self.start("plant", self.scenario("duration_s = 600"), "--transport", self.transport, "--out", out, "--record",
+                                   logs[0])
                 beats.wait(100)
                 self.assertEqual(plant.end(number), -number)
                 self.assertEqual(ecu.end(number), 0)

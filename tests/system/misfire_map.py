@@ -19,6 +19,9 @@ import subprocess
 import sys
 import tempfile
 
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "tools"))
+import progress  # noqa: E402  the path comes first
+
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 ENGINES = ROOT / "host_sim" / "data" / "engines"
 FULL = os.environ.get("SD_FULL") == "1"
@@ -55,7 +58,8 @@ def sixdeg(*arguments):
         sys.exit(f"{' '.join(arguments)}: {done.stderr}")
 
 
-def run(name, rpm, bar, cycles, cov, misfires="one_in = 50", jitter_deg=0.01, road_nm=0, engine="diesel_22", stiffness=0, options=(), perturbed=False):
+def run(name, rpm, bar, cycles, cov, misfires="one_in = 50", jitter_deg=0.01, road_nm=0, engine="diesel_22", stiffness=0, options=(),
+        perturbed=False):
     with tempfile.TemporaryDirectory() as temporary:
         folder = pathlib.Path(temporary)
         file, seed, learned = engine_file(folder, engine, rpm), rpm + int(10 * bar), str(folder / "learned.bin")
@@ -92,12 +96,13 @@ def rate(r):
 
 def row(cell):
     judged = "" if cell["detected"]["of"] < ENOUGH_MISSED else "  pass" if passes(cell) else "  MISS"
-    text = (f"{cell['name']:<20}{cell['rpm']:>5}{cell['bar']:>4} {cell['detected']['of']:>6} {rate(cell['detected'])} {cell['false_alarms']['of']:>7}"
-            f" {rate(cell['false_alarms'])} {cell['wrong_cylinder']:>5} {cell['separation']:>7.2f} {cell['separation_bound'] or 0:>7.2f}"
-            f"{judged}{' stalled' if cell['stalled'] else ''}")
+    text = (f"{cell['name']:<20}{cell['rpm']:>5}{cell['bar']:>4} {cell['detected']['of']:>6} {rate(cell['detected'])}"
+            f" {cell['false_alarms']['of']:>7} {rate(cell['false_alarms'])} {cell['wrong_cylinder']:>5} {cell['separation']:>7.2f}"
+            f" {cell['separation_bound'] or 0:>7.2f}{judged}{' stalled' if cell['stalled'] else ''}")
     if "perturbed" in cell:
         p = cell["perturbed"]
-        text += f"\n{'  perturbed':<29} {p['detected']['of']:>6} {rate(p['detected'])} {p['false_alarms']['of']:>7} {rate(p['false_alarms'])} {p['wrong_cylinder']:>5} {p['separation']:>7.2f}"
+        text += (f"\n{'  perturbed':<29} {p['detected']['of']:>6} {rate(p['detected'])} {p['false_alarms']['of']:>7}"
+                 f" {rate(p['false_alarms'])} {p['wrong_cylinder']:>5} {p['separation']:>7.2f}")
     return text
 
 
@@ -128,7 +133,8 @@ def other_jobs(cycles):
                 yield (f"road {road_nm} {engine}", rpm, bar, min(cycles, 4000), {"cov": 5, "engine": engine, "road_nm": road_nm})
         for stiffness in (-10, -3, 3, 10):
             for rpm, bar in ((1500, 5), (3000, 5), (4500, 3)):
-                yield (f"stiffness {stiffness:+} %", rpm, bar, min(cycles, 4000), {"cov": 5, "engine": "eight_diesel", "stiffness": stiffness})
+                yield (f"stiffness {stiffness:+} %", rpm, bar, min(cycles, 4000),
+                       {"cov": 5, "engine": "eight_diesel", "stiffness": stiffness})
 
 
 def main():
@@ -139,12 +145,16 @@ def main():
     parser.add_argument("--rows", nargs="*", help="only rows whose name begins so")
     parser.add_argument("--jobs", type=int, default=1, help="at a time")
     options = parser.parse_args()
-    cells = [tuple(int(x) for x in c.split(":")) for c in options.cells] if options.cells else (EDGE_CELLS if FULL else [(1500, 5), (6000, 1)])
+    given = [tuple(int(x) for x in c.split(":")) for c in options.cells or ()]
+    cells = given or (EDGE_CELLS if FULL else [(1500, 5), (6000, 1)])
     wanted = lambda job: not options.rows or job[0].startswith(tuple(options.rows))
-    print(f"{'':<20}{'rpm':>5}{'bar':>4} {'missed':>6} {'detected, % [95 %]':>26} {'healthy':>7} {'false alarms, % [95 %]':>26} {'wrong':>5} {'sep.':>7} {'bound':>7}", flush=True)
+    print(f"{'':<20}{'rpm':>5}{'bar':>4} {'missed':>6} {'detected, % [95 %]':>26} {'healthy':>7} {'false alarms, % [95 %]':>26}"
+          f" {'wrong':>5} {'sep.':>7} {'bound':>7}", flush=True)
     of_map, results = list(filter(wanted, map_jobs(cells, options.cycles))), []
     with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
-        for future in [pool.submit(run, name, rpm, bar, n, **how) for name, rpm, bar, n, how in of_map + list(filter(wanted, other_jobs(options.cycles)))]:
+        jobs = of_map + list(filter(wanted, other_jobs(options.cycles)))
+        futures = [pool.submit(run, name, rpm, bar, n, **how) for name, rpm, bar, n, how in jobs]
+        for future in progress.over(futures, "misfire_map.py: cell"):
             results.append(future.result())
             print(row(results[-1]), flush=True)
     if options.json:
@@ -153,7 +163,8 @@ def main():
     missing = [c for c in judged if not passes(c)]
     inside = [c for c in missing if c["rpm"] <= 3000 and c["bar"] >= 3]
     if judged:
-        print(f"{len(missing)} of {len(judged)} cells miss ({100 * len(missing) / len(judged):.1f} %, allowed 5), {len(inside)} of them at <= 3000 rpm and >= 3 bar (allowed none)")
+        print(f"{len(missing)} of {len(judged)} cells miss ({100 * len(missing) / len(judged):.1f} %, allowed 5), "
+              f"{len(inside)} of them at <= 3000 rpm and >= 3 bar (allowed none)")
     bad = [c for c in results if c["rpm"] <= 3000 and c["bar"] >= 3 and c["name"].startswith(("cov", "continuous", "pair"))
            and c["detected"]["bounds_95_percent"][1] < 99.5]
     if bad:

@@ -18,6 +18,9 @@ import numpy as np
 
 import recording_maker as maker
 
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "tools"))
+import progress  # noqa: E402  the path comes first
+
 SIXDEG = os.environ.get("SIXDEG", str(pathlib.Path(__file__).resolve().parents[2] / "build" / "host" / "sixdeg"))
 FORMS = ("edges", "levels", "inverted", "voltage", "reluctance")
 
@@ -74,7 +77,7 @@ def run_all(count, seed, show=print):
     """Outcomes of `count` recordings: of all, and of those whose wheel has one mark and is no half or third of one with more."""
     all_of_them, one_mark = collections.Counter(), collections.Counter()
     with tempfile.TemporaryDirectory() as folder:
-        for i in range(count):
+        for i in progress.over(range(count), "recordings.py: recording"):
             made = draw(np.random.default_rng([seed, i]))
             outcome, words, named = run(made, pathlib.Path(folder))
             all_of_them[outcome] += 1

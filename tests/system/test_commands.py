@@ -28,11 +28,14 @@ PLACES = {"SCENARIO.toml": "scenario.toml", "ENGINE.toml": str(DATA / "engines/d
 # Where a command is one of many cases, the rest of it is as good shorter.
 SHORTER = {"run": ["--nominal", "--set", "run.cycles=3"], "plant": ["--nominal", "--set", "run.cycles=3"],
            "sweep": ["--nominal", "--set", "run.cycles=3", "--jobs", "1"], "study afr": ["--seeds", "1", "--cases", "1"],
-           "study loop": ["--seeds", "1"], "study observers": ["--cycles", "60", "--rpm", "1500", "--bar", "1"], "study trips": ["--trips", "2"], "study gas": ["--set", "run.duration_s=0.5"],
+           "study loop": ["--seeds", "1"], "study observers": ["--cycles", "60", "--rpm", "1500", "--bar", "1"],
+           "study trips": ["--trips", "2"], "study gas": ["--set", "run.duration_s=0.5"],
            "study engines": ["--engines", "1"], "study identify": ["--engines", "1"],
-           "study misfire": ["--engines", "1", "--cycles", "40", "--rpm", "1500", "--bar", "1"], "study driveline": ["--seconds", "10"], "study airpath": ["--runs", "10", "--hours", "0.1"], "bench": ["--seconds", "0.0005", "--repetitions", "1"]}
-ONE_PART = {"study afr": "blame", "study loop": "figure-16", "study driveline": "figure-6", "study misfire": "rigid", "study engines": "one-speed",
-            "study airpath": "decoupling"}
+           "study misfire": ["--engines", "1", "--cycles", "40", "--rpm", "1500", "--bar", "1"],
+           "study driveline": ["--seconds", "10"], "study airpath": ["--runs", "10", "--hours", "0.1"],
+           "bench": ["--seconds", "0.0005", "--repetitions", "1"]}
+ONE_PART = {"study afr": "blame", "study loop": "figure-16", "study driveline": "figure-6", "study misfire": "rigid",
+            "study engines": "one-speed", "study airpath": "decoupling"}
 
 
 def help_of(path):

@@ -17,7 +17,8 @@ from sixdeg_test import Folder
 SIXDEG = pathlib.Path(os.environ["SIXDEG"])
 SCENARIOS = pathlib.Path(__file__).resolve().parents[2] / "host_sim/data/scenarios"
 FULL = "SD_FULL" in os.environ
-FIGURE16 = (SCENARIOS / "figure16_1500rpm_9bar.toml", ["--set", f"run.duration_s={6 if FULL else 3}", "--set", "control.balance_on_s=[1.5,1000]"])
+FIGURE16 = (SCENARIOS / "figure16_1500rpm_9bar.toml",
+            ["--set", f"run.duration_s={6 if FULL else 3}", "--set", "control.balance_on_s=[1.5,1000]"])
 MISFIRES = (SCENARIOS / "harmonics_1500rpm_2bar.toml", ["--set", f"run={{duration_s={5 if FULL else 2}}}", "--set", "speed.rpm=3000",
                                                          "--set", "misfires.one_in=10", "--set", "load.bmep_bar=8",
                                                          "--set", "encoder.jitter_deg=0.01"])

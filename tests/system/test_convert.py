@@ -38,7 +38,8 @@ def mlg(version, fields, rows, marker_after=None):
     """A log as MegaLogViewer's format describes it; rows: tick and values."""
     kinds = {"u1": (0, "B"), "u2": (2, "H"), "f4": (7, "f")}
     head = struct.Struct(">6sHIHIHH" if version == 1 else ">6sHIIIHH")
-    described = b"".join(struct.pack(">B34s10sBffb", kinds[kind][0], name.encode(), unit.encode(), 0, scale, shift, 0) + bytes(0 if version == 1 else 34)
+    described = b"".join(struct.pack(">B34s10sBffb", kinds[kind][0], name.encode(), unit.encode(), 0, scale, shift, 0)
+                         + bytes(0 if version == 1 else 34)
                          for name, unit, kind, scale, shift in fields)
     first = head.size + len(described)
     size = sum({"u1": 1, "u2": 2, "f4": 4}[f[2]] for f in fields)
@@ -221,7 +222,8 @@ class Convert(Folder):
 class Writer(Folder):
     def test_what_is_written_is_read_and_replayed(self):
         engine = ROOT / "host_sim" / "data" / "engines" / "vw_aba.toml"
-        done = subprocess.run([SIXDEG, "calibrate", str(engine), "--out", str(self.folder)], capture_output=True, text=True, timeout=120, check=False)
+        done = subprocess.run([SIXDEG, "calibrate", str(engine), "--out", str(self.folder)], capture_output=True, text=True, timeout=120,
+                              check=False)
         self.assertEqual(done.returncode, 0, done.stderr)
         page = next(self.folder.glob("*.bin")).read_bytes()
         ticks = np.round(wheel_edges() * 1e6).astype(int)

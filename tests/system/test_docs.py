@@ -60,6 +60,25 @@ class Docs(unittest.TestCase):
         self.assertEqual(set(PAGES) - reached, set())
 
 
+class Lines(unittest.TestCase):
+    """What is written by hand has lines of 140 columns at most. Left out: what a program writes, options that a tool reads from one line,
+    and hal/signals.toml, where a unit or a comment is one string."""
+
+    WRITTEN = (".c", ".h", ".inc", ".cpp", ".hpp", ".py", ".cmake", ".txt", ".toml", "")
+    LEFT_OUT = ("hal/generated/", "hal/signals.toml", "tests/proof/eva/", "tests/proof/proved.toml", "LICENSE")
+
+    def test_no_line_is_over_140_columns(self):
+        listed = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=False)
+        if listed.returncode:
+            self.skipTest("no git")
+        files = [name for name in listed.stdout.splitlines()
+                 if pathlib.Path(name).suffix in self.WRITTEN and not name.startswith(self.LEFT_OUT) and (ROOT / name).is_file()]
+        self.assertGreater(len(files), 500)
+        wide = [f"{name}:{number}" for name in files
+                for number, line in enumerate((ROOT / name).read_text().splitlines(), 1) if len(line) > 140]
+        self.assertEqual(wide, [])
+
+
 class Figures(unittest.TestCase):
     """A figure of README stands on the page that its row leads to, which is where a command or a test keeps it true."""
 

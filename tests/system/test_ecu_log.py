@@ -33,7 +33,8 @@ class EcuLog(BusFolder):
         beats, ecu = self.beats(), self.ecu("--record", self.folder / "ecu.sdlog")
         plant, _ = self.running_plant()
         beats.wait(100)
-        for assignment in ("torque.harmonics=8", "misfire.work_per_fuel=15", "balance.integral_gain=0.2", "firing.enabled=0", "firing.enabled=1"):
+        for assignment in ("torque.harmonics=8", "misfire.work_per_fuel=15", "balance.integral_gain=0.2", "firing.enabled=0",
+                           "firing.enabled=1"):
             self.sixdeg("parameter", "set", assignment, "--transport", self.transport)
             beats.wait(20)
         plant.kill()  # and the ecu carries on with a new one

@@ -36,7 +36,9 @@ class Lcm(BusCases, BusFolder):
         self.ecu()
         self.running_plant()
         seen = b""
-        while seen.count(b"\033[H\033[J") < 3 or not re.search(rb"\n4 +\d+\.\d +-\d+\.\d% [#| ]+healthy", seen):
+        # Torque beside the mean of all, then the misfire index beside its limit.
+        bars = rb"\n4 +\d+\.\d +-\d+\.\d% #[# ]*\| *healthy +\d\.\d\d #+\|#+ "
+        while seen.count(b"\033[H\033[J") < 3 or not re.search(bars, seen):
             self.assertTrue(select.select([ours], [], [], PATIENCE_S)[0], seen)
             seen += os.read(ours, 65536)
         os.close(ours)

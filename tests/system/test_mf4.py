@@ -46,7 +46,8 @@ class Mf4(Folder):
         self.run_scenario(scenario)
 
     def run_scenario(self, scenario):
-        subprocess.run([SIXDEG, "run", scenario, "--nominal", "--record", self.log, "--out", self.folder / "run"], check=True, stdout=subprocess.DEVNULL)
+        subprocess.run([SIXDEG, "run", scenario, "--nominal", "--record", self.log, "--out", self.folder / "run"], check=True,
+                       stdout=subprocess.DEVNULL)
 
     def export(self, *options, status=0):
         out, said = self.folder / "a.mf4", io.StringIO()
@@ -84,14 +85,17 @@ class Mf4(Folder):
             np.testing.assert_allclose(truth.timestamps, [float(row["t_s"]) for row in teeth])
             # Both are torques of the same teeth: after settling they belong together.
             late = estimate.timestamps > 1.5
-            self.assertGreater(np.corrcoef(estimate.samples[late], np.interp(estimate.timestamps[late], truth.timestamps, truth.samples))[0, 1], 0.8)
+            true = np.interp(estimate.timestamps[late], truth.timestamps, truth.samples)
+            self.assertGreater(np.corrcoef(estimate.samples[late], true)[0, 1], 0.8)
             cylinder = mdf.get("cycle.cylinder_torque_true[1]")
-            np.testing.assert_allclose(cylinder.samples, [float(row["torque_true_nm"]) for row in cycles if row["cylinder"] == "1"][:len(cylinder.samples)])
+            np.testing.assert_allclose(cylinder.samples,
+                                       [float(row["torque_true_nm"]) for row in cycles if row["cylinder"] == "1"][:len(cylinder.samples)])
             self.assertAlmostEqual(float(np.diff(cylinder.timestamps).mean()), 0.12, delta=0.004)
 
     def test_single_firings_misfires_and_mixture(self):
         scenario = self.folder / "scenario.toml"
-        scenario.write_text(scenario.read_text().replace("cycles = 20", "cycles = 40") + "[[misfires.event]]\ncycle = 30\ncylinder = 4\n[uego]\nnoise_per_rthz = 1e-4\n")
+        scenario.write_text(scenario.read_text().replace("cycles = 20", "cycles = 40")
+                            + "[[misfires.event]]\ncycle = 30\ncylinder = 4\n[uego]\nnoise_per_rthz = 1e-4\n")
         self.run_scenario(scenario)
         cycles = table(self.folder / "run" / "cycles.csv")
         with self.export("--truth", self.folder / "run") as mdf:
@@ -107,7 +111,8 @@ class Mf4(Folder):
             self.assertEqual(mdf.get("firing.torque").timestamps.tolist(), mdf.get("firing.sd").timestamps.tolist())
             for number in range(1, 5):
                 burned, truth = mdf.get(f"afr.cylinder_burned[{number}]"), mdf.get(f"afr.cylinder_burned_true[{number}]")
-                self.assertEqual(list(truth.samples), [float(r["burned_true"]) for r in cycles if r["cylinder"] == str(number)][:len(truth.samples)])
+                self.assertEqual(list(truth.samples),
+                                 [float(r["burned_true"]) for r in cycles if r["cylinder"] == str(number)][:len(truth.samples)])
                 self.assertLess(abs(burned.samples[-1] - truth.samples[-1]), 0.1)
                 self.assertIn(f"cycle.cylinder_torque_true[{number}]", mdf.channels_db)
 

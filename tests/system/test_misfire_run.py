@@ -37,7 +37,8 @@ class Monitor(Folder):
         cycles, summary = self.run_it(more=more)
         found = {(int(r["cycle"]), int(r["cylinder"])) for r in cycles if r["misfire_verdict"] == MISFIRE}
         self.assertEqual(found, set(events))
-        below = {(int(r["cycle"]), int(r["cylinder"])) for r in self.judged(cycles) if float(r["misfire_index"]) < float(r["misfire_limit"])}
+        below = {(int(r["cycle"]), int(r["cylinder"]))
+                 for r in self.judged(cycles) if float(r["misfire_index"]) < float(r["misfire_limit"])}
         self.assertEqual(below, set(events), "the limit of each firing is what it was judged by")
         self.assertEqual((summary["detected"]["hits"], summary["detected"]["of"]), (6, 6))
         self.assertEqual((summary["false_alarms"]["hits"], summary["wrong_cylinder"]), (0, 0))
@@ -77,7 +78,8 @@ class Monitor(Folder):
     def test_a_road_that_begins_makes_no_false_alarm(self):
         """1500 rpm, fuel and load of 4 bar, and from 14 to 20 s 60 Nm rms of four sines beside it."""
         sines = [(3.7, 0.3), (6.1, 1.7), (9.4, 2.9), (13.2, 4.1)]
-        knots = [(t / 100, 69.6 + (60 * 2**0.5 / 2 * sum(math.sin(2 * math.pi * f * t / 100 + p) for f, p in sines) if 1400 <= t < 2000 else 0))
+        knots = [(t / 100, 69.6 + (60 * 2**0.5 / 2 * sum(math.sin(2 * math.pi * f * t / 100 + p) for f, p in sines)
+                                   if 1400 <= t < 2000 else 0))
                  for t in range(2500)]
         load = f"bmep_bar = 4\ntorque_nm = {[round(v, 3) for _, v in knots]}\ntime_s = {[t for t, _ in knots]}"
         cycles, summary = self.run_it(bar=None, cycles=300, mode="free", load=load)

@@ -42,6 +42,8 @@ class Outputs(Folder):
         for words, meant in ((["rplay", self.wheel], "replay"), (["replay", self.wheel, "--jsno", "x"], "--json"),
                              (["study", "drivelin"], "driveline"), (["replay", self.folder / "whel.csv"], "wheel.csv"),
                              (["calibrate", engine], "cylinders.boore_m"),
+                             (["run", ENGINES.parent / "scenarios/balance_1000rpm_5bar.toml", "--set", "speed.rmp=1000"], "speed.rpm"),
+                             (["parameter", "get", "torque.harmonic", "--transport", "lcm"], "torque.harmonics"),
                              (["calibrate", ENGINES / "diesel_22.toml", "--set", "misfire.start_inhibit_cylces=3"],
                               "misfire.start_inhibit_cycles")):
             done = sixdeg(*words)
@@ -94,7 +96,8 @@ class Inputs(Folder):
         outs = []
         for i, source in enumerate(("1", "MAP [kPa]", "column:2", f"{other}", f"{other}:1", "2")):
             out = self.folder / f"out{i}"
-            done = sixdeg("replay", wheel, "--column", "1", "--engine", ENGINES / "diesel_22.toml", "--parity", "first", "--intake", source, "--out", out)
+            done = sixdeg("replay", wheel, "--column", "1", "--engine", ENGINES / "diesel_22.toml", "--parity", "first", "--intake", source,
+                          "--out", out)
             self.assertEqual(done.returncode, 0, done.stderr)
             self.assertNotIn("no intake pressure", done.stdout)
             outs.append([(row["torque_nm"], row["health"]) for row in table(out / "cycles.csv")])
@@ -132,7 +135,8 @@ class Inputs(Folder):
     def test_bad_sources_are_named(self):
         wheel = self.folder / "wheel.csv"
         square_wheel(wheel)
-        for option, value, says in (("--intake", "100", "outside [0.05, 6] bar"), ("--fuel", "no such", "is no column"), ("--cam", "9", "is no column")):
+        for option, value, says in (("--intake", "100", "outside [0.05, 6] bar"), ("--fuel", "no such", "is no column"),
+                                    ("--cam", "9", "is no column")):
             done = sixdeg("replay", wheel, option, value)
             self.assertEqual(done.returncode, 2)
             self.assertIn(says, done.stderr)

@@ -57,7 +57,8 @@ def write_folder(folder, columns=COLUMNS, rows=None, cycles=CYCLES, **changed):
     with open(os.path.join(folder, "summary.json"), "w", encoding="utf-8") as file:
         json.dump(summary(**changed), file)
     write_csv(os.path.join(folder, "teeth.csv"), columns, teeth_rows() if rows is None else rows)
-    write_csv(os.path.join(folder, "cycles.csv"), ["cycle", "t_s", "cylinder", "rpm", "torque_nm", "health", "fourier_nm", "fourier_health"],
+    write_csv(os.path.join(folder, "cycles.csv"),
+              ["cycle", "t_s", "cylinder", "rpm", "torque_nm", "health", "fourier_nm", "fourier_health"],
               [[*row, "", "invalid"] for row in cycles])
 
 

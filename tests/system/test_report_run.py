@@ -38,7 +38,8 @@ CALIBRATION = {"inertia_percent": 1.5, "reciprocating_percent": -4.0, "wheel_off
                "ranges": {"inertia_percent": 3, "reciprocating_percent": 5, "compression_percent": 2,
                           "trapped_mass_percent": 3, "wheel_offset_deg": 0.3}}
 
-CONTROLLER = {"core": "cortex-m7", "name": "Cortex-M7", "restarts": 0, "died": 0, "edges_unanswered": 0, "ecu_bytes": 11312, "stack_bytes": 1088,
+CONTROLLER = {"core": "cortex-m7", "name": "Cortex-M7", "restarts": 0, "died": 0, "edges_unanswered": 0, "ecu_bytes": 11312,
+              "stack_bytes": 1088,
               "tooth_instructions": {"count": 900, "average": 3600, "worst": 6000},
               "clock_instructions": {"count": 90, "average": 1200, "worst": 1500}, "overruns": 0, "lost_edges": 0}
 
@@ -193,8 +194,8 @@ def write_misfires(folder, method="monitor", firings=400, columns=MISFIRE_COLUMN
     the first five cycles are not judged."""
     folder.mkdir()
     rate = {"hits": 8, "of": 9, "percent": 88.89, "bounds_95_percent": [51.75, 99.72]}
-    summary = {"scenario": "made misfires", "misfires_true": 10, "engine": {"name": "test "
-                                                                                    "engine", "guessed": []}, "set": ["misfire.method=1"],
+    summary = {"scenario": "made misfires", "misfires_true": 10, "engine": {"name": "test engine", "guessed": []},
+               "set": ["misfire.method=1"],
                "seed": 7, "number": "f32", "parameters": {},
                "misfire": {"detected": rate, "false_alarms": {**rate, "hits": 1, "of": 371}, "method": method, "separation": 12.34}}
     (folder / "summary.json").write_text(json.dumps(summary))
@@ -220,8 +221,8 @@ class MisfireReport(ReportFolder):
             self.says(page, row)
         index, counts, acceleration = charts(page)
         of_panel = {trace["name"]: len(values(trace["y"])) for trace in index["data"] if trace["yaxis"] == "y"}
-        self.assertEqual(of_panel, {"healthy, judged so": 370, "misfire, found": 8, "misfire, overlooked": 1, "healthy, called a "
-                                                                                                              "misfire": 1,
+        self.assertEqual(of_panel, {"healthy, judged so": 370, "misfire, found": 8, "misfire, overlooked": 1,
+                                    "healthy, called a misfire": 1,
                                     "limit, below which a firing is a misfire": 380})
         self.assertEqual(len({trace["yaxis"] for trace in index["data"]}), 2, "a panel a method")
         self.assertEqual([values(t["y"]) for t in counts["data"]], [(0, 0, 9, 0), (0, 0, 8, 0), (0, 0, 1, 0), (1, 0, 0, 0)])
@@ -255,7 +256,8 @@ class PaperFigures(ReportFolder):
         self.made("sensors", "host_sim/data/models/turbo_si_13.toml", "--json", sensors)
         self.made("bench", "blocks", "--seconds", "0.0005", "--repetitions", "1", "--json", bench)
         self.made("study", "gas", "host_sim/data/scenarios/trajectory_1500rpm_9bar.toml", "--set", "run.duration_s=0.4", "--out", gas)
-        page = self.drawn("--observers", observers, "--sensors", sensors, "--bench", bench, "--figure-2", gas, "--figure-9", gas, "--figure-10", gas,
+        page = self.drawn("--observers", observers, "--sensors", sensors, "--bench", bench, "--figure-2", gas, "--figure-9", gas,
+                          "--figure-10", gas,
                           gas, "--figure-11", gas)
         self.assertEqual(len(charts(page)), 8)
         for anchor in ("figure-000-1", "figure-000-3", "table-000-2", "table-002-1", "table-004-2", "figure-004-2", "figure-004-9",

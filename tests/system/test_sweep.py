@@ -56,6 +56,9 @@ class Sweep(Folder):
         for row in self.rows():
             self.assertIn(f"{float(row['torque.shift_deg']):.3g}", texts)
         self.assertEqual(len(svg.getElementsByTagName("rect")), 1 + 6)
+        wrong = self.sweep(*GRID, "--nominal", "--figure", "torque.shift_degs")  # of the cells that are there
+        self.assertEqual((wrong.returncode, wrong.stderr),
+                         (2, "sixdeg: --figure: torque.shift_degs: is no figure of a summary; the nearest is 'torque.shift_deg'\n"))
 
     def test_only_what_is_missing_is_run_again(self):
         self.assertEqual(self.sweep(*GRID, "--nominal").returncode, 0)

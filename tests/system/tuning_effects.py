@@ -77,7 +77,8 @@ EFFECTS = (  # (base, changes, what is said of a summary)
     (("fuel_step_5bar",), ("firing.torque_change=2",),
      lambda s: f"imbalance {s['firing']['imbalance_percent']:.2f} %, waveform {s['firing']['waveform_rms_percent']:.2f} %"),
     (("airpath_section7",), ("airpath.detect_threshold=5", "airpath.isolate_threshold=5"), lambda s: f"after {' and '.join(s['delays'])}"),
-    (("airpath_section7",), ("airpath.detect_threshold=60", "airpath.isolate_threshold=60"), lambda s: f"after {' and '.join(s['delays'])}"),
+    (("airpath_section7",), ("airpath.detect_threshold=60", "airpath.isolate_threshold=60"),
+     lambda s: f"after {' and '.join(s['delays'])}"),
     (("shuffle", "run.duration_s=10"), ("driveline.damping=1",), lambda s: f"asks for up to {s['driveline']['largest_request_nm']:.0f} Nm"),
 )
 

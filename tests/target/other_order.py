@@ -79,8 +79,9 @@ class Types:
 
 
 def pool_numbers(page, named, driveline):
-    """Of kalman.pool, whose words are unions (sd_motion.h): a row begins with four bytes, floats follow, then pairs of gains. Behind the rows
-    pairs of entries, one for each part of each tooth; then floats, and where the page has one, the driveline, whose numbers are given."""
+    """Of kalman.pool, whose words are unions (sd_motion.h): a row begins with four bytes, floats follow, then pairs of gains. Behind the
+    rows pairs of entries, one for each part of each tooth; then floats, and where the page has one, the driveline, whose numbers are
+    given."""
     def said(name, form="B"):
         return struct.unpack_from(f"<{form}", page, named[name])[0]
     row, gains, first = said("kalman.row_words", "H"), said("kalman.gains_at", "H"), named["kalman.pool"]

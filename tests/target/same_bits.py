@@ -3,7 +3,7 @@
 """The golden runs on every processor, one hash of all outputs each (docs/start/porting.md).
 
     tests/target/same_bits.py                     every golden run once, on every processor
-    tests/target/same_bits.py --teeth 1000000     again and again with crank edges moved by up to a tick, until each ecu has had so many teeth
+    tests/target/same_bits.py --teeth 1000000     again and again with crank edges moved by up to a tick, until each ecu has had so many
     tests/target/same_bits.py --run q31 --on powerpc --on armel
     tests/target/same_bits.py --teeth 1000000 --ecu sd_ecu_fixed     of one ecu only
 

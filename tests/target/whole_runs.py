@@ -20,7 +20,7 @@ CORES = ("cortex-m7", "cortex-m4f", "cortex-m3")
 RUNS = {
     "figure16": ("figure16_1500rpm_9bar.toml", []),
     "misfires": ("harmonics_1500rpm_2bar.toml", ["run={duration_s=20}", "speed={mode=\"dyno\",rpm=[1000,5000],time_s=[0,20]}",
-                                                 "load.bmep_bar=8", "misfires.one_in=25", "encoder.jitter_deg=0.01", "encoder.drop_rate=0.0003"]),
+                "load.bmep_bar=8", "misfires.one_in=25", "encoder.jitter_deg=0.01", "encoder.drop_rate=0.0003"]),
     "airpath": ("airpath_section7.toml", []),
 }
 

@@ -23,8 +23,10 @@ const char *const kSeeds[] = {
     "0,1\n0.5,0\n0.75,1\n", "Time [s];Channel 0\n-0,0010000;1\n0,0000000;0\n0,0003333;1\n", "-0,0010000,1\n0,0000000,0\n0,0003333,1\n",
     "\"Time\",\"crank\"\n\"-0.001\",\"1\"\n\"0.0\",\"0\"\n", "Time [s],Channel 0,Channel 1\n-0.001,1,X\n0,0,X\n0.1,1,X\n",
     "Source,CH1\nSecond,Volt\n-0.401,5.00\n-0.4,0.00\n", "#Firmware: x\n\"PriLevel\",\"Time\"\n\"Flag\",\"ms\"\n0,0.000\n1,0.333\n",
-    "1 0.001\n2 0.002\n3 0.0035\n1 0.005\n", "\xEF\xBB\xBFt,level\r\n0,1\r\n0.5,0\r\n", "ToothTime\n333\n334\n1000\n333\n332\n331\n900\n334\n",
-    "X,CH1,Start,Increment\nSequence,Volt,-0.6,1e-6\n0,0.1,\n1,0.2,\n", "12:30:05.25 1\n12:30:05.50 0\n", "2024-03-12T10:11:05.25Z,1\n2024-03-12T10:11:05.50Z,0\n",
+    "1 0.001\n2 0.002\n3 0.0035\n1 0.005\n", "\xEF\xBB\xBFt,level\r\n0,1\r\n0.5,0\r\n",
+        "ToothTime\n333\n334\n1000\n333\n332\n331\n900\n334\n",
+    "X,CH1,Start,Increment\nSequence,Volt,-0.6,1e-6\n0,0.1,\n1,0.2,\n", "12:30:05.25 1\n12:30:05.50 0\n",
+        "2024-03-12T10:11:05.25Z,1\n2024-03-12T10:11:05.50Z,0\n",
     "12.03.2024 10:11:05,25;H\n12.03.2024 10:11:05,50;L\n", "tooth,dt_us\n0,333\n1,334\n2,1000\n0,332\n1,331\n", "t,v\r0,1\r0.5,0\r",
     "Record Length,2500,,-0.001,0.02\n,,,0.000,0.04\n,,,0.001,0.02\n"};
 const char kAlphabet[] = "0123456789.,;\t \n\r\"-+eExXnaNifs#:|\xEF\xBB\xBF\xFF\xFE\0";
@@ -53,7 +55,8 @@ std::string train(Random &random) {
     char line[64];
     for (int i = 0; i < edges; ++i) {
         if (single) {
-            std::snprintf(line, sizeof line, "%.4f,%d,0\n%.4f,%d,%d\n", i + 1e-3 * double(random() % 100), i % 2, i + 0.5, i % 2, i % 48 == 5);
+            std::snprintf(line, sizeof line, "%.4f,%d,0\n%.4f,%d,%d\n", i + 1e-3 * double(random() % 100), i % 2, i + 0.5, i % 2,
+                          i % 48 == 5);
             text += line;
             continue;
         }

@@ -127,7 +127,8 @@ TEST(AfrChain, BeginsAnewAfterBadSamplesAndSaysSo) {
     sd_afr_chain_move_f32(&other.chain, 4, 0.1f);
     EXPECT_NEAR(other.lambda()[1], settled[1] + 0.02, 1e-3);
     EXPECT_NEAR(other.lambda()[2], settled[2], 1e-3);
-    for (float sd_afr_chain_config_t::*field : {&sd_afr_chain_config_t::gain_air, &sd_afr_chain_config_t::inversion_gain, &sd_afr_chain_config_t::tau1_s}) {
+    for (float sd_afr_chain_config_t::*field
+         : {&sd_afr_chain_config_t::gain_air, &sd_afr_chain_config_t::inversion_gain, &sd_afr_chain_config_t::tau1_s}) {
         sd_afr_chain_config_t bad = run.config;
         bad.*field = NAN;
         const sd_afr_chain_f32_t before = run.chain;

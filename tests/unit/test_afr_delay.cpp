@@ -163,7 +163,8 @@ TEST(AfrDelay, AWrongDelayThatWasKeptIsUnlearnedAsQuicklyAsACalibratedOne) {
     for (double late : {-120.0, -90.0, -60.0, 60.0, 90.0, 120.0}) {
         int kept_cycles = 0, fresh_cycles = 0;
         for (std::uint64_t seed = 1; seed <= 4; ++seed) {
-            const Trial of_calibration{late, 0, 0.005, seed, {0.06, -0.03, -0.08, 0.09}}, of_file{0, 0, 0.005, seed, {0.06, -0.03, -0.08, 0.09}};
+            const Trial of_calibration{late, 0, 0.005, seed, {0.06, -0.03, -0.08, 0.09}},
+                of_file{0, 0, 0.005, seed, {0.06, -0.03, -0.08, 0.09}};
             Bench fresh(of_calibration), kept(of_file);
             const sd_afr_kept_t file{{float(-late / kDegPerS), float(12 / kDegPerS), 0, 0.2f}, 0.01f, float(kTau1_s), float(kTau2_s)};
             ASSERT_EQ(sd_afr_delay_resume(&kept.kernel, 0.01f, &file), SD_OK);
@@ -188,8 +189,10 @@ TEST(AfrDelay, WhatIsKeptIsOfTheEngineAndNotOfTheCalibration) {
     EXPECT_EQ(next.learned.late_sd_s, b.kernel.learned.late_sd_s);
     EXPECT_EQ(next.learned.lag_sd, b.kernel.learned.lag_sd);
     const sd_afr_learned_t before = next.learned;
-    for (auto spoil : {+[](sd_afr_kept_t &k) { k.learned.late_s = NAN; }, +[](sd_afr_kept_t &k) { k.dead_s = 0.2f; }, +[](sd_afr_kept_t &k) { k.tau1_s = 0.2f; },
-                       +[](sd_afr_kept_t &k) { k.learned.lag = -0.9f; }, +[](sd_afr_kept_t &k) { k.learned.lag_sd = NAN; }, +[](sd_afr_kept_t &k) { k.tau2_s = 0; }}) {
+    for (auto spoil : {+[](sd_afr_kept_t &k) { k.learned.late_s = NAN; }, +[](sd_afr_kept_t &k) { k.dead_s = 0.2f; },
+                       +[](sd_afr_kept_t &k) { k.tau1_s = 0.2f; },
+                       +[](sd_afr_kept_t &k) { k.learned.lag = -0.9f; }, +[](sd_afr_kept_t &k) { k.learned.lag_sd = NAN; },
+                           +[](sd_afr_kept_t &k) { k.tau2_s = 0; }}) {
         sd_afr_kept_t bad = kept;
         spoil(bad);
         EXPECT_EQ(sd_afr_delay_resume(&next, 0.012f, &bad), SD_ERR_CONFIG);

@@ -69,7 +69,8 @@ TEST(AfrEcu, TheChainFindsAFuelStepInFourCycles) {
             for (int c = 4; c < 30; ++c) EXPECT_LT(step.error(c), 0.2) << c << " sensor " << sensor << " q31 " << q31;
             EXPECT_EQ(step.worst_health, SD_VALID);
             const EcuStep fast(2500, sensor, q31);
-            std::printf("2500 rpm, sensor %d, q31 %d: error after 4 cycles %.0f %%, after 20 %.0f %% of the step\n", sensor, q31, 100 * fast.error(4),
+            std::printf("2500 rpm, sensor %d, q31 %d: error after 4 cycles %.0f %%, after 20 %.0f %% of the step\n", sensor, q31,
+                        100 * fast.error(4),
                         100 * fast.error(20));
             EXPECT_LT(fast.error(20), 0.35);
         }
@@ -128,7 +129,8 @@ class Deaf : public EcuBench {
 
 /// Some 20 % of what leaves the manifold goes back into the intake.
 TEST(AfrEcu, RecirculatedGasIsNoMixtureOfTheCylinders) {
-    TomlFile file("s", "engine = \"diesel_22.toml\"\n[run]\ncycles = 70\n[speed]\nmode = \"prescribed\"\nrpm = 1500\n[uego]\n[load]\nbmep_bar = 9\n"
+    TomlFile file("s", "engine = \"diesel_22.toml\"\n[run]\ncycles = 70\n[speed]\nmode = \"prescribed\"\nrpm = 1500\n"
+                       "[uego]\n[load]\nbmep_bar = 9\n"
                        "[cylinders]\nfuel_percent = [15, -5, -5, -5]\n");
     Scenario scenario = read_scenario(file, SD_ENGINES);
     scenario.engine.intake_pressure_pa = Profile(1.3e5);
@@ -140,8 +142,9 @@ TEST(AfrEcu, RecirculatedGasIsNoMixtureOfTheCylinders) {
     Deaf deaf(page);
     const auto with = run_scenario(scenario, page, told, nullptr).afr, without = run_scenario(scenario, page, deaf, nullptr).afr;
     ASSERT_TRUE(with && without);
-    std::printf("20 %% recirculated: error of a cylinder's mixture %.2f points, %.2f where the ecu knows the valve; share %.3f, found %.3f\n", without->rms_points,
-                with->rms_points, share, double(told.ecu().mixture.egr_share));
+    std::printf("20 %% recirculated: error of a cylinder's mixture %.2f points, %.2f where the ecu knows the valve; "
+                "share %.3f, found %.3f\n",
+                without->rms_points, with->rms_points, share, double(told.ecu().mixture.egr_share));
     EXPECT_GT(without->rms_points, 1);
     EXPECT_LT(with->rms_points, 0.5 * without->rms_points);
     EXPECT_NEAR(double(told.ecu().mixture.egr_share), share, 0.03);
@@ -154,7 +157,8 @@ TEST(AfrEcu, TheRecirculatedShareIsABalanceOfMasses) {
     const auto ecu = std::make_unique<sd_ecu_t>();
     ASSERT_EQ(sd_ecu_init(ecu.get(), &page), SD_OK);
     sd_stage_mixture_t &mixture = ecu->mixture;
-    const double fuel_mg = 30, all_mg = 1e6 * double(page.afr.air_kg_per_bar) * 1.3 + fuel_mg, fresh_mg = 0.75 * all_mg, s = 14.6, radps = 157;
+    const double fuel_mg = 30, all_mg = 1e6 * double(page.afr.air_kg_per_bar) * 1.3 + fuel_mg, fresh_mg = 0.75 * all_mg, s = 14.6,
+        radps = 157;
     sd_afr_conditions_t at{float(radps), 1.3f, float(fuel_mg), 0, 0, 0, 0};
     const auto share = [&](double air_mg, double opening) {
         const sd_mixture_egr_t egr{&at, float(s), float(air_mg * 1e-3 * 4 * radps / (4 * M_PI)), float(opening)};
@@ -205,7 +209,8 @@ TEST(AfrPoint, FollowsWhatIsMeasuredOfTheExhaust) {
         EXPECT_NEAR(double(f32.z0_kg / before.z0_kg), mass, 1e-5);
         EXPECT_NEAR(double(sd_scaled_to_float(q31.rate_hz) / before.rate_hz), rate, 1e-5);
         for (std::size_t k = 0; k < SD_EXHAUST_OPEN; ++k)
-            ASSERT_NEAR(double(sd_to_float_q31(q31.exhaust.share[q31.exhaust.present][k + 1])), double(f32.exhaust.share[f32.exhaust.present][k + 1]), 1e-5);
+            ASSERT_NEAR(double(sd_to_float_q31(q31.exhaust.share[q31.exhaust.present][k + 1])),
+                        double(f32.exhaust.share[f32.exhaust.present][k + 1]), 1e-5);
     }
     const sd_afr_point_f32_t hot = f32_at({157, 1.5f, 20, 1600, 0, 0, 0}), cold = f32_at({157, 1.5f, 20, 400, 0, 0, 0});
     EXPECT_NEAR(double(hot.rate_hz / cold.rate_hz), 2, 1e-4) << "the square root of the temperatures";

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The closed loop: plant, firmware, trims, with calibrations whose delay is wrong, and with speed and load that move. Figures
-// of many seeds: sixdeg study loop, docs/theory/afr.md.
+// of many seeds: sixdeg study loop, docs/results/afr.md.
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -169,7 +169,8 @@ const RunResult &first_start(double error) {
 TEST(AfrLoop, ASecondStartKnowsTheDelay) {
     for (double error : {90.0, -90.0}) {
         const RunResult &first = first_start(error);
-        const LoopCase cold{{"run.duration_s=1.9"}, {}, error, false, 2, {}, nullptr}, warm{{"run.duration_s=1.9"}, {}, error, false, 2, {}, &first.learned};
+        const LoopCase cold{{"run.duration_s=1.9"}, {}, error, false, 2, {}, nullptr},
+            warm{{"run.duration_s=1.9"}, {}, error, false, 2, {}, &first.learned};
         const RunResult before = run_loop(cold), after = run_loop(warm);
         ASSERT_TRUE(before.afr && after.afr);
         EXPECT_GT(before.afr->rms_points, 4) << error;
@@ -210,17 +211,19 @@ TEST(AfrLoop, AProbeMendsALoopThatGaveUp) {
 
 /// Document 004's chain in place of the filter: noisier, so with less gain.
 TEST(AfrLoop, BalancesFromTheDocumentsChain) {
-    const auto chain = [](const char *method, double error) { return balanced({{}, {method, "balance.integral_gain=0.1", "afr.delay_learning=0"}, error}); };
+    const auto chain = [](const char *method,
+                          double error) { return balanced({{}, {method, "balance.integral_gain=0.1", "afr.delay_learning=0"}, error}); };
     for (const BalanceFigures &b : {chain("afr.method=2", 0), chain("afr.method=3", 0), chain("afr.method=3", 30)}) {
         EXPECT_GE(b.cycles_to_3_percent, 4);
         EXPECT_LE(b.cycles_to_3_percent, 60);
         EXPECT_LT(b.residual_percent, 2);
         EXPECT_EQ(b.gave_up_cycles, -1);
     }
-    // At 120 deg it is on the edge: some seeds settle, others give up after 180 cycles (docs/theory/afr.md).
+    // At 120 deg it is on the edge: some seeds settle, others give up after 180 cycles (docs/results/afr.md).
     EXPECT_GE(chain("afr.method=3", 135).gave_up_cycles, 4);
     // Where the sensor is too slow it says so, and nothing is learned from it.
-    const BalanceFigures slow = balanced({{"run.duration_s=6", "control.balance_on_s=[2,1000]"}, {"afr.method=3"}, 0, false, 1, "slow_3500rpm_12bar.toml"});
+    const BalanceFigures slow = balanced({{"run.duration_s=6", "control.balance_on_s=[2,1000]"}, {"afr.method=3"}, 0, false, 1,
+                                          "slow_3500rpm_12bar.toml"});
     EXPECT_NEAR(slow.largest_spread_percent, slow.spread_before_percent, 0.5);
     EXPECT_EQ(slow.wrong_way_percent, 0);
 }

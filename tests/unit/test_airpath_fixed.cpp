@@ -104,7 +104,8 @@ TEST(AirPathFixed, FlowsAndRatesAreThoseOfSinglePrecisionWhereverSensorsMayBe) {
     }
 }
 
-// Whatever sensors say within their ranges: no sum overflows (the sanitized build looks), and an estimate at the end of its range is given up.
+// Whatever sensors say within their ranges: no sum overflows (the sanitized build looks), and an estimate at the end of its range is given
+// up.
 TEST(AirPathFixed, ExtremesSaturateAndAreBegunAnew) {
     RandomStream random(1, 23);
     sd_airpath_bank_q31_t bank;

@@ -283,7 +283,8 @@ TEST(Balance, RefusesBadConfigurations) {
     sd_balance_t b;
     for (auto change : std::vector<void (*)(sd_balance_config_t &)>{
              [](sd_balance_config_t &c) { c.cylinders = 1; }, [](sd_balance_config_t &c) { c.cylinders = 9; },
-             [](sd_balance_config_t &c) { c.gain = 0; }, [](sd_balance_config_t &c) { c.proportional = 1.5f; }, [](sd_balance_config_t &c) { c.rate = NAN; },
+             [](sd_balance_config_t &c) { c.gain = 0; }, [](sd_balance_config_t &c) { c.proportional = 1.5f; },
+                 [](sd_balance_config_t &c) { c.rate = NAN; },
              [](sd_balance_config_t &c) { c.limit = 0.6f; }, [](sd_balance_config_t &c) { c.sd_max = -1; }}) {
         sd_balance_config_t c = kConfig;
         change(c);

@@ -97,7 +97,8 @@ template <class Link> struct Wheel {
         torque_range = {std::min(torque, torque_range[0]), std::max(torque, torque_range[1])};
     }
 
-    void turn(int revolutions, const std::function<Packets(const Packets &)> &to_ecu, const std::function<Packets(const Packets &)> &to_plant) {
+    void turn(int revolutions, const std::function<Packets(const Packets &)> &to_ecu,
+              const std::function<Packets(const Packets &)> &to_plant) {
         const sd_port_t port{this, receive, take};
         std::vector<sd_event_t> events;
         for (int k = 0; k < 60 * revolutions; ++k) {
@@ -150,9 +151,11 @@ TYPED_TEST(Faults, OnePercentOfPacketsLostDoubledSwappedOrCutIsCountedAndNeverCa
     EXPECT_GT(wheel.answers.missing(), 20u);
     std::printf("to the ecu: packets %u, lost %u, doubled %u, overtaken %u, cut %u; gaps %u, stale %u, malformed %u\n"
                 "to the plant: lost %u, doubled %u, overtaken %u, cut %u; edges without an answer %zu\n"
-                "teeth valid at the ecu %u, wrong %u; at the plant %u, wrong %u; cycles %u, torque of cylinder 1 %.2f to %.2f Nm (%.2f to %.2f without faults)\n",
+                "teeth valid at the ecu %u, wrong %u; at the plant %u, wrong %u; cycles %u, "
+                "torque of cylinder 1 %.2f to %.2f Nm (%.2f to %.2f without faults)\n",
                 counts.received, there.made[0], there.made[1], there.made[2], there.made[3], counts.gaps, counts.stale, counts.malformed,
-                back.made[0], back.made[1], back.made[2], back.made[3], wheel.answers.missing(), wheel.valid, wheel.wrong, wheel.heard_valid,
+                back.made[0], back.made[1], back.made[2], back.made[3], wheel.answers.missing(), wheel.valid, wheel.wrong,
+                    wheel.heard_valid,
                 wheel.heard_wrong, wheel.heard_cycles, double(wheel.torque_range[0]), double(wheel.torque_range[1]),
                 double(clean.torque_range[0]), double(clean.torque_range[1]));
 }

@@ -46,7 +46,8 @@ TEST(CrankInit, RefusesWhatItDocuments) {
     EXPECT_TRUE(refused([](auto &c) { c.missing_count = SD_CRANK_MISSING_MAX + 1; }));
     EXPECT_TRUE(refused([](auto &c) { c.missing[1] = 57; })) << "not ascending";
     EXPECT_TRUE(refused([](auto &c) { c.missing[0] = 57, c.missing[1] = 58; })) << "the last position is there";
-    EXPECT_TRUE(refused([](auto &c) { c.missing_count = 4, c.missing[0] = 56, c.missing[1] = 57, c.missing[2] = 58, c.missing[3] = 59; })) << "run of 4";
+    EXPECT_TRUE(refused([](auto &c) { c.missing_count = 4, c.missing[0] = 56, c.missing[1] = 57, c.missing[2] = 58, c.missing[3] = 59; }))
+        << "run of 4";
     EXPECT_TRUE(refused([](auto &c) { c.missing_count = 3, c.missing[0] = 56, c.missing[1] = 58, c.missing[2] = 59; })) << "marks too near";
     const auto missing = [](std::vector<uint8_t> positions) {
         return [positions](auto &c) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Fault rates of the crank decoder against an oracle that knows every edge. Prints a table with 95 % intervals; docs/theory/crank.md
+// Fault rates of the crank decoder against an oracle that knows every edge. Prints a table with 95 % intervals; docs/results/crank.md
 // quotes it. SD_FULL=1 runs ten times as many teeth.
 #include <cmath>
 #include <cstdio>
@@ -83,8 +83,10 @@ Score run(const std::string &name, WheelTrace wheel) {
 
 void print(const std::string &name, const Score &s) {
     const double faults = std::fmax(1, double(s.faults)), edges = double(s.edges);
-    std::printf("%-34s %8llu edges %7llu faults  losses %llu, a fault %.1e [%.1e, %.1e]  valid %.3f %%  late %llu  wrong/edge %.1e [%.1e, %.1e]\n",
-                name.c_str(), (unsigned long long)s.edges, (unsigned long long)s.faults, (unsigned long long)s.losses, double(s.losses) / faults,
+    std::printf("%-34s %8llu edges %7llu faults  losses %llu, a fault %.1e [%.1e, %.1e]  valid %.3f %%  "
+                "late %llu  wrong/edge %.1e [%.1e, %.1e]\n",
+                name.c_str(), (unsigned long long)s.edges, (unsigned long long)s.faults, (unsigned long long)s.losses,
+                    double(s.losses) / faults,
                 poisson_bound(s.losses, false) / faults, poisson_bound(s.losses, true) / faults,
                 100 * double(s.valid) / double(s.true_edges), (unsigned long long)s.late, double(s.wrong) / edges,
                 poisson_bound(s.wrong, false) / edges, poisson_bound(s.wrong, true) / edges);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Starts of the crank decoder: when it knows the angle, and whether it is the right one. Every start of every row has a seed of
-// its own. Prints a table with 95 % intervals; docs/theory/crank.md quotes it. SD_FULL=1 draws 20,000 starts a row.
+// its own. Prints a table with 95 % intervals; docs/results/crank.md quotes it. SD_FULL=1 draws 20,000 starts a row.
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>

@@ -48,7 +48,8 @@ TEST(FixedGuard, SaysWhatTheOneInFloatingPointSays) {
         const Beside b = fixed_beside(c);
         EXPECT_GT(b.teeth, 60000);
         EXPECT_LT(b.other_location, 3e-4 * b.teeth);
-        // A tenth of the goal for the torsion, which rounding of f32 takes; where one settles anew and the other does not, the error's size.
+        // A tenth of the goal for the torsion, which rounding of f32 takes; where one settles anew and the other does not, the error's
+        // size.
         EXPECT_LT(b.twist_apart_rms_rad, std::max(5e-6, 0.3 * b.f32.twist_rms_rad));
         EXPECT_LT(b.q31.twist_rms_rad, 1.05 * b.f32.twist_rms_rad);
         EXPECT_NEAR(b.q31.wrong_percent, b.f32.wrong_percent, 0.01 + 0.02 * b.f32.wrong_percent);
@@ -73,7 +74,8 @@ TEST(FixedGuard, SaysTheSameOfTeethThatAreWrong) {
         EXPECT_EQ(f32.out().status.health, q31.out().status.health);
         EXPECT_EQ(f32.out().status.why, q31.out().status.why);
         EXPECT_EQ(f32.rejected(), q31.rejected());
-        // A wheel at 26 rad/s moves by 2e-6 at least in f32, and not at all for less than 0.2 N m at 2000 rpm: q31 has 8 times as fine steps.
+        // A wheel at 26 rad/s moves by 2e-6 at least in f32, and not at all for less than 0.2 N m at 2000 rpm: q31 has 8 times as fine
+        // steps.
         const double late = double(f32.out().status.innovation);
         EXPECT_NEAR(q31.out().status.innovation, late, 5e-6 + 2e-5 * std::abs(late));
         EXPECT_NEAR(q31.out().status.test_ratio, std::abs(double(q31.out().status.innovation)) * double(tables.per_reject), 1e-5);

@@ -50,7 +50,8 @@ TEST(Ecu, TurnsEdgesIntoTorqueThroughTheStream) {
                 if (event.channel == SD_SIGNAL_CYCLE_SPEED) {
                     ++cycles;
                     cylinders_valid += sd_publish_judged(&ecu.ecu->say, SD_OWNER_CYLINDER).health == SD_VALID;
-                    if (cycles > 5) { EXPECT_NEAR(120 / (times[std::size_t(k)] - times[std::size_t(k - 120)]), double(value_of(event)), 0.1); }
+                    if (cycles > 5) { EXPECT_NEAR(120 / (times[std::size_t(k)] - times[std::size_t(k - 120)]), double(value_of(event)),
+                                                  0.1); }
                 }
             }
         }
@@ -192,7 +193,8 @@ TEST(Table, ListsTheChannelsOfEachRateAndWhatOwnersNeed) {
 
 TEST(Ecu, NothingIsValidBeforeTheFirstTooth) {
     Ecu ecu(page());
-    for (unsigned owner = 0; owner < SD_OWNER_COUNT; ++owner) EXPECT_EQ(SD_INVALID, sd_publish_judged(&ecu.ecu->say, sd_owner_t(owner)).health);
+    for (unsigned owner = 0; owner < SD_OWNER_COUNT; ++owner) EXPECT_EQ(SD_INVALID,
+                                                                        sd_publish_judged(&ecu.ecu->say, sd_owner_t(owner)).health);
 }
 
 TEST(Ecu, AfterAGapTheAngleIsSoughtAfresh) {

@@ -115,7 +115,8 @@ TEST(Ecu, ParametersSetAtRunTimeGiveThePageOfThoseSetAtTheStart) {
         expect_same_choices(*Ecu(fresh).ecu, *ecu.ecu);
     }
     EXPECT_EQ(SD_PARAMETER_COUNT, unsigned(taken) + refused.size());
-    const std::vector<std::string> tables{"firing.harmonics", "firing.edge_sd", "firing.load_walk", "firing.rough_walk", "firing.torque_change", "firing.shape_walk",
+    const std::vector<std::string> tables{"firing.harmonics", "firing.edge_sd", "firing.load_walk", "firing.rough_walk",
+                                          "firing.torque_change", "firing.shape_walk",
                                           "work.window"};
     EXPECT_EQ(tables, refused);
 }
@@ -124,7 +125,8 @@ TEST(Ecu, TheWholePageIsRestoredAtOnceInWhateverOrderItsValuesDepend) {
     const sd_calibration_t start = page();
     Ecu ecu(start);
     using Answer = std::pair<std::uint32_t, float>;
-    EXPECT_EQ(Answer(SD_PARAMETER_REFUSED, 0.8f), ask(ecu, parameter("misfire.partial_burn_below", SD_PARAMETER_SET, 0.3f))) << "below definition";
+    EXPECT_EQ(Answer(SD_PARAMETER_REFUSED, 0.8f), ask(ecu, parameter("misfire.partial_burn_below", SD_PARAMETER_SET, 0.3f)))
+        << "below definition";
     EXPECT_EQ(Answer(SD_PARAMETER_OK, 0.25f), ask(ecu, parameter("misfire.misfire_below", SD_PARAMETER_SET, 0.25f)));
     EXPECT_EQ(Answer(SD_PARAMETER_OK, 0.3f), ask(ecu, parameter("misfire.partial_burn_below", SD_PARAMETER_SET, 0.3f)));
     EXPECT_EQ(Answer(SD_PARAMETER_OK, 2), ask(ecu, parameter("torque.harmonics", SD_PARAMETER_SET, 2)));

@@ -119,7 +119,8 @@ TEST_F(EventLogFile, WhateverStandsBehindRightChecksumsIsRefusedOrReplayed) {
         std::string bytes = whole.substr(0, whole.size() - 32);
         for (unsigned flips = 1 + random() % 3; flips > 0; --flips) {
             // Half of them near a beginning: of the page, or of the file.
-            const std::size_t at = random() % 2 ? random() % bytes.size() : (random() % 4 ? first + sizeof(sd_page_head_t) + random() % 400 : random() % 64);
+            const std::size_t at = random() % 2 ? random() % bytes.size()
+                : (random() % 4 ? first + sizeof(sd_page_head_t) + random() % 400 : random() % 64);
             bytes[at] = char(random() % 4 ? random() : 0xff);
         }
         constexpr std::size_t head = sizeof(sd_page_head_t); // its last field is the checksum of all behind it
@@ -133,7 +134,8 @@ TEST_F(EventLogFile, WhateverStandsBehindRightChecksumsIsRefusedOrReplayed) {
             const LogReplay replay = replay_log(log, log.calibration);
             for (const ToothRow &row : replay.teeth) {
                 const auto *value = reinterpret_cast<const float *>(&row.signals);
-                for (std::size_t c = 0; c < SD_SIGNAL_COUNT; ++c) ASSERT_TRUE(std::isfinite(value[c])) << i << ": " << sd_signal_infos[c].name;
+                for (std::size_t c = 0; c < SD_SIGNAL_COUNT; ++c) ASSERT_TRUE(std::isfinite(value[c])) << i << ": "
+                    << sd_signal_infos[c].name;
             }
             ++replayed;
         } catch (const InputError &error) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The tooth pattern learned while the engine fires, on an engine by other equations (other_engine.hpp). Prints what docs/theory/firing.md
-// quotes; SD_FULL=1 adds other injectors and a wrong engine file.
+// The tooth pattern learned while the engine fires, on an engine by other equations (other_engine.hpp). Prints what
+// docs/results/firing-learning.md quotes; SD_FULL=1 adds other injectors and a wrong engine file.
 #include "design/torque/fired_tables.hpp"
 #include "support/other_bench.hpp"
 

@@ -57,7 +57,8 @@ Eigen::MatrixXd rows(const ToothModel &model, int cycles, double edge_rad, doubl
     }
     Eigen::MatrixXd all = Eigen::MatrixXd::Zero(int(out.size()) + unknowns, unknowns);
     for (std::size_t i = 0; i < out.size(); ++i) all.row(int(i)) = out[i];
-    for (int i = 0; i < unknowns; ++i) all(int(out.size()) + i, i) = i >= steps ? 1 / load_step : i < firings || i >= swings ? 1e-2 : 1 / pattern_rad;
+    for (int i = 0; i < unknowns; ++i) all(int(out.size()) + i, i) = i >= steps ? 1 / load_step : i < firings ||
+        i >= swings ? 1e-2 : 1 / pattern_rad;
     return all;
 }
 

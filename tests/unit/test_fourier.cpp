@@ -287,7 +287,8 @@ TYPED_TEST(Fourier, ShiftByARevolutionMovesTheWaveformByARevolution) {
     ASSERT_EQ(SD_OK, TypeParam::init(&s, &setup.config, &setup.tables));
     const auto times = signal.tooth_times(kN, kCycle * 6);
     for (int k = 1; k <= kCycle * 6; ++k) {
-        TypeParam::step(&s, &setup.tables, unsigned(k % kCycle), 1, unsigned(std::llround((times[std::size_t(k)] - times[std::size_t(k - 1)]) * kTickHz)), 1);
+        TypeParam::step(&s, &setup.tables, unsigned(k % kCycle), 1,
+                        unsigned(std::llround((times[std::size_t(k)] - times[std::size_t(k - 1)]) * kTickHz)), 1);
     }
     float before[kCycle], largest_change = 0;
     for (unsigned k = 0; k < kCycle; ++k) before[k] = TypeParam::torque_at(&s, &setup.tables, k);

@@ -87,7 +87,8 @@ TEST(CycleMap, OfTheKernelIsTheMapOfTheEquations) {
                 }
             }
             for (int row = 0; row < n; ++row) {
-                const double change = row ? double(s[1].coefficient[row - 1] - s[0].coefficient[row - 1]) : double(s[1].energy - s[0].energy);
+                const double change = row ? double(s[1].coefficient[row - 1] - s[0].coefficient[row - 1])
+                    : double(s[1].energy - s[0].energy);
                 const double per_unit = (row == 0 && column) ? 1 / bases : (row && column == 0) ? bases : 1;
                 EXPECT_NEAR(change / 2e-3, expected(row, column) * per_unit, 1e-3 * std::fmax(1, per_unit)) << row << "," << column;
             }

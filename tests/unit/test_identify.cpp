@@ -255,7 +255,8 @@ TEST(EngineText, NewNumbersStandInPlaceAndEveryNumberSaysWhereItIsFrom) {
                                           {"tolerance.inertia_percent", {"3", "too"}}});
     EXPECT_EQ(made,
         "name = \"x\" # a name\n[crank]\ninertia_kgm2 = 0.21  # measured; guessed\nreciprocating_mass_kg = 0.9  # taken from old.toml\n"
-                    "[cylinders]\nfiring_tdc_deg = [0,\n  180]  # taken from old.toml; even\n\n[tolerance]\nwheel_offset_deg = 0.2  # half\ninertia_percent = 3  # too\n");
+                    "[cylinders]\nfiring_tdc_deg = [0,\n  180]  # taken from old.toml; even\n\n[tolerance]\n"
+                    "wheel_offset_deg = 0.2  # half\ninertia_percent = 3  # too\n");
 }
 
 } // namespace

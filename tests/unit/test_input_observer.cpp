@@ -161,7 +161,8 @@ TEST(InputObserver, RefusesWhatIsOutOfRange) {
     EXPECT_THROW(InputObserver{config}, std::invalid_argument);
 }
 
-const BenchRow &find(const std::vector<BenchRow> &rows, const std::string &observer, const std::string &domain, const std::string &condition) {
+const BenchRow &find(const std::vector<BenchRow> &rows, const std::string &observer, const std::string &domain,
+                     const std::string &condition) {
     for (const BenchRow &row : rows) {
         if (row.observer == observer && row.domain == domain && row.condition == condition) return row;
     }
@@ -184,7 +185,8 @@ TEST(ObserverBench, OursMeetsTheGoalInEveryRowAndTheDocumentsDoNot) {
                 EXPECT_LE(row.to_one_percent_s, 0.10) << condition;
             }
             for (const char *observer : {"ROO", "FOSMO", "FOLSMO"}) {
-                const BenchRow &healthy = find(rows, observer, "time", "no fault"), &unknown = find(rows, observer, "time", "misfire unknown");
+                const BenchRow &healthy = find(rows, observer, "time", "no fault"),
+                    &unknown = find(rows, observer, "time", "misfire unknown");
                 EXPECT_LT(healthy.high_percent, 0.8) << observer;
                 EXPECT_GT(healthy.low_percent, -0.8) << observer;
                 EXPECT_GT(healthy.to_two_percent_s, 0.1) << observer;

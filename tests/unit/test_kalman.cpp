@@ -60,7 +60,8 @@ TEST(Kalman, FindsEveryFiringAndTheWaveform) {
         double worst = 0;
         bench.on_tooth = [&] {
             const double alpha = 2 * M_PI * bench.k / kPositions;
-            worst = std::max(worst, std::abs(double(sd_kalman_torque(&bench.kalman, &bench.tables, 0, std::uint32_t(bench.k % kCycle))) - signal.torque(alpha)));
+            worst = std::max(worst, std::abs(double(sd_kalman_torque(&bench.kalman, &bench.tables, 0, std::uint32_t(bench.k % kCycle)))
+                                             - signal.torque(alpha)));
         };
         bench.run(102);
         EXPECT_LT(worst, 5e-3 * signal.peak_to_peak()) << rpm;
@@ -80,7 +81,8 @@ TEST(Kalman, FourierBasisFollowsTheSameTorque) {
     bench.run(20);
     double square = 0;
     int count = 0;
-    bench.on_tooth = [&] { square += std::pow(double(sd_kalman_torque(&bench.kalman, &bench.tables, 0, std::uint32_t(bench.k % kCycle))) - signal.torque(2 * M_PI * bench.k / kPositions), 2), ++count; };
+    bench.on_tooth = [&] { square += std::pow(double(sd_kalman_torque(&bench.kalman, &bench.tables, 0, std::uint32_t(bench.k % kCycle)))
+                                              - signal.torque(2 * M_PI * bench.k / kPositions), 2), ++count; };
     bench.run(22);
     EXPECT_LT(std::sqrt(square / count), 0.03 * signal.peak_to_peak()) << "12 harmonics leave out 2.6 %";
     EXPECT_TRUE(bench.firings.empty());

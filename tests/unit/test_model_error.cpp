@@ -68,9 +68,11 @@ TEST(ModelError, TheSteadyAnswerIsWhatTheFilterReads) {
     const auto read = errors(bench, signal), without = errors(exact, signal); // the bench's own 0.2 %
     std::vector<TorqueOverAngle> lacking;
     for (std::size_t lane = 0; lane < 4; ++lane)
-        lacking.push_back([&, lane, nm = signal.fuel[lane] * pulse_mean()](double a) { return nm * (truth.basis[lane](a) - known.basis[lane](a)); });
+        lacking.push_back([&, lane, nm =
+                           signal.fuel[lane] * pulse_mean()](double a) { return nm * (truth.basis[lane](a) - known.basis[lane](a)); });
     const auto [mean, moment] = interval_tables(engine_file(), lacking);
-    Eigen::VectorXd predicted = steady_reading(tooth_model(engine_file(), known, 2000 * M_PI / 30), made.gains[0].gain, mean, moment).rowwise().sum();
+    Eigen::VectorXd predicted = steady_reading(tooth_model(engine_file(), known, 2000 * M_PI / 30), made.gains[0].gain, mean,
+                                               moment).rowwise().sum();
     predicted.array() -= predicted.mean();
     const double most = predicted.cwiseAbs().maxCoeff();
     EXPECT_GT(most, 0.002 * pulse_mean()) << "or there is nothing to see";
@@ -78,7 +80,8 @@ TEST(ModelError, TheSteadyAnswerIsWhatTheFilterReads) {
 }
 
 TEST(ModelError, TheFilterLearnsThePulsesShape) {
-    const KalmanTables stiff = kalman_tables(engine_file(), bent(false), smooth()), learning = kalman_tables(engine_file(), bent(true), smooth());
+    const KalmanTables stiff = kalman_tables(engine_file(), bent(false), smooth()),
+        learning = kalman_tables(engine_file(), bent(true), smooth());
     for (const PeriodicGains &gains : learning.gains) EXPECT_LT(gains.radius, 1);
     EXPECT_LT(learning.radius_between, 1);
     for (double rpm : {1000.0, 3000.0}) {
@@ -167,7 +170,8 @@ TEST(ModelError, ToleranceOfTheEngineIsStated) {
     };
     const sd_kalman_tables_t exact = tables([](auto &) {}), inertia = tables([](auto &t) { t.inertia_percent = 3; }),
                              mass = tables([](auto &t) { t.trapped_mass_percent = 3; });
-    EXPECT_NEAR(std::sqrt(std::pow(double(inertia.spread_share[0]), 2) - std::pow(double(exact.spread_share[0]), 2)), 0.03 / std::sqrt(3.0), 1e-4);
+    EXPECT_NEAR(std::sqrt(std::pow(double(inertia.spread_share[0]), 2) - std::pow(double(exact.spread_share[0]), 2)), 0.03 / std::sqrt(3.0),
+                1e-4);
     EXPECT_NEAR(double(inertia.mean_share[0]), double(exact.mean_share[0]), 1e-6) << "of all firings alike";
     EXPECT_GT(mass.charge_nm_per_bar[0], 2 * exact.charge_nm_per_bar[0]);
     EXPECT_LT(mass.learned_nm_per_bar[0], 0.7f * mass.charge_nm_per_bar[0]) << "fuel cut shows it";

@@ -41,7 +41,8 @@ INSTANTIATE_TEST_SUITE_P(
         BadText{"header_only", "time,level\n",
                 "r.csv: holds no rows of numbers; rows of time in s and, after it, levels or voltages are wanted"},
         BadText{"logicdata", "\x7F\x01\x13\x01\x0A" "Data save2\x01\x18\n\n",
-                "r.csv: is a .logicdata; tools/log/convert.py reads what rusEFI and FOME write, of Saleae's own Logic export the table as CSV"},
+                "r.csv: is a .logicdata; tools/log/convert.py reads what rusEFI and FOME write, "
+                "of Saleae's own Logic export the table as CSV"},
         BadText{"vcd", "$timescale 1us $end\n$var wire 1 ! crank $end\n$enddefinitions $end\n#0\n0!\n",
                 "r.csv: is a VCD; tools/log/convert.py makes a table of it"},
         BadText{"levels_without_times", "a,b\n0,0\n1,0\n0,0\n1,0\n0,0\n1,0\n0,0\n1,0\n",
@@ -61,7 +62,8 @@ INSTANTIATE_TEST_SUITE_P(
         BadText{"time_is_no_number", "t,x\n0,1\n1,0\nsoon,1\n2,0\n",
                 "r.csv: line 4, column 0: 'soon' is not a finite number such as 0.0125 or 1.25e-2"},
         BadText{"time_goes_back", "0,1\n2,0\n1.5,1\n",
-                "r.csv: line 3, column 0: time 1.5 is before the 2 of the row above; time must not go back (a second recording in the file?)"},
+                "r.csv: line 3, column 0: time 1.5 is before the 2 of the row above; "
+                "time must not go back (a second recording in the file?)"},
         BadText{"short_row", "0,1\n1\n2,0\n",
                 "r.csv: line 2: has 1 columns, the rows above have 2; every row must have as many"},
         BadText{"long_row", "0,1\n1,0\n2,2,3\n",

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // What firings are off by over what they state, on engines by other equations (other_engine.hpp) and with an engine file that says
-// nothing of its tolerances. Prints what docs/theory/firing.md quotes.
+// nothing of its tolerances. Prints what docs/results/firing-learning.md quotes.
 #include "support/other_bench.hpp"
 
 namespace sixdeg {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Document 000's observers on the toothed wheel: on a crank of this file's own, whose firings are torques over angle, and on the
-// simulated engine, where the table of docs/theory/observers.md comes from.
+// simulated engine, where the table of docs/results/observers.md comes from.
 #include <cmath>
 #include <gtest/gtest.h>
 #include <memory>
@@ -192,7 +192,7 @@ const DetectionRow &row(const Detection &d, const std::string &method) {
     throw std::logic_error("no such row");
 }
 
-/// A small version of the table in docs/theory/observers.md, bounded on both sides.
+/// A small version of the table in docs/results/observers.md, bounded on both sides.
 TEST(MisfireDetection, FolsmoInTheEcuFindsWhatNobodyToldItOf) {
     for (const DetectionCell &cell : {DetectionCell{6000, 1, false}, DetectionCell{1500, 1, true}}) {
         const Detection d = run_detection(detection_scenario(cell, 700, 1), {});

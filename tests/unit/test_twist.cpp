@@ -131,7 +131,8 @@ class TwistedEdges {
     double at(double alpha, int derivative) const {
         double sum = 0;
         for (int h = 1; h <= kHarmonics; ++h)
-            sum += std::real(series_[std::size_t(h - 1)] * (derivative ? std::complex<double>(0, h / 2.0) : 1.0) * std::polar(1.0, h * alpha / 2));
+            sum += std::real(series_[std::size_t(h - 1)] * (derivative ? std::complex<double>(0, h / 2.0) : 1.0) * std::polar(1.0,
+                h * alpha / 2));
         return sum;
     }
     static constexpr int kHarmonics = 60, kGrid = 2880;
@@ -290,7 +291,8 @@ TEST(Twist, BadTeethNeverGiveNan) {
         sd_kalman_step(&filter, &made.tables, &tooth, &firing);
         sd_pattern_step(&pattern, &made.tables, &tooth);
         ASSERT_TRUE(std::isfinite(pattern.sums.twist.deviation) && pattern.sums.twist.variance > 0) << i;
-        ASSERT_TRUE(std::isfinite(motion.energy_j) && std::isfinite(sd_kalman_torque(&filter, &made.tables, 0, 7)) && std::isfinite(firing.sd_nm)) << i;
+        ASSERT_TRUE(std::isfinite(motion.energy_j) && std::isfinite(sd_kalman_torque(&filter, &made.tables, 0, 7)) &&
+                    std::isfinite(firing.sd_nm)) << i;
         for (std::size_t m = 0; m < 2; ++m) ASSERT_TRUE(std::isfinite(motion.twist_rad[m]) && std::isfinite(motion.swing_rad[m])) << i;
         for (float x : motion.coefficient_nm) ASSERT_TRUE(std::isfinite(x)) << i;
     }

@@ -17,7 +17,8 @@ DBC = cantools.database.load_file(ROOT / "hal" / "generated" / "sixdeg.dbc")
 
 
 def listeners():
-    return sum(line.split()[:1] == ["vcan0"] for path in pathlib.Path("/proc/net/can").glob("rcvlist_*") for line in path.read_text().splitlines())
+    return sum(line.split()[:1] == ["vcan0"] for path in pathlib.Path("/proc/net/can").glob("rcvlist_*")
+               for line in path.read_text().splitlines())
 
 
 class Clients(BusFolder):

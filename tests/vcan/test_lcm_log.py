@@ -36,7 +36,8 @@ class LcmLog(BusFolder):
             ecu = self.ecu()
             watch = self.watch("--engine", ENGINE, "--out", self.folder / "played")
             # The player ends with status 1 when all is played.
-            subprocess.run(["lcm-logplayer", f"--lcm-url={URL}", "--regexp=SIXDEG_(INPUTS|TRUTH)", log], capture_output=True, timeout=PATIENCE_S)
+            subprocess.run(["lcm-logplayer", f"--lcm-url={URL}", "--regexp=SIXDEG_(INPUTS|TRUTH)", log], capture_output=True,
+                           timeout=PATIENCE_S)
             try:
                 watch.wait(20)
             except subprocess.TimeoutExpired:  # the end of the run was lost

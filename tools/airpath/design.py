@@ -23,6 +23,8 @@ import certificate  # noqa: E402
 import covariance  # noqa: E402
 import nuio  # noqa: E402
 from air_path import C, AirPath  # noqa: E402
+sys.path.insert(0, str(Path(__file__).parents[1]))
+import progress  # noqa: E402
 
 # Where the engine runs: speeds, openings, vanes, exhaust pressures and pressure ratios that the inequalities hold for.
 RPM = (1000.0, 2000.0)
@@ -168,4 +170,5 @@ def main():
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    with progress.Progress("design"):
+        sys.exit(main())

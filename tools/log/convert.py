@@ -18,6 +18,9 @@ import numpy as np
 from event_log import CAM_EDGE, CRANK_EDGE, LogError, seconds
 from logic import read_logicdata, read_vcd
 
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+import progress  # noqa: E402  the path comes first
+
 # ---- MegaLogViewer, versions 1 and 2: big endian; a head, one description a field, then records ----
 
 MLG_HEAD = {1: struct.Struct(">6sHIHIHH"), 2: struct.Struct(">6sHIIIHH")}
@@ -54,7 +57,8 @@ def text_of(raw):
 def read_mlg(path, data):
     """Channels as (name, unit, times, values), all of one rate."""
     first, size, fields = mlg_fields(path, data)
-    record = np.dtype([("block", "u1"), ("counter", "u1"), ("tick", ">u2"), *((f"f{i}", f[2]) for i, f in enumerate(fields)), ("check", "u1")])
+    record = np.dtype([("block", "u1"), ("counter", "u1"), ("tick", ">u2"), *((f"f{i}", f[2]) for i, f in enumerate(fields)),
+                       ("check", "u1")])
     if record.itemsize != size + 5:
         raise LogError(f"{path}: records of {size} bytes do not hold its {len(fields)} fields of {record.itemsize - 5} bytes")
     pieces, at = [], first
@@ -211,4 +215,5 @@ def main(arguments=None):
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    with progress.Progress("convert"):
+        sys.exit(main())

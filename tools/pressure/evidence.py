@@ -15,6 +15,9 @@ import page
 import pictures
 import recording as rec
 
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+import progress  # noqa: E402  the path comes first
+
 
 class Measured:
     """A recording: what sixdeg says of it, and its cycles by pressure."""
@@ -167,4 +170,5 @@ def main():
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    with progress.Progress("evidence"):
+        sys.exit(main())

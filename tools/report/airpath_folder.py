@@ -3,16 +3,14 @@
 (Figures 8 and 9)."""
 import numpy as np
 
-from folder import BadFolder, Table
+from folder import BadFolder, Table, read_summary
 
 MODEL = ("t_s", "rpm", "fuel_gps", "air_gps", "egr", "vgt", "intake_kpa", "intake_model_kpa", "exhaust_kpa", "exhaust_model_kpa",
-        "intake_read_kpa",
-         "exhaust_read_kpa", "drawn_gps", "drawn_model_gps", "leaving_gps", "leaving_model_gps")
+         "intake_read_kpa", "exhaust_read_kpa", "drawn_gps", "drawn_model_gps", "leaving_gps", "leaving_model_gps")
 RESIDUALS = ("airpath.residual[1]", "airpath.residual[2]")
 DECISIONS = tuple(f"airpath.decision[{i}]" for i in range(1, 5))
 RUN = ("t_s", "egr_command", "vgt_command", "egr_read", "vgt_read", "egr_true", "vgt_true", "airpath.fault", "airpath.phase",
-        "airpath.since",
-       *RESIDUALS, *DECISIONS)
+       "airpath.since", *RESIDUALS, *DECISIONS)
 NAMES = ("none", "EGR valve", "VGT vanes", "both or another")
 SETTLED_S, OFF = 2, 0.02  # of the model's drive; a position this far from its command is faulty, if for long
 
@@ -37,9 +35,8 @@ class AirPathModel:
     def figures(self):
         data, rows = self.columns, []
         settled = data["t_s"] >= SETTLED_S
-        for name, what in (("intake_{}kpa", "intake pressure"), ("exhaust_{}kpa", "exhaust pressure"), ("drawn_{}gps",
-                "gas into the cylinders"),
-                           ("leaving_{}gps", "gas out of them")):
+        for name, what in (("intake_{}kpa", "intake pressure"), ("exhaust_{}kpa", "exhaust pressure"),
+                           ("drawn_{}gps", "gas into the cylinders"), ("leaving_{}gps", "gas out of them")):
             true = data[name.format("")][settled]
             off = 100 * np.abs(data[name.format("model_")][settled] - true) / true.mean()
             rows.append((what, f"{off.mean():.2f} %", f"{off.max():.2f} %"))
@@ -54,6 +51,7 @@ class AirPathRun:
     HEADER = ("fault", "from", "named", "delay")
 
     def __init__(self, path):
+        self.summary = read_summary(path, ("set", "parameters"))
         self.columns = numbers(path, "airpath.csv", RUN)
         self.sigma = [self._healthy(name).std() or 1.0 for name in RESIDUALS]
 

@@ -25,7 +25,8 @@ def rows(controller, engine):
     clock_hz, wheel, tooth = CLOCK_HZ[controller["core"]], positions(engine), controller["tooth_instructions"]
     average, worst = tooth["average"], tooth["worst"]
     return [("instructions", f"{average:,}", f"{worst:,}"),
-            *((f"share of a tooth at {rpm} rpm", *(f"{share(n, rpm, wheel, clock_hz):.1f} %" for n in (average, worst))) for rpm in SPEEDS_RPM),
+            *((f"share of a tooth at {rpm} rpm", *(f"{share(n, rpm, wheel, clock_hz):.1f} %" for n in (average, worst)))
+              for rpm in SPEEDS_RPM),
             ("speed at which teeth come faster", "", f"{overrun_rpm(worst, wheel, clock_hz):,.0f} rpm")]
 
 
@@ -34,5 +35,5 @@ def words(controller):
     return (f"The same firmware, as an image for a {controller['name']} on an emulated board, in closed loop with this engine: "
             f"{controller['tooth_instructions']['count']:,} teeth, {controller['overruns']} of them before the one ahead had been handled. "
             f"{controller['ecu_bytes']:,} bytes of state and {controller['stack_bytes']:,} of stack. Shares at "
-            f"{CLOCK_HZ[controller['core']] / 1e6:.0f} MHz and an instruction a cycle, which is a model: flash, caches and divisions come on "
-            "top, and a core with two pipes does some at once.")
+            f"{CLOCK_HZ[controller['core']] / 1e6:.0f} MHz and an instruction a cycle, which is a model: flash, caches and divisions come "
+            "on top, and a core with two pipes does some at once.")

@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: MIT
 """The pictures of misfires: what was judged, against the truth."""
-from chart import BLUE, GREEN, GREY, ORANGE, RED, Chart
+import numpy as np
+
+from chart import BLUE, CYLINDERS, GREEN, GREY, ORANGE, RED, Chart
+from misfire_folder import LEAST_FALSE_PERCENT, LIMIT, METHODS
 
 LOOK = {"healthy, judged so": (BLUE, "circle", 4), "misfire, found": (RED, "circle", 8), "misfire, overlooked": (RED, "circle-open", 11),
         "healthy, called a misfire": (ORANGE, "x", 9)}
@@ -36,4 +39,20 @@ def acceleration(run):
         color, symbol, size = LOOK[what]
         if rows.any():
             chart.points(run.t_s[rows], run.acceleration[rows], what, color, symbol=symbol, size=size)
+    return chart
+
+
+def detectors(curves, physics):
+    """A panel a kind of engine and road: misfires found over false alarms, a curve a detector."""
+    kinds, roads = curves.kinds(), curves.roads()
+    chart = Chart("false alarms, %", *["misfires found, %"] * (len(kinds) * len(roads)), columns=len(roads), log_x=True,
+                  titles=[curves.words(kind, road) for kind in kinds for road in roads], height=150 + 260 * len(kinds))
+    for panel in range(len(kinds) * len(roads)):
+        kind, road = kinds[panel // len(roads)], roads[panel % len(roads)]
+        for method, color in zip(METHODS, (BLUE, ORANGE, RED, GREY, *CYLINDERS[3:])):
+            alarms, found = curves.of(kind, physics, road, method)
+            chart.line(alarms, found, method, color, panel, width=2.5 if method == METHODS[0] else 1.5)
+        alarms, found = curves.of(kind, physics, road, LIMIT)
+        chart.points(np.maximum(alarms, LEAST_FALSE_PERCENT), found, "the monitor at its own limit", BLUE, panel, size=9)
+        chart.set_y(0, 103, panel)
     return chart

@@ -40,3 +40,22 @@ def section(runs):
                        f"{settings.words(other.summary)} The observer's estimate of the crank's acceleration, a mean over each firing:"),
                   picture(pictures.acceleration(other), f"acceleration by {score['method']}")]
     return parts
+
+
+WORDS = {"own": "Engines as their file says", "other": "Engines of other physics, which no calibration knows of"}
+
+
+def study_section(curves):
+    """Six detectors on the same made teeth, document 000's observers among them."""
+    kind, road = curves.kinds()[0], curves.roads()[0]
+    parts = [text("Misfires found over the share of healthy firings that are called one, on edge times of simulated engines with "
+                  "misfires 1 in 50 that nobody told of. A detector is better the higher its curve is at the left. FOLSMO, FOSMO "
+                  "and ROO are document 000's observers; speed delta and running mean are methods of open engine controllers. Each "
+                  "curve has the best limit at each operating point, which somebody could set who knew the truth; the dot is the "
+                  "monitor as it is.", "lead"),
+             text(f"Operating points: {curves.where()}. {curves.misfires(kind, curves.physics()[-1], road)} misfires a panel. All settings "
+                  "are at their defaults. The whole set of engines, with intervals: docs/results/misfire-study.md.", "note")]
+    for physics in curves.physics():
+        parts += [f"<h3>{WORDS.get(physics, html.escape(physics))}</h3>",
+                  picture(pictures.detectors(curves, physics), "misfires found over false alarms")]
+    return parts

@@ -98,4 +98,4 @@ def table_2_section(observers):
                  "observer of every cylinder's input, for this benchmark alone.", "lead"),
             table(rows, header), observers.words(),
             text("The document's band with a misfire is reached only by observers that are told of it. Why, and with which gains its "
-                 "order of FOLSMO before FOSMO comes out: docs/theory/observers.md.")]
+                 "order of FOLSMO before FOSMO comes out: docs/results/observers.md.")]

@@ -26,7 +26,8 @@ def window(firings):
     """The firings around the first lone misfire after the start."""
     for i in range(AROUND, len(firings) - AROUND):
         around = firings[i - AROUND:i + AROUND + 1]
-        if int(firings[i]["cycle"]) >= SETTLED and [f["misfire_true"] for f in around].count("1") == 1 and firings[i]["misfire_true"] == "1":
+        if int(firings[i]["cycle"]) >= SETTLED and [f["misfire_true"]
+                                                    for f in around].count("1") == 1 and firings[i]["misfire_true"] == "1":
             return around
     sys.exit("overview: no lone misfire in this run; add --set misfires.one_in=20")
 

@@ -9,6 +9,7 @@ usage: report.py --out REPORT.html [OPTION FOLDER...]... [FOLDER...]
 import argparse
 import functools
 import html
+import pathlib
 import sys
 from typing import Callable, NamedTuple
 
@@ -31,13 +32,16 @@ from cost_sections import Bench
 from driveline_folder import Driveline
 from folder import BadFolder, read_summary
 from gas_sections import Gas
-from misfire_folder import MisfireRun
+from misfire_folder import MisfireCurves, MisfireRun
 from mixture_folder import MixtureRun
 from observer_sections import Observers
 from pressure_sections import PressureBeside
 from replay_folder import Replay
 from run_folder import Run
 from sensor_sections import SensorSets
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+import progress  # noqa: E402  the path comes first
 
 
 class Kind(NamedTuple):
@@ -65,6 +69,8 @@ def gas(figure, conditions, title, build, count=1):
 KINDS = (
     Kind("misfire", "RUN", "+", "runs with misfires, of one scenario and seed: by the monitor, then by observers of document 000",
          MisfireRun, (("misfire", "Misfire", misfire_sections.section),), misfire_sections.said),
+    Kind("misfire-study", "FOLDER", 1, "six detectors of misfires: of sixdeg study misfire --out FOLDER", MisfireCurves,
+         (("misfire-study", "Six detectors of misfires on the same teeth", misfire_sections.study_section),)),
     Kind("observers", "FOLDER", 1, "document 000: of sixdeg study observers --out FOLDER --json FOLDER/table2.json", Observers,
          (("figure-000-1", "Document 000, Figures 1 and 2: speed by FOLSMO, and its error", observer_sections.figures_1_and_2_section),
           ("figure-000-3", "Document 000, Figures 3 and 4: acceleration by FOLSMO", observer_sections.figures_3_and_4_section),
@@ -168,8 +174,8 @@ def summary(read, said):
     points = [f'<li>{html.escape(words)} <a href="#{anchor}">Pictures</a></li>' for words, anchor in said]
     parts.append('<ul class="first">' + "".join(points) + "</ul>")
     parts.append(page.text("A simulated engine has a known truth, and errors are against it."))
-    parts.append(page.text("Every picture can be zoomed by drawing a rectangle, reset by a double click, and a click on a name in its legend "
-                           "switches that trace off.", "note screen"))
+    parts.append(page.text("Every picture can be zoomed by drawing a rectangle, reset by a double click, and a click on a name in its "
+                           "legend switches that trace off.", "note screen"))
     return parts
 
 
@@ -212,4 +218,5 @@ def main():
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    with progress.Progress("report"):
+        sys.exit(main())

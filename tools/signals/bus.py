@@ -187,7 +187,8 @@ def lcm(table):
     outputs += [number("done", "1: answers the clock event at tick; 0: there was no room to wait for it."), number("tick"),
                 number("session", "Drawn when the ecu starts."), number("ignored"), number("unsent")]
     outputs += [Field(f"{m.rate}[{m.rate}s]", f"{m.rate}_t") for m in row_messages(table, 10**6)]
-    truth = [number("edges"), number("cycles"), number("end", "1: the run is over."), number("sent_edges", "So far."), number("sent_cycles", "So far."),
+    truth = [number("edges"), number("cycles"), number("end", "1: the run is over."), number("sent_edges", "So far."),
+             number("sent_cycles", "So far."),
              Field("edge[edges]", "truth_edge_t"), Field("cycle[cycles]", "truth_cycle_t")]
     parameter = [number("command", "sd_parameter_command_t"), number("index"), number("value", type="f32"),
                  number("result", "sd_parameter_result_t, in the answer.")]
@@ -212,7 +213,8 @@ def row_code(table, bus, includes, type_of, room, cast):
            *[f'#include "{name}"' for name in includes], '#include "sd_row.h"', "", "#ifdef __cplusplus", 'extern "C" {', "#endif", ""]
     for m in row_messages(table, room):
         kind = type_of(m.name)
-        out += [f"static inline void {bus}_{m.name}_from_row({kind} *m, const sd_row_t *row) {{", f"    m->tick = ({cast['u32']})row->tick;"]
+        out += [f"static inline void {bus}_{m.name}_from_row({kind} *m, const sd_row_t *row) {{",
+                f"    m->tick = ({cast['u32']})row->tick;"]
         for owner in m.owners:
             out += [f"    m->{owner}_health = ({cast['u8']})row->health[SD_OWNER_{owner.upper()}];",
                     f"    m->{owner}_why = ({cast['u16']})row->why[SD_OWNER_{owner.upper()}];"]
@@ -271,13 +273,15 @@ def lcm_rows(table):
                 f"        self->{m.name}[at].place = self->places;", "    }"]
     out += ["    self->places++;", "    return 1;", "}", "", "/* 1: of some rate there is no room for another row. */",
             "static inline int sd_lcm_rows_full(const sd_lcm_rows_t *self) {",
-            "    for (uint32_t rate = 0; rate < SD_RATE_COUNT; ++rate) {", "        if (self->count[rate] >= SD_LCM_ROWS) { return 1; }", "    }",
-            "    return 0;", "}", "", "static inline void sd_lcm_rows_clear(sd_lcm_rows_t *self) {",
+            "    for (uint32_t rate = 0; rate < SD_RATE_COUNT; ++rate) {", "        if (self->count[rate] >= SD_LCM_ROWS) { return 1; }",
+            "    }", "    return 0;", "}", "", "static inline void sd_lcm_rows_clear(sd_lcm_rows_t *self) {",
             "    memset(self->count, 0, sizeof self->count);", "    self->places = 0;", "}", "",
             "/* The message points into *self. */", "static inline void sd_lcm_rows_to_message(sixdeg_outputs_t *m, sd_lcm_rows_t *self) {"]
     for m in rows:
         out += [f"    m->{m.rate}s = self->count[SD_RATE_{m.rate.upper()}];", f"    m->{m.rate} = self->{m.name};"]
-    out += ["}", "", "/* 1: *row is the next one of the message by its place; taken[], zero to begin, counts those handed out of each rate. 0: that was all. */",
+    out += ["}", "",
+            "/* 1: *row is the next one of the message by its place; taken[], zero to begin, counts those handed out of each rate. "
+            "0: that was all. */",
             "static inline int sd_lcm_rows_next(sd_row_t *row, const sixdeg_outputs_t *m, int32_t taken[SD_RATE_COUNT]) {",
             "    int32_t place = 0;", "    uint32_t next = SD_RATE_COUNT;"]
     for m in rows:

@@ -20,8 +20,10 @@ AGE_MAX_S = 10  # so that an age in ticks is far below the wrap of the timer
 REQUIRED = {"rate": {"name", "text"}, "owner": {"name", "text"}, "input": {"name", "unit", "range", "age", "usual", "text"},
             "signal": {"name", "unit", "range", "rate", "owner", "text"},
             "parameter": {"name", "unit", "range", "default", "owner", "text"}}
-# at_start: the host makes tables of it, so that an ecu takes it with its page and not later. was: a name of before, refused with the new one.
-OPTIONAL = {"rate": {"period"}, "owner": {"degraded_without", "invalid_without"}, "input": set(), "signal": {"count"}, "parameter": {"at_start", "was"}}
+# at_start: the host makes tables of it, so that an ecu takes it with its page and not later. was: a name of before, refused with the new
+# one.
+OPTIONAL = {"rate": {"period"}, "owner": {"degraded_without", "invalid_without"}, "input": set(), "signal": {"count"},
+            "parameter": {"at_start", "was"}}
 UNIT_SUFFIX = {"": "", "deg": "_deg", "rpm": "_rpm", "rad/s2": "_radps2", "Nm": "_nm", "J": "_j", "s": "_s",
                "1/rad": "_per_rad", "1/rad2": "_per_rad2", "cycles": "_cycles",
                "K": "_k", "bar": "_bar", "kPa": "_kpa", "g/s": "_gps", "mg": "_mg", "J/mg": "_jpmg", "%": "_percent",
@@ -234,14 +236,16 @@ def page(table):
         out.append(f"| {span} | `{entry['name']}` | {entry['unit'] or '-'} | {entry['range'][0]:g} to {entry['range'][1]:g} "
                    f"| {entry['rate']} | {entry['text']} |")
         channel += count
-    out += ["", "## Inputs", "", "Sampled sensors and the controller's own commands (`SD_EVENT_SAMPLE`). A value outside its range is ignored",
-            "and counted. A reading counts for as long as it may be old; where none counts the usual value stands in, and the values of those",
+    out += ["", "## Inputs", "", "Sampled sensors and the controller's own commands (`SD_EVENT_SAMPLE`). A value outside its range "
+            "is ignored", "and counted. A reading counts for as long as it may be old; where none counts the usual value stands in, "
+            "and the values of those",
             "owners that need it say so.", "",
             "| channel | name | unit | range | may be old | usual | what |", "|---|---|---|---|---|---|---|"]
     for i, entry in enumerate(table["input"]):
         out.append(f"| {i} | `{entry['name']}` | {entry['unit'] or '-'} | {entry['range'][0]:g} to {entry['range'][1]:g} "
                    f"| {'for ever' if entry['age'] == 0 else format(entry['age'], 'g') + ' s'} | {entry['usual']:g} | {entry['text']} |")
-    out += ["", "## Parameters", "", "The fields of TUNE.toml and of `--set`. Those marked *start* are made into tables by the host: an ecu takes them with its",
+    out += ["", "## Parameters", "",
+            "The fields of TUNE.toml and of `--set`. Those marked *start* are made into tables by the host: an ecu takes them with its",
             "page and refuses a change. All others can be set between two teeth.", "",
             "| name | unit | range | default | set | what |", "|---|---|---|---|---|---|"]
     for entry in table["parameter"]:

@@ -247,7 +247,8 @@ sd_uego_gains_t inversion_gains(const EngineFile &engine, double rpm) {
     const int positions = 2 * engine.wheel.positions;
     const double step_s = 120 / rpm / positions;
     return uego_gains({engine.exhaust->uego_tau_s[0], engine.exhaust->uego_tau_s[1], step_s, positions,
-                       sd_afr_harmonics(std::uint8_t(engine.cylinders())), kInversionNoisePerRthz / std::sqrt(2 * step_s), kInversionDrift});
+                       sd_afr_harmonics(std::uint8_t(engine.cylinders())), kInversionNoisePerRthz / std::sqrt(2 * step_s),
+                           kInversionDrift});
 }
 
 } // namespace

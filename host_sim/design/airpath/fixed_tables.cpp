@@ -63,7 +63,8 @@ sd_nuio_table_q31_t observer_of(Scaling &s, const std::string &name, const sd_nu
     s.all(name + ".k", f.k, q.k, kGain);
     s.all(name + ".k over the speed", f.more, q.more, kGain);
     s.all(name + ".gamma", f.gamma, q.gamma, kMoved);
-    if (!sd_nuio_table_ok_q31(&q)) s.note(name, 0, fmt::format("rows that add up to less than {} (m, e, gamma) and {} (k)", 1 << kMoved, 1 << kGain));
+    if (!sd_nuio_table_ok_q31(&q)) s.note(name, 0, fmt::format("rows that add up to less than {} (m, e, gamma) and {} (k)", 1 << kMoved,
+                                                               1 << kGain));
     return q;
 }
 

@@ -235,8 +235,10 @@ sd_kalman_tables_t sizes(const EngineFile &engine, const KnownTorque &torque, co
     t.sets = t.firings > 0 && tune.rough_walk_nm > 0 ? 2 : 1;
     if (!rows_fit(t)) t.sets = 1;
     if (!rows_fit(t)) {
-        throw InputError(engine.name, "wheel", fmt::format("{} positions with {} coefficients at {} speeds need {} table entries, allowed {}",
-                                                           int(t.positions), int(t.coefficients), int(t.speeds), sd_kalman_pool_used(&t), SD_KALMAN_POOL));
+        throw InputError(engine.name, "wheel",
+                         fmt::format("{} positions with {} coefficients at {} speeds need {} table entries, allowed {}",
+                                                           int(t.positions), int(t.coefficients), int(t.speeds), sd_kalman_pool_used(&t),
+                                                               SD_KALMAN_POOL));
     }
     return t;
 }
@@ -371,7 +373,9 @@ ToothModel ModelAt::operator()(double speed_radps) const {
 
 } // namespace
 
-ToothModel tooth_model(const EngineFile &engine, const KnownTorque &torque, double speed_radps) { return ModelAt(engine, torque)(speed_radps); }
+ToothModel tooth_model(const EngineFile &engine, const KnownTorque &torque, double speed_radps) {
+    return ModelAt(engine, torque)(speed_radps);
+}
 
 ToothNoise tooth_noise(const EngineFile &engine, const KalmanTune &tune, double speed_radps) {
     const double scale = mean_inertia_kgm2(engine) * speed_radps * speed_radps;

@@ -33,10 +33,12 @@ class Doubts {
 
     /// Half the difference between the ends of a range is its largest error.
     void range(const std::string &name, const CylinderPulse &low, const CylinderPulse &high) {
-        add(name, difference(high.combustion, low.combustion, kEven / 2), difference(high.motored_per_bar, low.motored_per_bar, kEven / 2), true, 0);
+        add(name, difference(high.combustion, low.combustion, kEven / 2), difference(high.motored_per_bar, low.motored_per_bar, kEven / 2),
+            true, 0);
     }
     void apart(const std::string &name, const CylinderPulse &other, double factor, bool common) {
-        add(name, difference(other.combustion, usual_.combustion, factor), difference(other.motored_per_bar, usual_.motored_per_bar, factor), common, 0);
+        add(name, difference(other.combustion, usual_.combustion, factor),
+            difference(other.motored_per_bar, usual_.motored_per_bar, factor), common, 0);
     }
     void add(const std::string &name, const Table &pulse, const Table &motored, bool common, double scale) {
         const auto [pulse_mean, pulse_moment] = over_cylinders(pulse);
@@ -81,7 +83,8 @@ MatrixXd answers(const GainsAt &at, const MatrixXd &mean, const MatrixXd &moment
 
 /// Answers of the firings to one doubt: [firing][cylinder]. Where the pulses have a shape to learn, that takes what all
 /// cylinders share, and acts on each cylinder's pulse as large as it is.
-MatrixXd pulse_answers(const ModelDoubt &doubt, const GainsAt &at, const GainsAt &still, const MatrixXd &bend_mean, const MatrixXd &bend_moment) {
+MatrixXd pulse_answers(const ModelDoubt &doubt, const GainsAt &at, const GainsAt &still, const MatrixXd &bend_mean,
+                       const MatrixXd &bend_moment) {
     const auto n = doubt.pulse_mean.cols();
     const MatrixXd full = answers(at, doubt.pulse_mean, doubt.pulse_moment);
     if (full.rows() == n || !doubt.common) return full.topRows(n);
@@ -129,18 +132,23 @@ std::vector<ModelDoubt> model_doubts(const EngineFile &engine) {
     doubts.apart("wall loss", pulses[7], 1, true);
     doubts.add("wall loss over own fuel", doubts.bent(kOwnFuelSd), doubts.none(), false, 0);
     doubts.all.back().spread_only = true;
-    doubts.apart("burn start", with([&](EngineFile &e) { for (HeatPulse &p : e.pulses) p.start_deg += kEven * off.burn_start_deg; }), 1, true);
-    doubts.apart("burn duration", with([&](EngineFile &e) { for (HeatPulse &p : e.pulses) p.duration_deg *= 1 + kEven * off.burn_duration_percent / 100; }), 1, true);
+    doubts.apart("burn start", with([&](EngineFile &e) { for (HeatPulse &p : e.pulses) p.start_deg += kEven * off.burn_start_deg; }), 1,
+                 true);
+    doubts.apart("burn duration", with([&](EngineFile &e) { for (HeatPulse &p : e.pulses) p.duration_deg *= 1
+                                                           + kEven * off.burn_duration_percent / 100; }), 1, true);
     if (off.compression_percent > 0)
-        doubts.apart("compression", with([&](EngineFile &e) { e.compression_ratio *= 1 + kEven * off.compression_percent / 100; }), 1, false);
-    if (off.trapped_mass_percent > 0) doubts.add("trapped mass", doubts.none(), doubts.motored(kEven * off.trapped_mass_percent / 100), false, 0);
+        doubts.apart("compression", with([&](EngineFile &e) { e.compression_ratio *= 1 + kEven * off.compression_percent / 100; }), 1,
+                     false);
+    if (off.trapped_mass_percent > 0) doubts.add("trapped mass", doubts.none(), doubts.motored(kEven * off.trapped_mass_percent / 100),
+                                                 false, 0);
     doubts.add(kExponentName, doubts.none(), doubts.exponent(kExponentSd), true, 0);
     doubts.add("intake sensor", doubts.none(), doubts.motored(kIntakeSd), true, 0);
     // The filter takes what turns it for torque in proportion to the inertia that it believes.
     const double inertia = kEven * off.inertia_percent / 100;
     if (inertia > 0) doubts.add("inertia", doubts.none(), doubts.motored(inertia), true, inertia);
     const double turn = kEven * off.wheel_offset_deg * kRadPerDeg;
-    if (turn > 0) doubts.add("wheel offset", Doubts::turned(doubts.usual().combustion, turn), Doubts::turned(doubts.usual().motored_per_bar, turn), true, 0);
+    if (turn > 0) doubts.add("wheel offset", Doubts::turned(doubts.usual().combustion, turn),
+                             Doubts::turned(doubts.usual().motored_per_bar, turn), true, 0);
     return doubts.all;
 }
 

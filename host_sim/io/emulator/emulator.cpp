@@ -41,7 +41,8 @@ const EmulatedCore &emulated_core(const std::string &transport) {
     const std::string name = transport.substr(transport.find(':') + 1);
     for (const EmulatedCore &core : kCores)
         if (name == core.preset || "cortex-" + name == core.preset) return core;
-    throw InputError("--transport", transport, "no core with an image; allowed: qemu:cortex-m7, qemu:cortex-m4f, qemu:cortex-m3, qemu:cortex-m3-fixed");
+    throw InputError("--transport", transport,
+                     "no core with an image; allowed: qemu:cortex-m7, qemu:cortex-m4f, qemu:cortex-m3, qemu:cortex-m3-fixed");
 }
 
 std::filesystem::path image_of(const EmulatedCore &core) {
@@ -71,7 +72,8 @@ Emulator::Emulator(const EmulatedCore &core, const EmulatorStart &with) {
 }
 
 void Emulator::start(const EmulatedCore &core, const EmulatorStart &with) {
-    std::string words[] = {kProgram, "-M", core.board, "-display", "none", "-monitor", "none", "-serial", "none", "-icount", fmt::format("shift={},sleep=off", with.shift),
+    std::string words[] = {kProgram, "-M", core.board, "-display", "none", "-monitor", "none", "-serial", "none", "-icount",
+                           fmt::format("shift={},sleep=off", with.shift),
                            "-semihosting-config", "enable=on,target=native", "-kernel", with.image.string(), "-device",
                            fmt::format("loader,file={},addr=0x200000,force-raw=on", with.page.string())};
     std::string bench_words[] = {"-device", fmt::format("loader,file={},addr=0x20200000,force-raw=on", with.bench.string())};

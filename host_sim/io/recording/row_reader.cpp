@@ -38,6 +38,8 @@ RowReader::RowReader(const std::filesystem::path &path) : name_(path.string()) {
     if (std::filesystem::is_directory(path, ec)) throw InputError(name_, "", "is a folder, not a file");
     auto in = std::make_unique<std::ifstream>(path, std::ios::binary);
     if (!*in) throw InputError(name_, "", "cannot be read" + nearest_file_hint(name_));
+    const auto bytes = std::filesystem::file_size(path, ec); // a pipe has none
+    progress_ = std::make_unique<Progress>("reading " + path.filename().string(), ec ? 0 : double(bytes), Progress::share);
     open(std::move(in));
 }
 
@@ -121,6 +123,8 @@ bool RowReader::fill() {
         chunk.resize(std::size_t(in_->gcount()));
         append_wide(chunk);
     }
+    read_ += std::size_t(in_->gcount());
+    if (progress_) progress_->at(double(read_));
     if (bare_returns_) std::replace(buffer_.begin() + std::ptrdiff_t(had), buffer_.end(), '\r', '\n');
     ended_ = !*in_;
     return true;

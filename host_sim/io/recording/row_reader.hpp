@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "common/progress.hpp"
 #include "io/recording/text_layout.hpp"
 
 namespace sixdeg {
@@ -58,6 +59,8 @@ class RowReader {
 
     std::string name_;
     std::unique_ptr<std::istream> in_;
+    std::unique_ptr<Progress> progress_; ///< Through a file.
+    std::size_t read_ = 0;               ///< Bytes of the file so far.
     std::string buffer_;
     std::size_t at_ = 0; ///< Of the next line in the buffer.
     bool ended_ = false, cut_off_ = false;

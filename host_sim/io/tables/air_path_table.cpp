@@ -30,7 +30,8 @@ void AirPathTable::said(const sd_event_t &event) {
 std::string AirPathTable::csv() const {
     using namespace airpath;
     std::string text = "t_s,rpm,fuel_gps,egr_command,vgt_command,egr_read,vgt_read,egr_true,vgt_true,air_gps,air_true_gps,egr_true_gps,"
-                       "turbine_true_gps,cylinder_true_gps,intake_kpa,intake_true_kpa,exhaust_kpa,exhaust_true_kpa,charge_k,egr_k,exhaust_k";
+                       "turbine_true_gps,cylinder_true_gps,intake_kpa,intake_true_kpa,exhaust_kpa,exhaust_true_kpa,"
+                       "charge_k,egr_k,exhaust_k";
     for (std::uint16_t channel : signals_) text += std::string(",") + sd_signal_infos[channel].name;
     text += '\n';
     for (const Row &row : rows_) {

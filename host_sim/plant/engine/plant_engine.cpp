@@ -10,7 +10,8 @@ namespace sixdeg {
 namespace {
 
 // Tables and fields that belong to read_engine.
-constexpr const char *kSharedTables[] = {"cylinders", "valves", "combustion", "crank", "wheel", "cam", "timer", "exhaust", "uego", "driveline", "dual_mass", "torsion",
+constexpr const char *kSharedTables[] =
+    {"cylinders", "valves", "combustion", "crank", "wheel", "cam", "timer", "exhaust", "uego", "driveline", "dual_mass", "torsion",
                                          "airpath"};
 
 void read_air(TomlFile &file, PlantEngine &engine) {

@@ -19,7 +19,8 @@ Run cut_to_harmonics(Run run, int harmonics) {
     for (int h = 0; h <= harmonics; ++h) {
         std::complex<double> c = 0;
         for (std::size_t k = 0; k < cycle; ++k)
-            c += run.trace.gas[end - cycle + k] * std::polar((h > 0 ? 2.0 : 1.0) / double(cycle), -2 * M_PI * h * double(k) / double(cycle));
+            c += run.trace.gas[end - cycle + k] * std::polar((h > 0 ? 2.0 : 1.0) / double(cycle),
+                                                             -2 * M_PI * h * double(k) / double(cycle));
         for (std::size_t k = 0; k < cycle; ++k) cut[k] += (c * std::polar(1.0, 2 * M_PI * h * double(k) / double(cycle))).real();
     }
     for (std::size_t k = 0; k < end; ++k) run.trace.gas[end - 1 - k] = cut[cycle - 1 - k % cycle];

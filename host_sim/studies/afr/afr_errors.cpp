@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/progress.hpp"
+
 namespace sixdeg::afr_study {
 
 Errors errors_of(const Run &run, const Case &c, const AfrEstimates &e) {
@@ -26,7 +28,8 @@ Errors errors_of(const Run &run, const Case &c, const AfrEstimates &e) {
 std::vector<Errors> errors_of_seeds(const Run &run, AfrSetup setup, const Case &c, double correlation_s, bool perturbed,
                                     int seeds, const Probe *probe) {
     std::vector<Errors> all;
-    for (int seed = 0; seed < seeds; ++seed) {
+    Progress progress("seed", seeds);
+    for (int seed = 0; seed < seeds; ++seed, progress.next()) {
         if (perturbed) perturb(setup, c, seed, probe);
         all.push_back(errors_of(
             run, c, run.run(setup, sensor_noise(run.trace, c.noise, correlation_s, std::uint64_t(seed)))));

@@ -75,7 +75,8 @@ void recirculation(int seeds) {
         for (int told = 0; told <= (row.valve_mm2 > 0 ? 2 : 0); ++told) {
             AfrSetup setup = setup_for(run, c);
             setup.egr_share = told > 0 ? share : 0;
-            if (told > 1) run.point = exhaust_point(run.engine, c.rpm * M_PI / 30, run.trace.intake_pa, run.trace.sensor.back() * (1 - share));
+            if (told > 1) run.point = exhaust_point(run.engine, c.rpm * M_PI / 30, run.trace.intake_pa,
+                                                    run.trace.sensor.back() * (1 - share));
             const auto noisy = errors_of_seeds(run, setup, c, 0, false, seeds);
             fmt::print("{:8.2f}{:6.2f}{:6.2f}", percentile(noisy, &Errors::rms, 0.5), errors_of(run, c, run.run(setup)).deviations,
                        rms(noisy, &Errors::stated) / rms(noisy, &Errors::deviations));

@@ -38,7 +38,8 @@ void pressure() {
     for (bool fixed_point : {false, true}) {
         for (double area : {0.0, -0.2, 0.2}) {
             for (bool sensor : {false, true}) {
-                fmt::print("\n{:<34}", fmt::format("{} {:+.0f} %, {}", fixed_point ? "q31" : "f32", 100 * area, sensor ? "with" : "without"));
+                fmt::print("\n{:<34}", fmt::format("{} {:+.0f} %, {}", fixed_point ? "q31" : "f32", 100 * area,
+                                                   sensor ? "with" : "without"));
                 for (std::size_t i = 0; i < cases.size(); ++i) {
                     const AfrEstimates e = runs[i].run(setup(runs[i], cases[i], area, sensor, fixed_point));
                     const AfrEstimates right = runs[i].run(setup(runs[i], cases[i], 0, sensor, fixed_point));

@@ -5,6 +5,7 @@
 #include <functional>
 
 #include "common/error.hpp"
+#include "common/progress.hpp"
 #include "studies/afr/afr_parts.hpp"
 
 namespace sixdeg {
@@ -43,8 +44,9 @@ std::vector<std::string> afr_study_parts() {
 
 void print_afr_study(const std::string &part, int seeds, int cases) {
     if (part == "readings") return afr_study::readings();
+    Progress progress("part", part.empty() ? double(parts().size()) : 1);
     for (const Part &p : parts()) {
-        if (part.empty()) p.print(p.share(seeds > 0 ? seeds : 100), cases);
+        if (part.empty()) p.print(p.share(seeds > 0 ? seeds : 100), cases), progress.next();
         else if (part == p.name) p.print(seeds > 0 ? seeds : p.alone, cases);
     }
 }

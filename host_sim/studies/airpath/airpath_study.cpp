@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "common/files.hpp"
+#include "common/progress.hpp"
 #include "studies/airpath/full_parts.hpp"
 #include "studies/airpath/matched_compare.hpp"
 #include "studies/airpath/matched_delay.hpp"
@@ -141,9 +142,12 @@ std::vector<std::string> air_path_study_parts() {
 }
 
 void print_air_path_study(const AirPathStudy &study) {
+    Progress progress("part", study.part.empty() ? double(std::size(kParts)) - 3 : 1);
     for (const Part &part : kParts) {
         const bool by_name_only = part.print == residuals || part.print == full || part.print == fit;
-        if (study.part == part.name || (study.part.empty() && !by_name_only)) part.print(study);
+        if (study.part != part.name && (!study.part.empty() || by_name_only)) continue;
+        part.print(study);
+        progress.next();
     }
 }
 

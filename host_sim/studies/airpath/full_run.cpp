@@ -49,7 +49,8 @@ const Alarm *FullResult::first(double from_s, double to_s) const {
     return found == alarms.end() ? nullptr : &*found;
 }
 
-FullResult judge_full(const PlantEngine &engine, const sd_airpath_tables_f32_t &tables, const sd_airpath_config_f32_t &config, const FullCase &c) {
+FullResult judge_full(const PlantEngine &engine, const sd_airpath_tables_f32_t &tables, const sd_airpath_config_f32_t &config,
+                      const FullCase &c) {
     sd_airpath_bank_f32_t bank;
     sd_airpath_start_f32(&bank);
     FullResult result;

@@ -47,6 +47,7 @@ struct FullResult {
 };
 
 /// The same with the bank listening.
-FullResult judge_full(const PlantEngine &engine, const sd_airpath_tables_f32_t &tables, const sd_airpath_config_f32_t &config, const FullCase &c);
+FullResult judge_full(const PlantEngine &engine, const sd_airpath_tables_f32_t &tables, const sd_airpath_config_f32_t &config,
+                      const FullCase &c);
 
 } // namespace sixdeg

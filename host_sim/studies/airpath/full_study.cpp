@@ -5,6 +5,7 @@
 #include <cmath>
 #include <fmt/format.h>
 
+#include "common/progress.hpp"
 #include "common/random.hpp"
 
 namespace sixdeg {
@@ -69,7 +70,8 @@ void move_actuators(FullCase &c, double from_s) {
 
 Counts measure(const FullStudy &study, const FaultCase &fault, int runs, std::uint64_t first_seed) {
     Counts counts;
-    for (int i = 0; i < runs; ++i) {
+    Progress progress(fault.name, runs);
+    for (int i = 0; i < runs; ++i, progress.next()) {
         const std::uint64_t seed = first_seed + std::uint64_t(i);
         const double from_s = kLearnedS + 2 * RandomStream(seed, kWhen).uniform();
         FullCase c = wandering(from_s + kWaitS, seed);
@@ -88,7 +90,8 @@ double quantile(std::vector<double> values, double share) {
 }
 
 void print_delays(const FullStudy &study) {
-    fmt::print("delay of a step, {} runs each: mean, 90 %, within 8 s found, wrong actuator (95 % of the share), alarms before, suspect offsets\n",
+    fmt::print("delay of a step, {} runs each: mean, 90 %, within 8 s found, wrong actuator (95 % of the share), "
+               "alarms before, suspect offsets\n",
                study.runs);
     std::uint64_t seed = study.seed;
     for (const FaultCase &fault : step_cases()) {
@@ -109,7 +112,8 @@ void print_false_alarms(const FullStudy &study) {
     const double piece_s = 900 * share_of(study);
     int alarms = 0;
     double judged_s = 0;
-    for (int i = 0; i < kPieces; ++i) {
+    Progress progress("piece", kPieces);
+    for (int i = 0; i < kPieces; ++i, progress.next()) {
         const FullResult r = judge_full(study.engine, study.tables, study.config, wandering(piece_s, study.seed + 100000 +
             std::uint64_t(i)));
         alarms += int(r.alarms.size());
@@ -122,7 +126,8 @@ void print_transients(const FullStudy &study) {
     const int count = int(200 * share_of(study));
     constexpr double kRampS = 5;
     int steps = 0, ramps = 0;
-    for (int i = 0; i < count; ++i) {
+    Progress progress("transient", count);
+    for (int i = 0; i < count; ++i, progress.next()) {
         const std::uint64_t seed = study.seed + 200000 + std::uint64_t(i);
         RandomStream random(seed, kWhen);
         FullCase step = wandering(24, seed);

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <fmt/format.h>
 
+#include "common/progress.hpp"
 #include "studies/airpath/matched_filter.hpp"
 
 namespace sixdeg {
@@ -22,7 +23,8 @@ DelayFigures measure_delay(const MatchedSetup &setup, const MatchedFault &fault,
     DelayFigures f;
     std::vector<double> delay;
     double squares = 0;
-    for (int r = 0; r < runs; ++r) {
+    Progress progress("run", runs);
+    for (int r = 0; r < runs; ++r, progress.next()) {
         MatchedRun run(setup, threshold, threshold, random);
         const int before = kBefore + int(100 * random.uniform());
         bool early = false;

@@ -5,6 +5,8 @@
 #include <Eigen/LU>
 #include <cmath>
 
+#include "common/progress.hpp"
+
 namespace sixdeg {
 namespace {
 
@@ -73,7 +75,8 @@ FalseAlarms count_false_alarms(const MatchedSetup &setup, double threshold, doub
     RandomStream random(seed, 1);
     FalseAlarms found;
     long steps = 0;
-    while (double(steps) < hours * kStepsPerHour) {
+    Progress progress("healthy running", hours * kStepsPerHour, Progress::share);
+    for (; double(steps) < hours * kStepsPerHour; progress.at(double(steps))) {
         MatchedRun run(setup, threshold, threshold, random);
         while (!run.decides()) run.step(draw_noise(random));
         for (int i = 0; i < int(kRunS / kMatchedPeriodS); ++i, ++steps) {
@@ -93,7 +96,8 @@ std::vector<AlarmRate> sample_alarm_rates(const MatchedSetup &setup, const std::
     RandomStream random(seed, 2), tilted(seed, 3);
     std::vector<double> sum(thresholds.size(), 0), squares(thresholds.size(), 0);
     long steps = 0, count = 0;
-    while (double(steps) < hours * kStepsPerHour) {
+    Progress progress("importance sampling", hours * kStepsPerHour, Progress::share);
+    for (; double(steps) < hours * kStepsPerHour; progress.at(double(steps))) {
         MatchedRun run(setup, kNever, kNever, random);
         while (!run.decides()) run.step(draw_noise(random));
         for (int i = 0; i < int(kRunS / kMatchedPeriodS); ++i, ++steps) {

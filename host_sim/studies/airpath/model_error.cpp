@@ -79,7 +79,8 @@ std::vector<ModelError> model_errors(const std::vector<ModelRow> &rows) {
 }
 
 std::string model_csv(const std::vector<ModelRow> &rows) {
-    std::string text = "t_s,rpm,fuel_gps,air_gps,egr,vgt,intake_kpa,intake_model_kpa,exhaust_kpa,exhaust_model_kpa,intake_read_kpa,exhaust_read_kpa,"
+    std::string text = "t_s,rpm,fuel_gps,air_gps,egr,vgt,intake_kpa,intake_model_kpa,exhaust_kpa,exhaust_model_kpa,intake_read_kpa,"
+                       "exhaust_read_kpa,"
                        "drawn_gps,drawn_model_gps,leaving_gps,leaving_model_gps\n";
     for (const ModelRow &r : rows) {
         const auto add = [&text](double value, int decimals) { text += ',', append_fixed(text, value, decimals); };

@@ -71,7 +71,8 @@ class DriveRig {
     double last_edge_s_ = 0, torque_sum_ = 0, torque_s_ = 0;
 };
 
-/// A drive in one gear between 1300 and 2900 rpm: tip-ins and tip-outs of random size every 0.6 to 3 s. `watch` sees the rig after each step.
+/// A drive in one gear between 1300 and 2900 rpm: tip-ins and tip-outs of random size every 0.6 to 3 s. `watch` sees the rig after each
+/// step.
 DriveFigures run_drive(const DriveCase &drive, const std::function<void(const DriveRig &)> &watch = {});
 
 } // namespace sixdeg

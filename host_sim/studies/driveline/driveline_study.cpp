@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "common/files.hpp"
+#include "common/progress.hpp"
 #include "plant/engine/units.hpp"
 #include "studies/driveline/damping_case.hpp"
 #include "studies/driveline/engine_tables.hpp"
@@ -158,6 +159,7 @@ void drive(const Options &options) {
                                   {"tooth pattern 0.1 deg, learned", [](DriveCase &c) { c.pattern_deg = 0.1, c.pattern_known = true; }}};
     const auto table = [&](const char *title, const std::vector<Row> &rows, const std::function<void(DriveCase &)> &all) {
         print_drive_header(title);
+        Progress progress("row", double(rows.size()));
         for (const Row &row : rows) {
             DriveCase c = usual_drive();
             c.duration_s = options.seconds;
@@ -165,6 +167,7 @@ void drive(const Options &options) {
             all(c);
             row.change(c);
             print_drive(row.name, run_drive(c));
+            progress.next();
         }
     };
     fmt::print("\n{:.0f} s of driving; delays in ms, torsion in rad rms, torque of the shaft and bias at the crank in N m\n",
@@ -203,6 +206,7 @@ void fixed_point(const Options &options) {
     rows.push_back({"firing ripple 60 N m", [](DriveCase &c) { c.ripple_nm = 60; }});
     rows.push_back({"guard in torque", [](DriveCase &c) { c.guard = SD_GUARD_TORQUE; }});
     rows.push_back({"48 wheel teeth of 0.05 deg", with_wheel_teeth});
+    Progress progress("row", double(rows.size()));
     for (const Row &row : rows) {
         DriveCase c = usual_drive();
         c.duration_s = options.seconds;
@@ -212,6 +216,7 @@ void fixed_point(const Options &options) {
         fmt::print("  {:<42}{:>9}{:>10}{:>8}{:>11.1e}{:>9.1e}{:>14.4f}{:>10.4f}{:>16.2e}{:>12.2e}\n", row.name, b.teeth, b.other_location,
                    b.other_health, b.twist_apart_rms_rad, b.twist_apart_most_rad, b.f32.wrong_percent, b.q31.wrong_percent,
                    b.f32.twist_rms_rad, b.q31.twist_rms_rad);
+        progress.next();
     }
 }
 
@@ -267,8 +272,11 @@ std::vector<std::string> driveline_study_parts() {
 }
 
 void print_driveline_study(const std::string &part, double seconds, unsigned seed, const std::string &folder) {
+    Progress progress("part", part.empty() ? double(std::size(kParts)) : 1);
     for (const Part &p : kParts) {
-        if (part.empty() || part == p.name) p.print({seconds, seed, folder});
+        if (!part.empty() && part != p.name) continue;
+        p.print({seconds, seed, folder});
+        progress.next();
     }
 }
 

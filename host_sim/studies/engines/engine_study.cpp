@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "common/files.hpp"
+#include "common/progress.hpp"
 #include "common/random.hpp"
 #include "design/calibration.hpp"
 #include "studies/engines/engine_figures.hpp"
@@ -157,11 +158,14 @@ std::vector<std::string> engine_study_parts() {
 void print_engine_study(const EngineStudy &study) {
     const Pages pages = make_pages();
     EngineFigures figures;
+    Progress progress("engine", 2.0 * study.engines * (study.part.empty() ? std::size(kParts) : 1));
     for (const Part &part : kParts) {
         if (!study.part.empty() && study.part != part.name) continue;
         for (const Physics physics : {Physics::own, Physics::other}) {
-            for (const SetEngine &engine : draw_engines(EngineKind::rigid, physics, study.engines, study.seed))
+            for (const SetEngine &engine : draw_engines(EngineKind::rigid, physics, study.engines, study.seed)) {
                 part.run(engine, pages, figures);
+                progress.next();
+            }
         }
     }
     fmt::print("{}", figures.table());

@@ -49,8 +49,9 @@ std::string engine_text(Draw &draw, const Layout &layout) {
     const double gamma = draw.from(1.30, 1.38);
     const bool air = draw.from(0, 1) < 0.3;
     return fmt::format("name = \"drawn\"\n[cylinders]\nfiring_order = {}\nfiring_tdc_deg = {}\nbore_m = {}\nstroke_m = {}\nrod_m = {}\n"
-                       "compression_ratio = {}\n[valves]\nintake_close_deg = {}\nexhaust_open_deg = 135\n[[combustion.pulse]]\nstart_deg = -10\n"
-                       "duration_deg = 55\nshape = 2\n[crank]\ninertia_kgm2 = {}\nreciprocating_mass_kg = {}\n[wheel]\nposition_0_deg = {}\n"
+                       "compression_ratio = {}\n[valves]\nintake_close_deg = {}\nexhaust_open_deg = 135\n[[combustion.pulse]]\n"
+                       "start_deg = -10\nduration_deg = 55\nshape = 2\n[crank]\ninertia_kgm2 = {}\nreciprocating_mass_kg = {}\n"
+                       "[wheel]\nposition_0_deg = {}\n"
                        "[cam]\nedge_deg = 420\n[plant.air]\nintake_pressure_bar = [0.5, 0.8, 1.2]\nbmep_bar = [0, 3, 7]\n"
                        "exhaust_pressure_bar = {}\ncharge_temperature_k = {}\n[plant.wall]\nfactor = {}\n[plant.friction]\n"
                        "fmep_bar = [{}, {}, 0.03]\n{}",

@@ -95,8 +95,9 @@ void print_each(const char *mode, const Identified &f, const EngineTruth &truth)
     for (std::size_t p = 0; p < f.pattern_deg.size(); ++p)
         if (f.pattern_deg[p].told()) rms += std::pow(f.pattern_deg[p].value - truth.pattern_deg[p], 2),
             half += f.pattern_deg[p].half_width, n += 1;
-    fmt::print("  {:9} {} of {} cycles; J {:+.2f} +-{:.2f} %; TDC {:+.3f} +-{:.3f} deg; n {:+.4f} +-{:.4f}; tooth {:.4f} +-{:.4f} deg ({:.0f}); scatter "
-               "{:.4f}, unexplained {:.4f} deg {:.2f} %; share {:.3f} +-{:.3f}\n",
+    fmt::print("  {:9} {} of {} cycles; J {:+.2f} +-{:.2f} %; TDC {:+.3f} +-{:.3f} deg; n {:+.4f} +-{:.4f}; "
+               "tooth {:.4f} +-{:.4f} deg ({:.0f}); "
+               "scatter {:.4f}, unexplained {:.4f} deg {:.2f} %; share {:.3f} +-{:.3f}\n",
                mode, f.used, f.cycles, 100 * (f.inertia_kgm2.value / truth.inertia_kgm2 - 1),
                    100 * f.inertia_kgm2.half_width / truth.inertia_kgm2,
                std::remainder(f.position_0_deg.value - truth.position_0_deg, 360), f.position_0_deg.half_width,

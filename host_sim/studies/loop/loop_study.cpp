@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <functional>
 
+#include "common/progress.hpp"
 #include "studies/loop/loop_case.hpp"
 #include "studies/loop/other_exhaust.hpp"
 
@@ -65,7 +66,9 @@ BalanceFigures percentile(std::vector<BalanceFigures> runs, double p) {
 void seeds(const char *name, const Texts &scenario, const Texts &tune, bool perturbed, int count,
            const char *file = "") {
     std::vector<BalanceFigures> runs;
-    for (int seed = 1; seed <= count; ++seed) runs.push_back(figures({scenario, tune, 0, perturbed, std::uint64_t(seed), file}));
+    Progress progress("seed", count);
+    for (int seed = 1; seed <= count; ++seed, progress.next())
+        runs.push_back(figures({scenario, tune, 0, perturbed, std::uint64_t(seed), file}));
     print(fmt::format("{}, median", name), percentile(runs, 0.5));
     print(fmt::format("{}, worst of {}", name, count), percentile(runs, 1));
 }
@@ -74,7 +77,8 @@ void seeds(const char *name, const Texts &scenario, const Texts &tune, bool pert
 void delays(const std::string &name, double error, const Texts &tune, int count) {
     std::vector<BalanceFigures> runs;
     std::vector<double> left;
-    for (int seed = 1; seed <= count; ++seed) {
+    Progress progress("seed", count);
+    for (int seed = 1; seed <= count; ++seed, progress.next()) {
         const RunResult r = run_loop({{"run.duration_s=28"}, tune, error, false, std::uint64_t(seed)});
         runs.push_back(r.balance.value());
         left.push_back(std::abs(error + r.afr_late_s * 1500 * 6));
@@ -156,8 +160,11 @@ std::vector<std::string> loop_study_parts() {
 
 void print_loop_study(const std::string &part, int seeds, const std::vector<std::string> &tune) {
     fmt::print("fuel balance; true spread before and its largest, residual, trim the wrong way: percent; to 3 %, gave up: cycles\n");
+    Progress progress("part", part.empty() ? double(kParts.size()) : 1);
     for (const Part &p : kParts) {
-        if (part.empty() || part == p.name) p.print(seeds, tune);
+        if (!part.empty() && part != p.name) continue;
+        p.print(seeds, tune);
+        progress.next();
     }
 }
 

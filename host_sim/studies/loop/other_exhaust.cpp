@@ -5,6 +5,7 @@
 #include <cmath>
 #include <fmt/format.h>
 
+#include "common/progress.hpp"
 #include "common/random.hpp"
 #include "studies/loop/loop_case.hpp"
 
@@ -58,11 +59,14 @@ void make_other_exhaust(PlantEngine &engine, double rpm, std::uint64_t seed) {
 }
 
 void print_other_exhausts(int seeds, const std::vector<std::string> &tune) {
-    fmt::print("\n{:<44}{:>8}{:>8}{:>10}{:>8}{:>8}{:>8}\n", "+20 % on cylinder 1, points, rms of all seeds", "own", "other", "quietly", "worst", "stated", "goal");
-    for (const Point &p : {Point{"1500 rpm, 9 bar, from 4 cycles on", 1500, 9, 1.3, 4}, {"1000 rpm, 3 bar, from 4 cycles on", 1000, 3, 1.8, 4},
+    fmt::print("\n{:<44}{:>8}{:>8}{:>10}{:>8}{:>8}{:>8}\n", "+20 % on cylinder 1, points, rms of all seeds", "own", "other", "quietly",
+               "worst", "stated", "goal");
+    for (const Point &p : {Point{"1500 rpm, 9 bar, from 4 cycles on", 1500, 9, 1.3, 4},
+                           {"1000 rpm, 3 bar, from 4 cycles on", 1000, 3, 1.8, 4},
                            {"2500 rpm, 9 bar, from 8 cycles on", 2500, 9, 2.5, 8}}) {
         std::vector<double> own, other, quiet, stated;
-        for (int seed = 1; seed <= seeds; ++seed) {
+        Progress progress("seed", seeds);
+        for (int seed = 1; seed <= seeds; ++seed, progress.next()) {
             own.push_back(after_step(p, std::uint64_t(seed), tune, false, false).rms_points);
             const AfrFigures f = after_step(p, std::uint64_t(seed), tune, true, false);
             other.push_back(f.rms_points), stated.push_back(f.stated_points);
@@ -75,14 +79,17 @@ void print_other_exhausts(int seeds, const std::vector<std::string> &tune) {
 
 void print_at_rest(int seeds, const std::vector<std::string> &tune) {
     std::vector<double> error, stated, bias;
-    for (int seed = 1; seed <= seeds; ++seed) {
-        const AfrFigures f = run_loop({{"run.duration_s=35"}, tune, 0, false, std::uint64_t(seed), "figure16_1500rpm_9bar.toml"}).afr.value();
+    Progress progress("seed", seeds);
+    for (int seed = 1; seed <= seeds; ++seed, progress.next()) {
+        const AfrFigures f = run_loop({{"run.duration_s=35"}, tune, 0, false, std::uint64_t(seed),
+                                       "figure16_1500rpm_9bar.toml"}).afr.value();
         error.push_back(f.rms_points), stated.push_back(f.stated_points);
         bias.resize(f.bias_by_cylinder.size());
         for (std::size_t i = 0; i < bias.size(); ++i) bias[i] += f.bias_by_cylinder[i] / seeds;
     }
-    fmt::print("\nat rest, 14 s after a step of 13 %, {} seeds, points: rms {:.2f} (goal 0.5), stated {:.2f}; mean error of cylinders 1 to {}:", seeds,
-               rms(error), rms(stated), bias.size());
+    fmt::print("\nat rest, 14 s after a step of 13 %, {} seeds, points: rms {:.2f} (goal 0.5), stated {:.2f}; "
+               "mean error of cylinders 1 to {}:",
+               seeds, rms(error), rms(stated), bias.size());
     for (double b : bias) fmt::print(" {:+.2f}", b);
     fmt::print(" (goal 0.3)\n");
 }

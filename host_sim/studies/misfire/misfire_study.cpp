@@ -9,6 +9,7 @@
 #include <map>
 
 #include "common/files.hpp"
+#include "common/progress.hpp"
 #include "design/calibration.hpp"
 #include "studies/misfire/equal_alarms.hpp"
 #include "studies/misfire/open_ecus.hpp"
@@ -191,7 +192,8 @@ bool wanted(const MisfireStudy &study, const SetPoint &point) {
     return (study.rpm == 0 || point.rpm == study.rpm) && (study.bar == 0 || point.bmep_bar == study.bar);
 }
 
-void run_kind(const MisfireStudy &study, EngineKind kind, Physics physics, SetWriter &writer, std::vector<Cell> &cells) {
+void run_kind(const MisfireStudy &study, EngineKind kind, Physics physics, SetWriter &writer, std::vector<Cell> &cells,
+              Progress &progress) {
     const EngineFile file = nominal_engine(kind);
     TomlFile tune("tune", "");
     for (const std::string &assignment : study.set) tune.set(assignment);
@@ -207,6 +209,7 @@ void run_kind(const MisfireStudy &study, EngineKind kind, Physics physics, SetWr
             take_run(cells[i], run, file, page);
             writer.add(engine, cells[i].point, run, file);
         }
+        progress.next();
     }
     for (std::size_t i = first; i < cells.size(); ++i) {
         for (Tally &tally : cells[i].methods) tally.curve.sort();
@@ -227,9 +230,10 @@ std::vector<std::string> misfire_study_parts() {
 void print_misfire_study(const MisfireStudy &study) {
     SetWriter writer(study.write);
     std::vector<Cell> cells;
+    Progress progress("engine", 2.0 * study.engines * (study.part.empty() ? std::size(kKinds) : 1));
     for (const EngineKind kind : kKinds) {
         if (!study.part.empty() && study.part != name_of(kind)) continue;
-        for (const Physics physics : {Physics::own, Physics::other}) run_kind(study, kind, physics, writer, cells);
+        for (const Physics physics : {Physics::own, Physics::other}) run_kind(study, kind, physics, writer, cells, progress);
     }
     writer.commit();
     if (study.out.empty()) return;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The hybrid engine of document 000. Linear, its equation (2), in closed form: v'' = -k2 v' - k1 v + C Q(t), with Q a pulse of constant
-// power over the first part of every firing interval. Nonlinear, its equation (1), as restored in docs/theory/observers.md: the whole
+// power over the first part of every firing interval. Nonlinear, its equation (1), as restored in docs/results/observers.md: the whole
 // interval is the pulse, and its power falls as the gas expands, with x_t / x to the adiabatic 1.4, x the piston's distance from the head.
 // Shares nothing with the observers.
 #pragma once
@@ -9,7 +9,7 @@
 
 namespace sixdeg {
 
-/// Table 1 of the document, and what it leaves open (docs/theory/observers.md).
+/// Table 1 of the document, and what it leaves open (docs/results/observers.md).
 struct HybridEngine {
     double k1_per_s2 = 900, k2_per_s = 20; ///< k1 > k2^2 / 4: it must oscillate.
     double speed_radps = 100, crank_radius_m = 0.035;

@@ -18,7 +18,8 @@ bool within(double x, double above, double to) { return x > above && x <= to; }
 
 InputObserver::InputObserver(const InputConfig &config) : config_(config) {
     bool fine = config.inputs >= 1 && within(config.noise, 0, 1e3) && within(config.start_speed, 0, 1e6) &&
-                within(config.start_accel, 0, 1e6) && within(config.start_strength, 0, 1) && config.walk_strength >= 0 && config.walk_strength <= 1 && config.alarm_sd >= 3 &&
+                within(config.start_accel, 0, 1e6) && within(config.start_strength, 0, 1) && config.walk_strength >= 0 &&
+                    config.walk_strength <= 1 && config.alarm_sd >= 3 &&
                 config.alarm_sd <= 100;
     for (const auto &row : config.step.increment) fine = fine && below(row[0], 1e6) && below(row[1], 1e6);
     for (const double g : config.step.from_input) fine = fine && below(g, 1e6);

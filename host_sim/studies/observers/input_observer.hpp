@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The crank of document 000 with an unknown strength E_n of every cylinder: a Kalman filter. Ours, and no part of the firmware:
-// docs/theory/observers.md has the figures that decided so.
+// docs/results/observers.md has the figures that decided so.
 //
 //   v1' = v2,  v2' = -k2 v2 - k1 v1 + sum over n of E_n (C Q_n),  E_n a random walk,  y = v1 + noise
 // The document's observers take the nominal input, so a misfire that nobody told them of stays in their estimate

@@ -29,7 +29,8 @@ std::vector<FiringVerdict> observe_inputs(const Scenario &scenario, const sd_cal
     std::vector<FiringVerdict> verdicts;
     InputWheel wheel(scenario.engine.shared, page);
     for (const sd_event_t &event : record.events) {
-        if (const auto firing = wheel.take(event)) verdicts.push_back({event.tick, firing->cylinder, firing->verdict, firing->strength, 0, SD_VALID});
+        if (const auto firing = wheel.take(event)) verdicts.push_back({event.tick, firing->cylinder, firing->verdict, firing->strength, 0,
+                                                                       SD_VALID});
     }
     return verdicts;
 }

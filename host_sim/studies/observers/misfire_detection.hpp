@@ -17,7 +17,7 @@ struct DetectionCell {
     bool ramp;
 };
 
-/// The eight cells of docs/theory/observers.md, steady and in the ramp.
+/// The eight cells of docs/results/observers.md, steady and in the ramp.
 std::vector<DetectionCell> detection_cells();
 
 /// One misfire in 50, cyclic variation 5 %, jitter 0.01 deg, the diesel; at 900 rpm with three times its inertia, since it would

@@ -52,7 +52,8 @@ struct Q31 : NumberQ31 {
 template <class V> class Switched : public Observer {
   public:
     Switched(const PlantStep &step, double sliding, const Strengths &believed) : believed_(believed) {
-        if (!switched_table<V>(step, {kSpeedBase, kAccelBase, kJerkBase}, table_)) throw std::logic_error("a switched observer does not fit its bases");
+        if (!switched_table<V>(step, {kSpeedBase, kAccelBase, kJerkBase},
+                               table_)) throw std::logic_error("a switched observer does not fit its bases");
         state_.sliding = V::in(sliding / kJerkBase);
     }
     void start(double y, double speed, double accel) override {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Document 000's benchmark: its observers and ours on its hybrid engine, no fault, misfire known and unknown to
-// the observer. Conditions are those of docs/theory/observers.md.
+// the observer. Conditions are those of docs/results/observers.md.
 #pragma once
 #include <string>
 #include <vector>

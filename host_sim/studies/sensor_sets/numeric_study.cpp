@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/progress.hpp"
 #include "studies/sensor_sets/kalman.hpp"
 
 namespace sixdeg {
@@ -46,7 +47,8 @@ class Study {
                     numeric_index(system, targets_, reference_scaling, tolerances));
             }
         }
-        for (std::size_t i = 0; i < result.sets.size(); ++i) add_sigma(ranking_.sets[i].set, result.sets[i]);
+        Progress progress("set", double(result.sets.size()));
+        for (std::size_t i = 0; i < result.sets.size(); ++i, progress.next()) add_sigma(ranking_.sets[i].set, result.sets[i]);
         return result;
     }
 
@@ -58,7 +60,8 @@ class Study {
         for (const double tolerance : wanted) rows.push_back({point, scaling, tolerance, {}, 0});
         const LinearPoint &at = numeric_.points[point];
         const std::size_t regime = regime_number(model_, at.regime);
-        for (std::size_t i = 0; i < ranking_.sets.size(); ++i) {
+        Progress progress("set", double(ranking_.sets.size()));
+        for (std::size_t i = 0; i < ranking_.sets.size(); ++i, progress.next()) {
             const Augmented system = augment(model_, at, numeric_.scale, ranking_.sets[i].set);
             const auto index = numeric_index(system, targets_, scaling, wanted);
             for (std::size_t k = 0; k < rows.size(); ++k) {

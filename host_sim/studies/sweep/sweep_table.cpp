@@ -8,6 +8,8 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "common/nearest.hpp"
+
 namespace sixdeg {
 namespace {
 
@@ -83,6 +85,18 @@ std::string sweep_csv(const std::vector<Axis> &axes, const std::vector<SweepCell
     return text;
 }
 
+std::string figure_fault(const std::vector<SweepCell> &cells, const std::string &figure) {
+    std::vector<std::string> names;
+    for (const SweepCell &cell : cells) {
+        for (const auto &[name, value] : figures_of(cell)) {
+            if (name == figure) return "";
+            names.push_back(name);
+        }
+    }
+    const std::string hint = nearest_hint(figure, names);
+    return hint.empty() ? "" : "is no figure of a summary" + hint;
+}
+
 std::optional<std::string> sweep_picture(const std::vector<Axis> &axes, const std::vector<SweepCell> &cells,
                                          const std::string &figure) {
     const auto axis = [&](const char *field) {
@@ -124,7 +138,8 @@ std::optional<std::string> sweep_picture(const std::vector<Axis> &axes, const st
     }
     const double bottom = kTop + kHeight * double(loads.size());
     for (std::size_t column = 0; column < speeds.size(); ++column)
-        svg += fmt::format("<text x=\"{:.0f}\" y=\"{:.0f}\">{}</text>\n", kLeft + kWidth * (double(column) + 0.5), bottom + 18, speeds[column]);
+        svg += fmt::format("<text x=\"{:.0f}\" y=\"{:.0f}\">{}</text>\n", kLeft + kWidth * (double(column) + 0.5), bottom + 18,
+                           speeds[column]);
     svg += fmt::format("<text x=\"{:.0f}\" y=\"{:.0f}\">speed, rpm</text>\n<text transform=\"translate(18 {:.0f}) rotate(-90)\">load, "
                        "bar bmep</text>\n</svg>\n", kLeft + kWidth * double(speeds.size()) / 2, bottom + 42, (kTop + bottom) / 2);
     return svg;

@@ -20,6 +20,9 @@ struct SweepCell {
 /// sweep.csv: the axes, then every figure of the summaries by its dotted name, then `error`.
 std::string sweep_csv(const std::vector<Axis> &axes, const std::vector<SweepCell> &cells);
 
+/// What is wrong with the name of a figure: no cell has it, and one has a name that is near. "" otherwise: short runs lack some figures.
+std::string figure_fault(const std::vector<SweepCell> &cells, const std::string &figure);
+
 /// A map of one figure over speed.rpm and load.bmep_bar, as SVG; other axes stand at their first value. Nothing when
 /// these are not two of the axes, or no cell has that figure.
 std::optional<std::string> sweep_picture(const std::vector<Axis> &axes, const std::vector<SweepCell> &cells,

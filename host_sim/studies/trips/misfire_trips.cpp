@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "studies/trips/misfire_trips.hpp"
 
+#include "common/progress.hpp"
 #include "common/random.hpp"
 
 namespace sixdeg {
@@ -32,7 +33,8 @@ void drive(const sd_misfire_config_t &config, const TripPlan &plan, RandomStream
 TripFigures run_trips(const sd_misfire_config_t &config, const TripPlan &plan) {
     RandomStream random(plan.seed, 1);
     TripFigures sum;
-    for (std::uint64_t trip = 0; trip < plan.trips; ++trip) drive(config, plan, random, sum);
+    Progress progress("trip", double(plan.trips));
+    for (std::uint64_t trip = 0; trip < plan.trips; ++trip, progress.next()) drive(config, plan, random, sum);
     return sum;
 }
 

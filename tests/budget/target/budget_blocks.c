@@ -7,7 +7,8 @@
 #include "sd_afr_joint.h"
 #include "sd_switched_wheel.h"
 
-enum { NOT_COUNTED, FOLSMO, FOSMO, ROO, JUDGES, OSCILLATORS, FOURIER_LAW, FIXED_GAINS, GUARD, BANK, AIRPATH, CRANK }; /* block_classes of budget.toml */
+/* block_classes of budget.toml */
+enum { NOT_COUNTED, FOLSMO, FOSMO, ROO, JUDGES, OSCILLATORS, FOURIER_LAW, FIXED_GAINS, GUARD, BANK, AIRPATH, CRANK };
 enum { CYCLE_POSITIONS = 120, CYLINDERS = 4 };
 #define STEP_S 6.67e-4f
 

@@ -11,7 +11,8 @@ static volatile int32_t kept_q31;
 static sd_driveline_tables_t tables = {
     .tick_s = 1e-6f, .pitch_rad = 0.10471976f, .shortest_s = 1.22e-4f, .per_inertia = 5.9f, .viscous_nms = 0.05f, .per_vehicle = 7.7e-3f,
     .soft_nmprad = 2400.0f, .stiff_nmprad = 8000.0f, .damping_nms = 90.0f, .kink_rad = 0.015f, .rolling_nm = 48.0f, .drag_nms2 = 0.012f,
-    .reject_rad = 0.035f, .per_reject = 28.6f, .doubt_rad = 1.0f, .settle_s = 0.5f, .moving_radps = 0.05f, .moving_hold_s = 0.25f, .gears = 1u };
+    .reject_rad = 0.035f, .per_reject = 28.6f, .doubt_rad = 1.0f, .settle_s = 0.5f, .moving_radps = 0.05f, .moving_hold_s = 0.25f,
+        .gears = 1u };
 
 static void fill_gear(void) {
     tables.gear[0].ratio = 0.125f;
@@ -29,7 +30,8 @@ static uint32_t count_guard_f32(uint32_t not_counted, uint32_t regular) {
     budget_class(not_counted);
     for (uint32_t k = 0; k < 6000u; k++) {
         const bool up = (k / 1000u) % 2u == 0u;
-        const sd_driveline_tooth_f32_t tooth = { .period_ticks = 500u + (k & 1u), .advance = 1u, .gear = 1u, .torque_nm = up ? 40.0f : -20.0f };
+        const sd_driveline_tooth_f32_t tooth =
+            { .period_ticks = 500u + (k & 1u), .advance = 1u, .gear = 1u, .torque_nm = up ? 40.0f : -20.0f };
         sd_driveline_guard_step_f32(&guard, &tables, &tooth, &out);
         kept = out.twist_rad;
         met |= 1u << out.location;

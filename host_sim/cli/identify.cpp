@@ -192,8 +192,9 @@ void note_confidence(const Identified &f, std::vector<std::string> &notes) {
         if (tooth.told()) variance += std::pow(tooth.half_width / 1.96, 2), square += tooth.value * tooth.value, teeth += 1;
     const double sd = std::sqrt(variance / teeth), rms = std::sqrt(square / teeth);
     if (sd < kUsualPatternSd) return;
-    notes.push_back(fmt::format("the pattern is known to {:.3f} deg only, which the firmware holds for no better than a usual wheel's {} deg: give "
-                                "replay and run --set firing.pattern_sd={:.2f} beside --learned", sd, kUsualPatternSd, std::fmin(rms, 1)));
+    notes.push_back(fmt::format("the pattern is known to {:.3f} deg only, which the firmware holds for no better than a usual wheel's "
+                                "{} deg: give replay and run --set firing.pattern_sd={:.2f} beside --learned",
+                                sd, kUsualPatternSd, std::fmin(rms, 1)));
 }
 
 void run(Options options) {

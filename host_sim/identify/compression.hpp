@@ -20,9 +20,10 @@ struct CompressionTdc {
     double offset_rad, sd_rad; ///< NaN where compression is polytropic nowhere within 15 deg.
 };
 
-/// Where p V^n = C fits these compressions best. With an absolute pressure, known to within `level_sd_bar`, n is found with it; where that is
-/// infinite the level of each cycle is free, and n the usual one. The deviation is of level or exponent, and of what windows of the
-/// compression say differently, which heat to the walls, a spark's noise and a sensor that drifts make. `bar`: over the grid, of each cycle.
+/// Where p V^n = C fits these compressions best. With an absolute pressure, known to within `level_sd_bar`, n is found with it; where
+/// that is infinite the level of each cycle is free, and n the usual one. The deviation is of level or exponent, and of what windows of
+/// the compression say differently, which heat to the walls, a spark's noise and a sensor that drifts make. `bar`: over the grid, of
+/// each cycle.
 CompressionTdc compression_tdc(const EngineFile &engine, const std::vector<Eigen::VectorXd> &bar, double level_sd_bar);
 
 /// n of an absolute pressure by least squares of ln p over ln V; NaN where it is not above 0 throughout. `compression_factor`: on the

@@ -77,7 +77,8 @@ std::vector<WholeCycle> gas_exchanges(const EngineFile &engine, const CrankRecor
         return !std::binary_search(engine.wheel.missing.begin(), engine.wheel.missing.end(), int(((place % positions) + positions)
             % positions));
     };
-    const auto first = long(std::ceil((from - engine.position_0_deg) / pitch)), last = long(std::ceil((to - engine.position_0_deg) / pitch)) - 1;
+    const auto place_from = [&](double deg) { return long(std::ceil((deg - engine.position_0_deg) / pitch)); };
+    const long first = place_from(from), last = place_from(to) - 1;
     std::size_t wanted = 0;
     for (long place = first; place <= last; ++place) wanted += has_tooth(place);
     std::size_t i = 0;

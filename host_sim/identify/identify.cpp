@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "identify/identify.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
 #include <memory>
@@ -32,9 +33,9 @@ Found refuse(const std::string &reason) {
     return found;
 }
 
-Found found(double value, double sd, double most, const char *of) {
+Found found(double value, double sd, double most, const char *of, const char *unit) {
     if (kTwoSided95 * sd < most) return {value, kTwoSided95 * sd, ""};
-    return refuse(fmt::format("the recording leaves {} open by +-{:.2g}", of, kTwoSided95 * sd));
+    return refuse(fmt::format("the recording leaves {} open by +-{:.2g}{}", of, kTwoSided95 * sd, unit));
 }
 
 /// Of a sensor in the intake, and of what the cylinder breathes of it.
@@ -70,7 +71,7 @@ Found exponent_of(const EngineFile &engine, const MeasuredTorque &gas, const std
     const double variance = scatter + std::pow(over_offset / count * fit.sd(wheel_offset), 2) + std::pow(over_level / count * intake_sd,
         2) +
                             std::pow(over_ratio / count * kCompressionRatioSd, 2) + std::pow(over_gain / count * kGainSd, 2);
-    return found(mean, std::sqrt(variance), kMostExponent, "it");
+    return found(mean, std::sqrt(variance), kMostExponent, "it", "");
 }
 
 /// By the pressure alone; it stands in where the motion of the crank leaves TDC open.
@@ -87,7 +88,8 @@ void take_compression(const EngineFile &engine, const MeasuredTorque &gas, const
         result.compression_0_deg = refuse("nowhere within 15 deg of the engine file's TDC is the recorded compression polytropic");
         return;
     }
-    result.compression_0_deg = found(positive_deg(engine.position_0_deg + tdc.offset_rad * kDeg), tdc.sd_rad * kDeg, kMostOffsetDeg, "TDC");
+    const double deg = positive_deg(engine.position_0_deg + tdc.offset_rad * kDeg);
+    result.compression_0_deg = found(deg, tdc.sd_rad * kDeg, kMostOffsetDeg, "TDC", " deg");
     if (!result.position_0_deg.told() && result.compression_0_deg.told()) result.position_0_deg = result.compression_0_deg;
 }
 
@@ -97,7 +99,7 @@ void take_pattern(const EngineFile &engine, const MotionFit &fit, std::size_t cy
     result.pattern_cycles = cycles - fit.disturbed;
     for (int p = 0; p < engine.wheel.positions; ++p) {
         if (fit.pattern_sd(p) == 0) result.pattern_deg.push_back(refuse("no tooth"));
-        else result.pattern_deg.push_back(found(fit.pattern_rad(p) * kDeg, fit.pattern_sd(p) * kDeg, kMostPatternDeg, "the tooth"));
+        else result.pattern_deg.push_back(found(fit.pattern_rad(p) * kDeg, fit.pattern_sd(p) * kDeg, kMostPatternDeg, "the tooth", " deg"));
         if (!result.pattern_deg.back().told() && fit.pattern_sd(p) > 0)
             result.pattern_refused = "one speed alone does not tell the wheel from the torque; record cycles at other speeds too";
     }
@@ -109,9 +111,10 @@ double rms(const Eigen::VectorXd &values) { return std::sqrt(values.squaredNorm(
 void take_exchange(const EngineFile &engine, const CrankRecord &record, const MotionFit *whole, Identified &result) {
     const std::vector<WholeCycle> exchanges = gas_exchanges(engine, record);
     if (exchanges.size() < kLeastCycles) return;
-    const double sd = result.inertia_kgm2.told() ? result.inertia_kgm2.half_width / kTwoSided95 / result.inertia_kgm2.value : kGuessedInertiaSd;
+    const Found &inertia = result.inertia_kgm2;
+    const double sd = inertia.told() ? inertia.half_width / kTwoSided95 / inertia.value : kGuessedInertiaSd;
     EngineFile known = engine;
-    if (result.inertia_kgm2.told()) known.inertia_kgm2 = result.inertia_kgm2.value;
+    if (inertia.told()) known.inertia_kgm2 = inertia.value;
     const ExchangeTorque gas(known, exchanges, record.pressure, sd);
     const MotionFit fit = fit_motion(known, gas, exchanges);
     if (whole && rms(whole->pattern_sd) <= rms(fit.pattern_sd)) return;
@@ -167,21 +170,31 @@ void check_swing(const std::vector<TimedValue> &pressure, const std::vector<Whol
     double most = 0;
     for (const WholeCycle &cycle : cycles) {
         if (!MeasuredTorque::covers(pressure, cycle)) continue;
+        const auto earlier = [](const TimedValue &r, double t) { return r.t_s < t; };
         double low = 1e300, high = -1e300;
-        for (const TimedValue &reading : pressure) {
-            if (reading.t_s < cycle.t_s.front() || reading.t_s > cycle.t_s.back()) continue;
-            low = std::fmin(low, reading.value), high = std::fmax(high, reading.value);
-        }
+        for (auto at = std::lower_bound(pressure.begin(), pressure.end(), cycle.t_s.front(), earlier); at->t_s < cycle.t_s.back(); ++at)
+            low = std::fmin(low, at->value), high = std::fmax(high, at->value);
         most = std::fmax(most, high - low);
     }
     if (most < kLeastSwing_bar || most > kMostSwing_bar)
-        throw InputError(from, "--pressure", fmt::format("changes by {:.3g} bar within a cycle at most, outside [{}, {}] bar; --bar says what one "
-                                                         "unit of the column is", most, kLeastSwing_bar, kMostSwing_bar));
+        throw InputError(from, "--pressure",
+                         fmt::format("changes by {:.3g} bar within a cycle at most, outside [{}, {}] bar; --bar says what one unit of the "
+                                     "column is", most, kLeastSwing_bar, kMostSwing_bar));
 }
 
 void refuse_all(const std::string &reason, Identified &result) {
-    for (Found *f : {&result.inertia_kgm2, &result.position_0_deg, &result.compression_0_deg, &result.exponent, &result.compression_share}) *f = refuse(reason);
+    for (Found *f : {&result.inertia_kgm2, &result.position_0_deg, &result.compression_0_deg, &result.exponent, &result.compression_share})
+        *f = refuse(reason);
     result.pattern_refused = reason;
+}
+
+/// Why no cycle can be used.
+const char *why_none(const EngineFile &engine, const CrankRecord &record) {
+    if (record.pressure.empty())
+        return "in a firing engine the teeth show combustion, whose torque nobody knows; "
+               "record a fuel cut and name it by --fuel or --motored";
+    if (engine.cylinders() == 1) return "no five cycles in a row have about the same speed and pressure beside them; record steady running";
+    return "the pressure of one cylinder tells the others' only without combustion; record a fuel cut and name it by --fuel or --motored";
 }
 
 } // namespace
@@ -198,12 +211,7 @@ Identified identify(const EngineFile &engine, const CrankRecord &record, const I
     const std::vector<WholeCycle> use = usable(engine, record, cycles);
     result.used = use.size();
     if (use.size() < kLeastCycles) {
-        refuse_all(record.pressure.empty()
-            ? "in a firing engine the teeth show combustion, whose torque nobody knows; record a fuel cut and name "
-                                             "it by --fuel or --motored"
-                                           : "the pressure of one cylinder tells the others' only without combustion; "
-                                             "record a fuel cut and name it by --fuel or --motored",
-                   result);
+        refuse_all(why_none(engine, record), result);
         take_exchange(engine, record, nullptr, result);
         return result;
     }
@@ -218,16 +226,16 @@ Identified identify(const EngineFile &engine, const CrankRecord &record, const I
     result.unexplained_percent = 100 * fit.unexplained_share;
     const double ratio = std::exp(fit.values(log_inertia)), inertia = engine.inertia_kgm2 * ratio;
     if (measured) {
-        result.inertia_kgm2 = found(inertia, inertia * fit.sd(log_inertia), kMostInertia * inertia, "it");
+        result.inertia_kgm2 = found(inertia, inertia * fit.sd(log_inertia), kMostInertia * inertia, "it", " kg m2");
         result.compression_share = refuse("the inertia is known");
         result.exponent = exponent_of(engine, static_cast<const MeasuredTorque &>(*gas), use, fit);
     } else {
         result.inertia_kgm2 = refuse("the teeth alone give torque over inertia; give --pressure");
-        result.compression_share = found(1 / ratio, fit.sd(log_inertia) / ratio, kMostInertia, "it");
+        result.compression_share = found(1 / ratio, fit.sd(log_inertia) / ratio, kMostInertia, "it", "");
         result.exponent = refuse("the teeth alone give the torque of compression over inertia; give --pressure");
     }
     const double offset = fit.values(wheel_offset) * kDeg;
-    result.position_0_deg = found(positive_deg(engine.position_0_deg + offset), fit.sd(wheel_offset) * kDeg, kMostOffsetDeg, "it");
+    result.position_0_deg = found(positive_deg(engine.position_0_deg + offset), fit.sd(wheel_offset) * kDeg, kMostOffsetDeg, "it", " deg");
     if (measured) take_compression(engine, static_cast<const MeasuredTorque &>(*gas), use, fit, result);
     else result.compression_0_deg = refuse("without --pressure there is no compression to look at");
     take_pattern(engine, fit, use.size(), result);

@@ -4,8 +4,9 @@
 //
 // The deviations come from four things: the scatter of single teeth, what is known beforehand, an unexplained torque of the cycle's first
 // harmonics, fitted with the rest and as large as what is left without it makes it likely, so that an engine that does not obey the
-// equations gets wide intervals, and what repeats from cycle to cycle all the same, added as a variance: with m that repeating error of the
-// teeth of a cycle its effect on the shared numbers is G sum(X') m, G the inverse of the normal matrix; it does not shrink with more cycles.
+// equations gets wide intervals, and what repeats from cycle to cycle all the same, added as a variance: with m that repeating error of
+// the teeth of a cycle its effect on the shared numbers is G sum(X') m, G the inverse of the normal matrix; it does not shrink with more
+// cycles.
 #pragma once
 #include "identify/gas_torque.hpp"
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""sixdeg identify as a user runs it: a recording and a first engine file in, numbers with intervals, an engine file and a tooth pattern out."""
+"""sixdeg identify as a user runs it: a recording and a first engine file in; numbers, an engine file and a tooth pattern out."""
 import json
 import os
 import pathlib
@@ -87,7 +87,8 @@ class WithoutCombustion(Command):
         wide.write_text(FOUR.read_text().replace("bore_m = 0.0825", "bore_m = 82.5"))
         torn.write_text(FOUR.read_text()[:500])
         before = sorted(self.folder.iterdir())
-        cases = [((self.recording, FOUR, "--pressure", "presure", *ALL), r"--pressure: 'presure' is no column: 0 to 2, or a name .*pressure"),
+        cases = [((self.recording, FOUR, "--pressure", "presure", *ALL),
+                  r"--pressure: 'presure' is no column: 0 to 2, or a name .*pressure"),
                  ((self.recording, FOUR, "--pressure", "pressure", "--bar", "1e5", *ALL),
                   r"motored.csv: --pressure: changes by .* bar within a cycle at most, outside \[2, 400\] bar"),
                  ((self.recording, FOUR, "--pressure", "pressure", "--intake", "80", *ALL), r"--intake: 80 is outside \[0.05, 6\] bar"),

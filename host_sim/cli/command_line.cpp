@@ -4,7 +4,9 @@
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
+#include <algorithm>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "common/nearest.hpp"
 #include "common/progress.hpp"
@@ -12,7 +14,13 @@
 namespace sixdeg {
 
 Option &Option::required() { return option_->required(), *this; }
-Option &Option::one_of(const std::vector<std::string> &words) { return option_->check(CLI::IsMember(words)), *this; }
+Option &Option::one_of(const std::vector<std::string> &words) {
+    const auto wrong = [words](std::string &text) {
+        if (std::find(words.begin(), words.end(), text) != words.end()) return std::string();
+        return fmt::format("'{}' is none of {}{}", text, fmt::join(words, ", "), nearest_hint(text, words));
+    };
+    return option_->check(CLI::Validator(wrong, fmt::format("{{{}}}", fmt::join(words, ",")))), *this;
+}
 Option &Option::within(double low, double high) { return option_->check(CLI::Range(low, high)), *this; }
 Option &Option::within_whole(std::int64_t low, std::int64_t high) { return option_->check(CLI::Range(low, high)), *this; }
 Option &Option::checked(const std::function<std::string(const std::string &)> &wrong) { return option_->check(wrong), *this; }

@@ -4,11 +4,12 @@
 
 #include <fmt/format.h>
 
-#include "design/calibration.hpp"
+#include "cli/contradictions.hpp"
 #include "cli/replay_command.hpp"
 #include "cli/tune_options.hpp"
 #include "common/error.hpp"
 #include "common/files.hpp"
+#include "design/calibration.hpp"
 #include "loop/truth_folder.hpp"
 
 namespace sixdeg {
@@ -58,6 +59,12 @@ EngineFile engine_of(const std::string &file, const Json &about, const char *wha
 sd_calibration_t changed_page(const std::string &file, const Json &about, const sd_parameters_t &parameters,
                               const std::string &tune_name) {
     return calibrate(engine_of(file, about, "its parameters cannot be changed"), parameters, tune_name);
+}
+
+/// Of an engine file that does not fit what the replayed ecu saw; none where the log holds no engine file.
+std::vector<std::string> warnings_of(const std::string &file, const Json &about, const sd_parameters_t &tune, const LogReplay &replayed) {
+    if (!about.contains("engine_file")) return {};
+    return contradictions(engine_of(file, about, "it cannot be judged"), tune, replayed.rows.evidence);
 }
 
 /// The run's tables again, truth beside what the replay says.
@@ -114,6 +121,8 @@ void replay_event_log(const ReplayOptions &options) {
     summary["decoder"] = decoder_json(replayed.rows);
     summary["events_in"] = replayed.events_in;
     summary["outputs"] = outputs_json(replayed);
+    const std::vector<std::string> warnings = warnings_of(options.file, with_engine, page.parameters, replayed);
+    summary["warnings"] = warnings;
     summary["set"] = options.set;
     summary["parameters"] = parameters_json(page.parameters);
     summary["files"][options.file] = sha256(read_file(options.file));
@@ -134,6 +143,7 @@ void replay_event_log(const ReplayOptions &options) {
     } else {
         fmt::print("events out are the recorded ones, bit for bit\n");
     }
+    print_contradictions(warnings);
 }
 
 } // namespace sixdeg

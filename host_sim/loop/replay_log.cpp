@@ -92,6 +92,7 @@ LogReplay replay_log(const EventLog &log, const sd_calibration_t &calibration) {
         result.edge_ticks.push_back(event.tick);
     }
     result.rows = rows.finish(bench->crank());
+    result.rows.evidence = bench->evidence();
     result.recorded_out = recorded.size();
     result.replayed_out = replayed.size();
     result.first_difference = first_difference(recorded, replayed);

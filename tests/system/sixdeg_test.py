@@ -62,4 +62,9 @@ class ReportFolder(Folder):
     def drawn(self, *arguments):
         done = self.report(*arguments)
         self.assertEqual((done.returncode, done.stderr), (0, ""))
-        return self.page.read_text()
+        page = self.page.read_text()
+        # A paper's figure names its estimator and what is not at its default, or says that it has none.
+        for anchor, section in re.findall(r'<section id="(figure-[^"]+)">(.*?)</section>', page, re.S):
+            self.assertRegex(section, "at their defaults|Set beside|Its settings|without an (?:estimator|observer)|Here L |A formula",
+                             anchor)
+        return page

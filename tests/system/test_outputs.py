@@ -41,7 +41,7 @@ class Outputs(Folder):
         engine.write_text((ENGINES / "diesel_22.toml").read_text().replace("bore_m", "boore_m"))
         for words, meant in ((["rplay", self.wheel], "replay"), (["replay", self.wheel, "--jsno", "x"], "--json"),
                              (["study", "drivelin"], "driveline"), (["replay", self.folder / "whel.csv"], "wheel.csv"),
-                             (["calibrate", engine], "cylinders.boore_m"),
+                             (["calibrate", engine], "cylinders.boore_m"), (["study", "afr", "acuracy"], "accuracy"),
                              (["run", ENGINES.parent / "scenarios/balance_1000rpm_5bar.toml", "--set", "speed.rmp=1000"], "speed.rpm"),
                              (["parameter", "get", "torque.harmonic", "--transport", "lcm"], "torque.harmonics"),
                              (["calibrate", ENGINES / "diesel_22.toml", "--set", "misfire.start_inhibit_cylces=3"],

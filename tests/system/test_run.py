@@ -58,6 +58,13 @@ class Warnings(RunFolder):
         self.assertRegex(done.stdout, r"(?m)^warning: the fuel-cut reading says [-+]\d+\.\d Nm a cylinder at 1\.\d\d bar")
         self.assertEqual(done.stdout.count("warning: "), 1)
 
+    def test_a_replay_of_the_event_log_says_the_same(self):
+        log, replayed = self.folder / "a.sdlog", self.folder / "r.json"
+        [warning] = self.summary(self.cut("compression_percent = [20, 20, 20, 20]"), *self.CUT, "--record", log)["warnings"]
+        done = subprocess.run([SIXDEG, "replay", log, "--json", replayed], capture_output=True, text=True, timeout=120, check=True)
+        self.assertEqual(json.loads(replayed.read_text())["warnings"], [warning])
+        self.assertIn(f"\nwarning: {warning}\n", done.stdout)
+
     def test_a_wheel_that_is_not_known(self):
         scenario = self.scenario("cycles = 14", cylinders=FUEL, more="[encoder]\npattern_rms_deg = 0.3")
         [warning] = self.summary(scenario, "--nominal")["warnings"]

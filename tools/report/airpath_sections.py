@@ -9,7 +9,7 @@ MODEL_WORDS = ("The true ones are of the full air path of the simulated engine; 
 
 
 def figure_4_section(model):
-    return [text("What goes into the engine, over the drive of the following figures.", "lead"),
+    return [text("What goes into the engine, over the drive of the following figures; without an estimator.", "lead"),
             picture(pictures.figure_4(model), "speed, fuel and air, valve and vanes")]
 
 

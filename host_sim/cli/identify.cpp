@@ -11,19 +11,23 @@
 #include "cli/commands.hpp"
 #include "cli/recorded_teeth.hpp"
 #include "common/error.hpp"
+#include "cli/learned_page.hpp"
 #include "identify/engine_text.hpp"
 #include "identify/identify.hpp"
+#include "identify/learned_pattern.hpp"
 
 namespace sixdeg {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
+constexpr double kUsualPatternSd = 0.02; // deg, default of firing.pattern_sd (signals.md)
+
 struct Options {
     ReplayOptions recording;
     double bar = 1;
     std::vector<std::string> motored;
-    std::string out, json;
+    std::string out, json, learn;
 };
 
 /// NaN for what is no number.
@@ -71,6 +75,7 @@ std::vector<Line> lines_of(const Identified &f) {
     return {{"inertia", " kg m2", &f.inertia_kgm2},
             {"compression over inertia", " of the engine file's", &f.compression_share},
             {"first tooth after the mark", " deg of crank", &f.position_0_deg},
+            {"the same by compression alone", " deg of crank", &f.compression_0_deg},
             {"exponent of compression", "", &f.exponent}};
 }
 
@@ -93,7 +98,7 @@ void print(const Identified &f, const std::vector<std::string> &notes) {
         const Found &told = drag.nm.told() ? drag.nm : drag.over_inertia;
         fmt::print("load and friction at {:.0f} rpm{}: {} from {} cycles\n", drag.rpm, drag.motored ? " without combustion" : "",
             interval(told, 2, drag.nm.told() ? " N m" : " rad/s2 times the inertia"),
-                   drag.cycles);
+                   drag.cycles.size());
     }
     fmt::print("a tooth scatters by {:.4f} deg; {:.4f} deg rms repeat from cycle to cycle without being explained;\n"
                "a torque of {:.1f} % of the gas torque is needed beside it\n", f.scatter_deg, f.unexplained_deg, f.unexplained_percent);
@@ -112,11 +117,12 @@ Json json_of(const Found &found) {
 Json summary(const Identified &f, const std::vector<std::string> &notes) {
     Json json = {{"cycles", f.cycles}, {"motored", f.motored}, {"used", f.used}, {"inertia_kgm2", json_of(f.inertia_kgm2)},
                  {"compression_share", json_of(f.compression_share)}, {"position_0_deg", json_of(f.position_0_deg)},
+                 {"compression_0_deg", json_of(f.compression_0_deg)},
                  {"exponent", json_of(f.exponent)}, {"scatter_deg", f.scatter_deg}, {"unexplained_deg", f.unexplained_deg},
                      {"unexplained_percent", f.unexplained_percent}};
     for (const Found &tooth : f.pattern_deg) json["pattern_deg"].push_back(json_of(tooth));
     for (const DragAt &d : f.drag)
-        json["drag"].push_back({{"rpm", d.rpm}, {"motored", d.motored}, {"cycles", d.cycles}, {"nm", json_of(d.nm)},
+        json["drag"].push_back({{"rpm", d.rpm}, {"motored", d.motored}, {"cycles", d.cycles.size()}, {"nm", json_of(d.nm)},
             {"over_inertia_radps2", json_of(d.over_inertia)}});
     json["notes"] = notes;
     return json;
@@ -174,6 +180,23 @@ std::string new_engine(const Identified &f, const EngineFile &engine, const Toml
     return text;
 }
 
+/// Anything at all.
+bool tells(const Identified &f) {
+    return f.position_0_deg.told() || f.inertia_kgm2.told() || !f.drag.empty() || f.pattern_refused.empty();
+}
+
+/// The firmware believes a pattern that it knows better than the usual wheel: firing.pattern_sd, by which it takes teeth to be off.
+void note_confidence(const Identified &f, std::vector<std::string> &notes) {
+    double variance = 0, square = 0, teeth = 0;
+    for (const Found &tooth : f.pattern_deg)
+        if (tooth.told()) variance += std::pow(tooth.half_width / 1.96, 2), square += tooth.value * tooth.value, teeth += 1;
+    const double sd = std::sqrt(variance / teeth), rms = std::sqrt(square / teeth);
+    if (sd < kUsualPatternSd) return;
+    notes.push_back(fmt::format("the pattern is known to {:.3f} deg only, which the firmware holds for no better than a usual wheel's "
+                                "{} deg: give replay and run --set firing.pattern_sd={:.2f} beside --learned",
+                                sd, kUsualPatternSd, std::fmin(rms, 1)));
+}
+
 void run(Options options) {
     ReplayOptions &recording = options.recording;
     TomlFile file{std::filesystem::path(recording.engine)};
@@ -183,15 +206,20 @@ void run(Options options) {
         throw InputError(recording.engine, engine.torsion ? "torsion" : "dual_mass",
             "identify takes a rigid crank only: what twists is not told from torque");
     for (const std::string &path : {recording.file, recording.engine}) protect_input(path);
+    for (const std::string &path : {options.json, options.learn, options.out}) check_output(path);
     if (std::isfinite(number_of(recording.pressure))) recording.pressure = "column:" + recording.pressure;
     RecordedTeeth teeth = read_recorded_teeth(recording, options.bar, engine);
     const Identified found = identify(engine, teeth.record, {windows_of(options.motored)}, recording.file);
+    // Each text is made before the first one is written.
+    const bool any = tells(found);
+    const std::string learned = any && !options.learn.empty() ? learned_page(kept_of(found, recording.file)) : "";
+    const std::string made = any ? new_engine(found, engine, file, std::filesystem::path(recording.file).filename().string()) : "";
+    if (!learned.empty()) note_confidence(found, teeth.notes);
     print(found, teeth.notes);
     if (!options.json.empty()) write_file(options.json, summary(found, teeth.notes).dump(2) + "\n");
-    if (!found.position_0_deg.told() && !found.inertia_kgm2.told())
-        throw NotFollowed(recording.file, "tells nothing of what an engine file holds: " + found.position_0_deg.refused);
-    if (!options.out.empty()) write_file(options.out, new_engine(found, engine, file,
-        std::filesystem::path(recording.file).filename().string()));
+    if (!any) throw NotFollowed(recording.file, "tells nothing of the engine: " + found.position_0_deg.refused);
+    if (!options.learn.empty()) write_file(options.learn, learned);
+    if (!options.out.empty()) write_file(options.out, made);
 }
 
 } // namespace
@@ -219,6 +247,7 @@ void add_identify(Command &app) {
         "without a cam: which revolution of the cycle the first one in sync is, first or second")
         .one_of({"first", "second"});
     command.option("--out", o->out, "the new engine file");
+    command.option("--learn", o->learn, "the tooth pattern, for --learned of replay and run");
     command.option("--json", o->json, "the figures as JSON");
     command.runs([o] { run(*o); });
 }

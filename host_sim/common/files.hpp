@@ -28,6 +28,9 @@ void keep_standard_output_for_files();
 /// From now on nothing is written over this file: it is an input.
 void protect_input(const std::filesystem::path &path);
 
+/// Throws InputError where `path` is one of them: to be asked of every output before the first is written.
+void check_output(const std::filesystem::path &path);
+
 /// SHA-256 of `content`, 64 lower-case hex digits, as sha256sum prints it.
 std::string sha256(std::string_view content);
 /// The same of a file of any size, a piece at a time. Throws InputError.

@@ -12,7 +12,7 @@ constexpr double kRad = M_PI / 180;
 // times as much, published correlations differ by half), a data sheet's compression ratio, what of the pumping is not known.
 constexpr double kExponentMean = -0.03, kExponentSd = 0.03, kWallMean = 1.5, kWallSd = 1.0, kCompressionSd = 0.012, kExchangeSd = 0.5,
     kWallPowerSd = 0.3;
-constexpr double kFactorSd = 0.015, kLeastUnexplained = 0.004;
+constexpr double kFactorSd = 0.015, kLeastUnexplained = 0.006;
 constexpr double kUsualSpeed = 200; // rad/s, at which the wall loss is what it is
 constexpr double kSpeedStep = 0.05; // speeds so near share a table
 

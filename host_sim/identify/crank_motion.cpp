@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "identify/crank_motion.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace sixdeg {
@@ -11,8 +12,11 @@ constexpr double kStep = kGridDeg * M_PI / 180, kCycle = 4 * M_PI;
 /// Integral from the grid's beginning, by the trapezoidal rule, of each column.
 template <typename Matrix> Matrix running_integral(const Matrix &values) {
     Matrix sum(values.rows(), values.cols());
-    sum.row(0).setZero();
-    for (Eigen::Index i = 1; i < values.rows(); ++i) sum.row(i) = sum.row(i - 1) + kStep / 2 * (values.row(i - 1) + values.row(i));
+    for (Eigen::Index column = 0; column < values.cols(); ++column) {
+        sum(0, column) = 0;
+        for (Eigen::Index i = 1; i < values.rows(); ++i)
+            sum(i, column) = sum(i - 1, column) + kStep / 2 * (values(i - 1, column) + values(i, column));
+    }
     return sum;
 }
 
@@ -52,15 +56,24 @@ CycleStart steady_start(const WholeCycle &cycle) {
     return {cycle.t_s.front() - (cycle.deg.front() + 360) * M_PI / 180 / speed, speed * speed / 2, 0};
 }
 
-Eigen::VectorXd grid_times(const WholeCycle &cycle, const Eigen::VectorXd &pattern_rad) {
-    Eigen::VectorXd times(kGridPoints);
+Eigen::VectorXd grid_times(const WholeCycle &cycle, const Eigen::VectorXd &predicted_s, const Eigen::VectorXd &pattern_rad) {
     const auto deg = [&](std::size_t k) { return cycle.deg[k] + pattern_rad(cycle.position[k]) * 180 / M_PI; };
-    std::size_t k = 0; // straight between two teeth, and on beyond the first and the last
+    const auto late = [&](std::size_t k) { return cycle.t_s[k] - GridPlace(deg(k)).of(predicted_s)(0); };
+    Eigen::VectorXd times = predicted_s;
+    double from = late(0), to = late(1);
+    std::size_t k = 0; // on beyond the first and the last
     for (int i = 0; i < kGridPoints; ++i) {
-        while (k + 2 < cycle.t_s.size() && deg(k + 1) < grid_deg(i)) ++k;
-        times(i) = cycle.t_s[k] + (cycle.t_s[k + 1] - cycle.t_s[k]) * (grid_deg(i) - deg(k)) / (deg(k + 1) - deg(k));
+        while (k + 2 < cycle.t_s.size() && deg(k + 1) < grid_deg(i)) ++k, from = to, to = late(k + 1);
+        const double share = std::clamp((grid_deg(i) - deg(k)) / (deg(k + 1) - deg(k)), 0.0, 1.0);
+        times(i) += from + (to - from) * share;
     }
     return times;
+}
+
+Eigen::VectorXd grid_times(const WholeCycle &cycle) {
+    const CycleStart steady = steady_start(cycle);
+    const Eigen::VectorXd even = Eigen::VectorXd::LinSpaced(kGridPoints, steady.t_s, steady.t_s + kCycle / cycle.speed_radps);
+    return grid_times(cycle, even, Eigen::VectorXd::Zero(1 + *std::max_element(cycle.position.begin(), cycle.position.end())));
 }
 
 CycleLateness lateness(const WholeCycle &cycle, const CycleTorque &torque, const CycleStart &start) {
@@ -70,7 +83,7 @@ CycleLateness lateness(const WholeCycle &cycle, const CycleTorque &torque, const
     const Eigen::VectorXd turned = Eigen::VectorXd::LinSpaced(kGridPoints, 0, kCycle);
     const Eigen::VectorXd energy = (running_integral(torque.gas_over_j) - start.drag_radps2 * turned).array() + start.energy;
     const Eigen::VectorXd slowness = (torque.ripple.array() / (2 * energy.array().max(1e-3 * start.energy))).sqrt();
-    const Eigen::VectorXd time_s = running_integral(slowness).array() + start.t_s;
+    result.time_s = running_integral(slowness).array() + start.t_s;
     const Eigen::MatrixXd late = lateness_of_grid(torque, start.energy, energy, slowness, cycle.speed_radps);
 
     const auto teeth = Eigen::Index(cycle.t_s.size());
@@ -80,7 +93,7 @@ CycleLateness lateness(const WholeCycle &cycle, const CycleTorque &torque, const
     for (Eigen::Index k = 0; k < teeth; ++k) {
         const GridPlace place(cycle.deg[std::size_t(k)]);
         const double speed = 1 / place.of(slowness)(0);
-        result.late_rad(k) = (cycle.t_s[std::size_t(k)] - place.of(time_s)(0)) * speed;
+        result.late_rad(k) = (cycle.t_s[std::size_t(k)] - place.of(result.time_s)(0)) * speed;
         const Eigen::RowVectorXd row = place.of(late) * speed;
         result.over_start.row(k) = row.head(3);
         result.over_unknowns.row(k) = row.tail(unknowns);

@@ -38,6 +38,7 @@ struct CycleLateness {
     Eigen::VectorXd late_rad;      ///< Behind the prediction.
     Eigen::MatrixXd over_start;    ///< [tooth][3], over t0 x mean speed (rad), relative energy, and d over the mean of e in a cycle.
     Eigen::MatrixXd over_unknowns; ///< [tooth][unknown]
+    Eigen::VectorXd time_s;        ///< Predicted, over the grid.
     double mean_energy;            ///< What the last two columns of over_start are scaled by.
 };
 
@@ -46,8 +47,11 @@ CycleLateness lateness(const WholeCycle &cycle, const CycleTorque &torque, const
 void move(CycleStart &start, const Eigen::Vector3d &by, const CycleLateness &scales, double speed_radps);
 /// Drag, rad/s2, of a fit's answer 1 for the third column.
 double drag_unit(const CycleLateness &scales);
-/// When the crank passed the angles of the grid, by the teeth alone; `pattern_rad`, by position, is by how much each stands further on.
-Eigen::VectorXd grid_times(const WholeCycle &cycle, const Eigen::VectorXd &pattern_rad);
+/// When the crank passed the angles of the grid, straight from tooth to tooth.
+Eigen::VectorXd grid_times(const WholeCycle &cycle);
+/// The same by a prediction, which tells how the speed bends between two teeth, above all in the mark; straight is only what teeth are
+/// late against it. `pattern_rad`, by position, is by how much each stands further on.
+Eigen::VectorXd grid_times(const WholeCycle &cycle, const Eigen::VectorXd &predicted_s, const Eigen::VectorXd &pattern_rad);
 /// A start to begin with: steady speed, no drag.
 CycleStart steady_start(const WholeCycle &cycle);
 

@@ -19,6 +19,15 @@ double largest_within(const std::vector<TimedValue> &readings, double from_s, do
     return most;
 }
 
+/// What burns in a cycle was injected up to a cycle before its start.
+bool is_motored(const CrankRecord &record, const std::vector<TimeWindow> &windows, const WholeCycle &cycle) {
+    const double from = cycle.t_s.front(), to = cycle.t_s.back(), before = from - (to - from);
+    if (std::any_of(windows.begin(), windows.end(), [&](const TimeWindow &w) { return w.from_s <= before && to <= w.to_s; })) return true;
+    return !record.fuel.empty() && largest_within(record.fuel, before, to) <= 0;
+}
+
+} // namespace
+
 double mean_within(const std::vector<TimedValue> &readings, double from_s, double to_s) {
     const auto later = [](double t, const TimedValue &r) { return t < r.t_s; };
     auto at = std::upper_bound(readings.begin(), readings.end(), from_s, later);
@@ -29,15 +38,6 @@ double mean_within(const std::vector<TimedValue> &readings, double from_s, doubl
     for (; at != end; ++at) sum += at->value;
     return count > 0 ? sum / count : std::numeric_limits<double>::quiet_NaN();
 }
-
-/// What burns in a cycle was injected up to a cycle before its start.
-bool is_motored(const CrankRecord &record, const std::vector<TimeWindow> &windows, const WholeCycle &cycle) {
-    const double from = cycle.t_s.front(), to = cycle.t_s.back(), before = from - (to - from);
-    if (std::any_of(windows.begin(), windows.end(), [&](const TimeWindow &w) { return w.from_s <= before && to <= w.to_s; })) return true;
-    return !record.fuel.empty() && largest_within(record.fuel, before, to) <= 0;
-}
-
-} // namespace
 
 std::vector<WholeCycle> whole_cycles(const EngineFile &engine, const CrankRecord &record, const std::vector<TimeWindow> &motored) {
     const double pitch = 360.0 / engine.wheel.positions;

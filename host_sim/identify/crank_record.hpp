@@ -26,6 +26,9 @@ struct CrankRecord {
     std::vector<TimedValue> fuel;     ///< Injected, mg a stroke; 0 in fuel cut.
 };
 
+/// Mean of the readings in [from, to], the one that holds at its beginning included; NaN where nothing was read before its end.
+double mean_within(const std::vector<TimedValue> &readings, double from_s, double to_s);
+
 /// Stretch of time without combustion, in s.
 struct TimeWindow {
     double from_s, to_s;

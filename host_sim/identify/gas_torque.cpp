@@ -9,16 +9,23 @@ namespace sixdeg {
 namespace {
 
 constexpr double kRad = M_PI / 180;
+constexpr double kOffsetSd = 6 * kRad; // of the wheel in a first engine file: 10 deg either way, evenly
 constexpr double kMassSd = 0.06; // of the reciprocating mass in an engine file: 10 % either way, evenly
 
 } // namespace
 
 GasTorque::GasTorque(const EngineFile &engine, double least_unexplained) : engine_(engine), least_unexplained_(least_unexplained) {
-    unknowns_ = {{"inertia", 0, 0, 0.1}, {"wheel offset", 0, 0, 1 * kRad}, {"reciprocating mass", 0, kMassSd, kMassSd}};
+    unknowns_ = {{"inertia", 0, 0, 0.1}, {"wheel offset", 0, kOffsetSd, 1 * kRad}, {"reciprocating mass", 0, kMassSd, kMassSd}};
 }
 
 void GasTorque::add_unexplained() {
-    for (int i = 0; i < 2 * kUnexplainedOrders; ++i) unknowns_.push_back({"unexplained torque", 0, least_unexplained_, least_unexplained_});
+    for (int i = 0; i < kUnexplained; ++i) unknowns_.push_back({"unexplained torque", 0, least_unexplained_, least_unexplained_});
+    waves_.resize(kGridPoints, kUnexplained);
+    for (int order = 1; order <= kUnexplainedOrders; ++order)
+        for (int i = 0; i < kGridPoints; ++i) {
+            waves_(i, 2 * order - 2) = std::cos(order * grid_deg(i) * kRad / 2);
+            waves_(i, 2 * order - 1) = std::sin(order * grid_deg(i) * kRad / 2);
+        }
 }
 
 const GasTorque::Arms &GasTorque::arms(double offset_rad) const {
@@ -40,14 +47,8 @@ CycleTorque GasTorque::torque(const WholeCycle &cycle, const Eigen::VectorXd &gr
     const double share = engine_.reciprocating_mass_kg * (1 + values(ripple_mass)) / inertia;
     Nm nm = gas_nm(cycle, grid_s, values);
     const double rms = std::sqrt(nm.gas.squaredNorm() / kGridPoints);
-    const Eigen::Index first = values.size() - 2 * kUnexplainedOrders;
-    for (int order = 1; order <= kUnexplainedOrders; ++order)
-        for (int i = 0; i < kGridPoints; ++i) {
-            const Eigen::Index at = first + 2 * (order - 1);
-            nm.slope(i, at) = rms * std::cos(order * grid_deg(i) * kRad / 2);
-            nm.slope(i, at + 1) = rms * std::sin(order * grid_deg(i) * kRad / 2);
-        }
-    nm.gas += nm.slope.rightCols(2 * kUnexplainedOrders) * values.tail(2 * kUnexplainedOrders);
+    nm.slope.rightCols(kUnexplained) = rms * waves_;
+    nm.gas += nm.slope.rightCols(kUnexplained) * values.tail(kUnexplained);
     CycleTorque result;
     result.gas_over_j = nm.gas / inertia;
     result.torque_slope = nm.slope / inertia;

@@ -24,15 +24,17 @@ struct Unknown {
 enum SharedUnknown { log_inertia, wheel_offset, ripple_mass, shared_unknowns };
 
 /// Half orders of the crank in which a torque may act that nobody explains: orders 1/2 to 4, cosine and sine each.
-constexpr int kUnexplainedOrders = 8;
+constexpr int kUnexplainedOrders = 8, kUnexplained = 2 * kUnexplainedOrders;
 
 class GasTorque {
   public:
     virtual ~GasTorque() = default;
-    /// The last 2 kUnexplainedOrders of them are of the unexplained torque, over the rms of the gas torque; how large these may be is the
+    /// The last kUnexplained of them are of the unexplained torque, over the rms of the gas torque; how large these may be is the
     /// fit's to find, not below least_unexplained().
     const std::vector<Unknown> &unknowns() const { return unknowns_; }
     double least_unexplained() const { return least_unexplained_; }
+    /// Whether the gas torque is a model's, so that its mean may be wrong too, and not a pressure's.
+    virtual bool is_model() const { return false; }
     /// `grid_s`: when the crank passed the angles of the grid. `values`: one an unknown.
     CycleTorque torque(const WholeCycle &cycle, const Eigen::VectorXd &grid_s, const Eigen::VectorXd &values) const;
 
@@ -60,6 +62,7 @@ class GasTorque {
 
   private:
     double least_unexplained_;
+    Eigen::MatrixXd waves_; ///< [grid][kUnexplained]
     mutable Arms arms_{};
 };
 
@@ -88,6 +91,7 @@ class MeasuredTorque : public GasTorque {
 class CompressionTorque : public GasTorque {
   public:
     explicit CompressionTorque(const EngineFile &engine);
+    bool is_model() const override { return true; }
 
   private:
     enum { exponent = shared_unknowns, wall_loss, compression, wall_power, exchange, first_factor };

@@ -24,7 +24,7 @@ struct Found {
 struct DragAt {
     double rpm;
     bool motored; ///< Without combustion.
-    std::size_t cycles;
+    std::vector<TimeWindow> cycles; ///< When each of those ran that it is the mean of.
     Found nm;             ///< Refused where the inertia is.
     Found over_inertia;   ///< rad/s2
 };
@@ -33,6 +33,7 @@ struct Identified {
     std::size_t cycles = 0, motored = 0, used = 0; ///< Whole ones in the recording; without combustion; that the numbers rest on.
     Found inertia_kgm2;      ///< J0.
     Found position_0_deg;    ///< Crank angle of the first tooth after the mark, modulo 360.
+    Found compression_0_deg; ///< The same by where compression is polytropic: by the pressure alone, whatever acts on the crank.
     Found exponent;          ///< Of compression, p V^n.
     Found compression_share; ///< Torque of compression over J0, over what the engine file says. Told where the inertia is not.
     std::vector<Found> pattern_deg; ///< By position: how much further on a tooth stands; mean 0. Positions without a tooth are refused.
@@ -41,6 +42,8 @@ struct Identified {
     double unexplained_deg = 0;     ///< Rms of what repeats from cycle to cycle without being explained.
     double unexplained_percent = 0; ///< Torque of low orders that is needed and not explained, of the gas torque's rms.
     std::string pattern_refused;    ///< Why there is no pattern at all.
+    std::size_t pattern_cycles = 0; ///< That the pattern rests on.
+    bool pattern_by_exchange = false; ///< From the gas exchange of a single cylinder, and not from whole cycles.
 };
 
 struct IdentifyOptions {

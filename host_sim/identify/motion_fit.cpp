@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
+#include <tuple>
 
 #include "linalg/linalg.hpp"
 
@@ -12,7 +12,7 @@ namespace {
 
 using Eigen::Index, Eigen::MatrixXd, Eigen::VectorXd;
 
-constexpr double kRad = M_PI / 180;
+constexpr double kRad = M_PI / 180, kCycle_rad = 4 * M_PI;
 constexpr int kIterations = 15, kIterationsWeighed = 5, kWeighings = 3;
 constexpr double kConverged = 1e-3;          // of each unknown's unit
 constexpr double kHuber = 3;                 // standard deviations
@@ -27,6 +27,7 @@ struct FreedCycle {
     VectorXd weight, late; ///< Roots of the weights; lateness, weighted and freed.
     MatrixXd columns;      ///< The same of the shared columns, each in its unit.
     MatrixXd answer;       ///< [3][1 + shared]: what the start takes up of the lateness and of each column.
+    double energy_per_scatter; ///< Relative deviation of the start's energy for 1 rad of a tooth's.
 };
 
 class Fitter {
@@ -48,23 +49,24 @@ class Fitter {
         for (const WholeCycle &cycle : cycles) {
             starts_.push_back(steady_start(cycle));
             weights_.push_back(VectorXd::Ones(Index(cycle.t_s.size())));
-            grid_s_.push_back(grid_times(cycle, VectorXd::Zero(engine.wheel.positions)));
+            grid_s_.push_back(grid_times(cycle));
         }
     }
 
     MotionFit run() {
-        // A pressure is read at the times of the teeth as the file has them, then once more with the pattern found: read anew
-        // each time, wheel and
-        // torque would chase one another.
+        // A pressure is read at the times of the teeth as the file has them, then once more with pattern and motion as found: read anew
+        // each time, wheel and torque would chase one another.
         iterated(kIterations);
         const VectorXd pattern = pattern_by_position();
-        for (std::size_t c = 0; c < cycles_.size(); ++c) grid_s_[c] = grid_times(cycles_[c], pattern);
+        for (std::size_t c = 0; c < cycles_.size(); ++c) grid_s_[c] = grid_times(cycles_[c], scales_[c].time_s, pattern);
         bool converged = iterated(kIterations);
         // Weights come last: what is far from its answer yet is no outlier.
         for (int i = 0; i < kWeighings; ++i) {
             weigh();
             converged = iterated(kIterationsWeighed);
         }
+        share_ = size_of_unexplained();
+        converged = iterated(kIterations);
         MotionFit fit;
         fit.converged = converged;
         spread(fit);
@@ -106,7 +108,9 @@ class Fitter {
         }
         all = out.weight.asDiagonal() * all;
         const MatrixXd own = out.weight.asDiagonal() * late.over_start;
-        out.answer = linalg::solve_symmetric(own.transpose() * own, own.transpose() * all);
+        const MatrixXd square = own.transpose() * own;
+        out.answer = linalg::solve_symmetric(square, own.transpose() * all);
+        out.energy_per_scatter = std::sqrt(linalg::solve_symmetric(square, MatrixXd::Identity(3, 3))(1, 1));
         all -= own * out.answer;
         out.late = all.col(0);
         out.columns = all.rightCols(shared_);
@@ -118,8 +122,9 @@ class Fitter {
         const double square = scatter_ * scatter_;
         for (Index q = 0; q < unknowns_; ++q) {
             const Unknown &unknown = gas_.unknowns()[std::size_t(q)];
-            if (unknown.prior_sd <= 0) continue;
-            const double weight = square * std::pow(units_(q) / unknown.prior_sd, 2);
+            const double sd = share_ > 0 && q >= unknowns_ - kUnexplained ? share_ : unknown.prior_sd;
+            if (sd <= 0) continue;
+            const double weight = square * std::pow(units_(q) / sd, 2);
             normal(q, q) += weight;
             right(q) += weight * (unknown.start - values_(q)) / units_(q);
         }
@@ -159,9 +164,10 @@ class Fitter {
         return change.cwiseAbs().maxCoeff() < kConverged;
     }
 
-    /// The unexplained torque stays 0 in the fit: what it would take up, it would take from the numbers that are wanted.
+    /// While it is not known how large it is the unexplained torque stays 0; then it is a part of the fit, as likely as it is large.
     MatrixXd solved(const MatrixXd &normal, const MatrixXd &right) const {
-        const Index count = 2 * kUnexplainedOrders, first = unknowns_ - count;
+        if (share_ > 0) return linalg::solve_symmetric(normal, right);
+        const Index count = kUnexplained, first = unknowns_ - count;
         MatrixXd held = normal;
         MatrixXd to = right;
         held.middleRows(first, count).setZero();
@@ -180,7 +186,7 @@ class Fitter {
     /// How large the unexplained torque is, so that what the fit has left is as likely as can be: the mean square of its coefficients, each
     /// with its variance, until it stays (expectation and maximisation).
     double size_of_unexplained() const {
-        const Index count = 2 * kUnexplainedOrders, first = unknowns_ - count;
+        const Index count = kUnexplained, first = unknowns_ - count;
         double share = gas_.least_unexplained();
         for (int i = 0; i < 20; ++i) {
             MatrixXd normal = full_;
@@ -218,7 +224,7 @@ class Fitter {
     /// Teeth that stand out count less, cycles that stand out among those of their speed not at all.
     void weigh() {
         const auto before = groups(true);
-        for (const auto &[key, group] : before) {
+        for (const auto &group : before) {
             std::vector<double> rms;
             for (std::size_t c : group) rms.push_back(left(c, change_).norm());
             std::vector<double> sorted = rms;
@@ -238,12 +244,22 @@ class Fitter {
         }
     }
 
-    /// Cycles of about one speed and of one kind.
-    std::map<std::pair<bool, int>, std::vector<std::size_t>> groups(bool disturbed_too = false) const {
-        std::map<std::pair<bool, int>, std::vector<std::size_t>> by;
+    /// Cycles of about one speed and of one kind, each in the order of time; firing ones first, then by speed.
+    std::vector<std::vector<std::size_t>> groups(bool disturbed_too = false) const {
+        std::vector<std::size_t> order;
         for (std::size_t c = 0; c < cycles_.size(); ++c)
-            if (disturbed_too || !disturbed_[c]) by[{cycles_[c].motored,
-                int(std::lround(std::log(cycles_[c].speed_radps) / kSpeedBin))}].push_back(c);
+            if (disturbed_too || !disturbed_[c]) order.push_back(c);
+        std::stable_sort(order.begin(), order.end(), [this](std::size_t a, std::size_t b) {
+            return std::tie(cycles_[a].motored, cycles_[a].speed_radps) < std::tie(cycles_[b].motored, cycles_[b].speed_radps);
+        });
+        std::vector<std::vector<std::size_t>> by;
+        for (std::size_t c : order) {
+            const WholeCycle *slowest = by.empty() ? nullptr : &cycles_[by.back().front()];
+            if (!slowest || slowest->motored != cycles_[c].motored || cycles_[c].speed_radps > (1 + kSpeedBin) * slowest->speed_radps)
+                by.emplace_back();
+            by.back().push_back(c);
+        }
+        for (auto &group : by) std::sort(group.begin(), group.end());
         return by;
     }
 
@@ -270,18 +286,11 @@ class Fitter {
     }
 
     void spread(MotionFit &fit) const {
-        // Of the fit with the unexplained torque held at 0; its effect is added as large as it is.
-        const Index count = 2 * kUnexplainedOrders, first = unknowns_ - count;
-        MatrixXd inverse = solved(full_, MatrixXd::Identity(shared_, shared_));
-        inverse.middleCols(first, count).setZero();
-        inverse.middleRows(first, count).setZero();
+        const MatrixXd inverse = solved(full_, MatrixXd::Identity(shared_, shared_));
         MatrixXd covariance = scatter_ * scatter_ * inverse;
-        const double share = size_of_unexplained();
-        const MatrixXd effect = inverse * full_.middleCols(first, count) / units_(first) * share;
-        covariance += effect * effect.transpose();
-        fit.unexplained_share = share;
+        fit.unexplained_share = share_;
         double square = 0;
-        for (const auto &[key, group] : groups())
+        for (const auto &group : groups())
             if (group.size() >= kLeastGroup) add_repeating(group, inverse, covariance, square);
         fit.repeating_rad = std::sqrt(square / double(cycles_.size()));
         const MatrixXd scaled = units_.asDiagonal() * covariance * units_.asDiagonal();
@@ -293,27 +302,54 @@ class Fitter {
             if (column < 0) continue;
             fit.pattern_sd(p) = std::sqrt(scaled(column, column));
         }
-        for (const auto &[key, group] : groups())
-            if (group.size() >= kLeastGroup) fit.drag.push_back(drag_of(group, covariance));
+        for (const auto &group : groups())
+            if (group.size() >= kLeastGroup)
+                if (DragFound drag = drag_of(group, covariance); !drag.cycles.empty()) fit.drag.push_back(std::move(drag));
         fit.disturbed = std::size_t(std::count(disturbed_.begin(), disturbed_.end(), true));
     }
 
+    /// The next cycle begins where this one ends.
+    bool goes_on(std::size_t c, std::size_t next) const {
+        if (next != c + 1) return false;
+        const WholeCycle &a = cycles_[c], &b = cycles_[next];
+        const double turned = (b.t_s.front() - a.t_s.back()) * (a.speed_radps + b.speed_radps) / 2;
+        return turned < 2 * (720 - a.deg.back() + a.deg.front()) * kRad;
+    }
+
+    /// By the balance of energy from the beginning of each cycle to that of the next: what gas torque gave and energy does not show.
+    /// What of the unexplained torque has no mean does not count in it, as it would in how the speed bends within a cycle. The mean of
+    /// a model's error nobody sees: it is taken to be as large as each harmonic.
     DragFound drag_of(const std::vector<std::size_t> &group, const MatrixXd &covariance) const {
-        const double count = double(group.size());
-        DragFound found{0, cycles_[group.front()].motored, group.size(), 0, 0, {}};
+        DragFound found{0, cycles_[group.front()].motored, {}, 0, 0, {}};
         VectorXd slope = VectorXd::Zero(shared_);
-        double squares = 0;
-        for (std::size_t c : group) {
-            found.rpm += cycles_[c].speed_radps * 30 / M_PI / count;
-            found.over_inertia += starts_[c].drag_radps2 / count;
-            slope -= freed_[c].answer.row(2).tail(shared_).transpose() * drag_unit(scales_[c]) / count;
+        double noise = 0, count = 0, square_of_gas = 0;
+        for (std::size_t i = 0; i + 1 < group.size(); ++i) {
+            const std::size_t c = group[i], next = group[i + 1];
+            if (!goes_on(c, next)) continue;
+            const CycleTorque torque = gas_.torque(cycles_[c], grid_s_[c], values_);
+            found.rpm += cycles_[c].speed_radps * 30 / M_PI;
+            found.cycles.push_back({starts_[c].t_s, starts_[next].t_s});
+            found.over_inertia += torque.gas_over_j.mean() - (starts_[next].energy - starts_[c].energy) / kCycle_rad;
+            square_of_gas += torque.gas_over_j.squaredNorm() / kGridPoints;
+            slope.head(unknowns_) += units_.head(unknowns_).cwiseProduct(torque.torque_slope.colwise().mean().transpose());
+            slope += (energy_answer(next) - energy_answer(c)) / kCycle_rad;
+            // The beginnings between two cycles of a row do not count, its first and its last do.
+            if (i == 0 || !goes_on(group[i - 1], c)) noise += std::pow(energy_noise(c), 2);
+            if (i + 2 == group.size() || !goes_on(next, group[i + 2])) noise += std::pow(energy_noise(next), 2);
+            count += 1;
         }
-        for (std::size_t c : group) squares += std::pow(starts_[c].drag_radps2 - found.over_inertia, 2);
-        const double scatter = count > 1 ? squares / (count - 1) / count : 0;
-        found.over_inertia_sd = std::sqrt(slope.dot(covariance * slope) + scatter);
+        found.rpm /= count;
+        found.over_inertia /= count;
+        slope /= count;
+        const double unexplained = gas_.is_model() ? share_ * share_ * square_of_gas / count : 0;
+        found.over_inertia_sd = std::sqrt(slope.dot(covariance * slope) + noise / std::pow(kCycle_rad * count, 2) + unexplained);
         found.slope = slope.head(unknowns_).cwiseQuotient(units_.head(unknowns_));
         return found;
     }
+
+    /// How the start's energy answers the shared columns, rad2/s2.
+    VectorXd energy_answer(std::size_t c) const { return freed_[c].answer.row(1).tail(shared_).transpose() * scales_[c].mean_energy; }
+    double energy_noise(std::size_t c) const { return scatter_ * freed_[c].energy_per_scatter * scales_[c].mean_energy; }
 
     const EngineFile &engine_;
     const GasTorque &gas_;
@@ -329,6 +365,7 @@ class Fitter {
     VectorXd right_;
     MatrixXd full_;
     double scatter_ = 0; ///< rad
+    double share_ = 0;   ///< Of the unexplained torque; 0 while it is held at 0.
 };
 
 } // namespace

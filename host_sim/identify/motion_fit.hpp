@@ -2,11 +2,11 @@
 // Least squares over cycles: what all cycles share (the unknowns of a gas torque, and where each tooth stands) beside what each has of its
 // own (start, energy, drag), by Gauss and Newton with robust weights.
 //
-// The deviations come from four things, added as variances: the scatter of single teeth, what is known beforehand, an unexplained torque of
-// the cycle's first harmonics as large as what is left of the data makes it likely, so that an engine that does not obey the equations gets
-// wide intervals, and what repeats from cycle to cycle without being explained: with m that repeating error of the teeth of a cycle,
-// its effect on the shared numbers is
-// G sum(X') m, G the inverse of the normal matrix; it does not shrink with more cycles.
+// The deviations come from four things: the scatter of single teeth, what is known beforehand, an unexplained torque of the cycle's first
+// harmonics, fitted with the rest and as large as what is left without it makes it likely, so that an engine that does not obey the
+// equations gets wide intervals, and what repeats from cycle to cycle all the same, added as a variance: with m that repeating error of
+// the teeth of a cycle its effect on the shared numbers is G sum(X') m, G the inverse of the normal matrix; it does not shrink with more
+// cycles.
 #pragma once
 #include "identify/gas_torque.hpp"
 
@@ -16,7 +16,7 @@ namespace sixdeg {
 struct DragFound {
     double rpm;
     bool motored;
-    std::size_t cycles;
+    std::vector<TimeWindow> cycles; ///< When each of them ran.
     double over_inertia, over_inertia_sd; ///< rad/s2: over J0.
     Eigen::VectorXd slope;                ///< Of over_inertia, over the unknowns.
 };

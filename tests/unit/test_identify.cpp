@@ -7,6 +7,7 @@
 #include "common/error.hpp"
 #include "identify/engine_text.hpp"
 #include "identify/identify.hpp"
+#include "identify/learned_pattern.hpp"
 
 namespace {
 
@@ -17,6 +18,7 @@ constexpr double kRad = M_PI / 180;
 /// Four even firings, or a single, without combustion; what is true of it, and the file that is wrong about it.
 struct MadeEngine {
     double inertia = 0.21, mass = 0.6, gamma = 1.36, intake_bar = 0.9, drag_nm = 3, offset_deg = 1.3, position_0_deg = 100;
+    double burn = 1; ///< Heat at TDC: pressure behind it over pressure ahead of it.
     double bore = 0.08, stroke = 0.085, rod = 0.14, ratio = 11;
     std::vector<double> tdc_deg{0, 180, 360, 540}, pattern_deg;
 
@@ -35,7 +37,8 @@ struct MadeEngine {
     /// Bar, over the angle from the own firing TDC.
     double pressure(double deg) const {
         const double a = std::remainder(deg, 720);
-        return std::abs(a) < 150 ? intake_bar * std::pow(volume(150 * kRad) / volume(a * kRad), gamma) : intake_bar;
+        if (burn > 1 && std::abs(a) >= 150) return a > 0 ? 1.05 : intake_bar;
+        return std::abs(a) < 150 ? intake_bar * std::pow(volume(150 * kRad) / volume(a * kRad), gamma) * (a > 0 ? burn : 1) : intake_bar;
     }
     /// By tenths of a degree, made once.
     double table(std::vector<double> &values, double deg, double (MadeEngine::*of)(double) const) const {
@@ -46,8 +49,9 @@ struct MadeEngine {
     mutable std::vector<double> gas_table, inertia_table;
     double gas_nm(double deg) const { return table(gas_table, deg, &MadeEngine::gas_slowly); }
     double inertia_at(double deg) const { return table(inertia_table, deg, &MadeEngine::inertia_slowly); }
+    double other_nm = 0; ///< A torque of orders 1/2 and 1.
     double gas_slowly(double deg) const {
-        double sum = 0;
+        double sum = other_nm * (std::cos(deg * kRad / 2) + std::sin(deg * kRad));
         for (double tdc : tdc_deg) sum += (pressure(deg - tdc) - 1.013) * 1e5 * slope((deg - tdc) * kRad);
         return sum;
     }
@@ -61,7 +65,7 @@ struct MadeEngine {
         for (std::size_t i = 0; i < tdc_deg.size(); ++i) file.firing_order.push_back(int(i + 1));
         file.firing_tdc_deg = tdc_deg;
         file.bore_m = bore, file.stroke_m = stroke, file.rod_m = rod, file.compression_ratio = ratio;
-        file.intake_close_deg = 570, file.exhaust_open_deg = 150;
+        file.intake_close_deg = 570, file.exhaust_open_deg = 145;
         file.pulses = {{-10, 50, 2, 1}};
         file.inertia_kgm2 = 1.2 * inertia, file.reciprocating_mass_kg = mass;
         file.position_0_deg = position_0_deg;
@@ -149,6 +153,98 @@ TEST(Identify, WithoutAFuelCutAFiringEngineIsRefusedByName) {
     EXPECT_TRUE(told.position_0_deg.told());
     record.teeth.resize(200);
     EXPECT_THROW(identify(engine.first_file(), record, {}, "made"), InputError);
+}
+
+/// A single that fires, at about one speed.
+MadeEngine single() {
+    MadeEngine engine;
+    engine.tdc_deg = {0}, engine.inertia = 0.08, engine.burn = 1.8, engine.drag_nm = 0;
+    for (int deg = 0; deg < 720; ++deg) engine.drag_nm += engine.gas_slowly(deg) / 720; // it runs steadily
+    return engine;
+}
+
+CrankRecord firing_record(const MadeEngine &engine) {
+    CrankRecord record;
+    std::mt19937 random(6);
+    turn(engine, 2400, 24, random, record);
+    record.intake = {{0, engine.intake_bar}};
+    return record;
+}
+
+void expect_pattern(const Identified &found, const MadeEngine &engine, double most_half_width) {
+    ASSERT_EQ(found.pattern_refused, "");
+    int held = 0;
+    for (std::size_t p = 0; p < 58; ++p) {
+        held += std::abs(found.pattern_deg[p].value - engine.pattern_deg[p]) <= found.pattern_deg[p].half_width;
+        EXPECT_LT(found.pattern_deg[p].half_width, most_half_width) << p;
+    }
+    EXPECT_GE(held, 55);
+}
+
+TEST(Identify, AFiringSingleTellsItsPatternByTheGasExchangeAlthoughNothingElse) {
+    const MadeEngine engine = single();
+    CrankRecord record = firing_record(engine);
+    record.pressure.clear();
+    const Identified found = identify(engine.first_file(), record, {}, "made");
+    EXPECT_FALSE(found.position_0_deg.told());
+    EXPECT_FALSE(found.inertia_kgm2.told());
+    EXPECT_TRUE(found.pattern_by_exchange);
+    expect_pattern(found, engine, 0.15);
+}
+
+TEST(Identify, AFiringSingleWithPressureTellsEverything) {
+    const MadeEngine engine = single();
+    const Identified found = identify(engine.first_file(), firing_record(engine), {}, "made");
+    SCOPED_TRACE(testing::Message() << found.unexplained_percent << " % unexplained");
+    EXPECT_EQ(found.motored, 0u);
+    ASSERT_TRUE(found.inertia_kgm2.told()) << found.inertia_kgm2.refused;
+    EXPECT_NEAR(found.inertia_kgm2.value, engine.inertia, found.inertia_kgm2.half_width);
+    ASSERT_TRUE(found.position_0_deg.told()) << found.position_0_deg.refused;
+    EXPECT_NEAR(found.position_0_deg.value, engine.position_0_deg + engine.offset_deg, found.position_0_deg.half_width);
+    ASSERT_EQ(found.drag.size(), 1u);
+    EXPECT_FALSE(found.drag[0].motored);
+    EXPECT_NEAR(found.drag[0].nm.value, engine.drag_nm, found.drag[0].nm.half_width);
+    EXPECT_LT(found.drag[0].nm.half_width, 2);
+    expect_pattern(found, engine, 0.1);
+}
+
+TEST(Identify, WhatTheMotionOfTheCrankLeavesOpenRefusesNothingElse) {
+    // Beside the single's own torque another one acts, of orders 1/2 and 1, which no engine file has.
+    MadeEngine engine = single();
+    engine.other_nm = 12;
+    const Identified found = identify(engine.first_file(), firing_record(engine), {}, "made");
+    EXPECT_GT(found.unexplained_percent, 3);
+    ASSERT_EQ(found.drag.size(), 1u);
+    EXPECT_NEAR(found.drag[0].nm.value, engine.drag_nm, found.drag[0].nm.half_width);
+    ASSERT_TRUE(found.inertia_kgm2.told()) << found.inertia_kgm2.refused;
+    EXPECT_NEAR(found.inertia_kgm2.value, engine.inertia, found.inertia_kgm2.half_width);
+}
+
+TEST(Identify, CompressionAloneTellsTdc) {
+    MadeEngine engine = single();
+    engine.gamma = 1.32;
+    const Identified found = identify(engine.first_file(), firing_record(engine), {}, "made");
+    ASSERT_TRUE(found.compression_0_deg.told()) << found.compression_0_deg.refused;
+    EXPECT_NEAR(found.compression_0_deg.value, engine.position_0_deg + engine.offset_deg, found.compression_0_deg.half_width);
+}
+
+TEST(LearnedPattern, TheFirmwareReadsPatternAndDeviationFromIt) {
+    Identified found;
+    for (int p = 0; p < 60; ++p) found.pattern_deg.push_back({0.1 * std::sin(p), 0.03, p < 58 ? "" : "no tooth"});
+    found.pattern_cycles = 30;
+    const sd_pattern_sums_t sums = kept_of(found, "made").pattern;
+    // The straight line over u that the firmware fits to each tooth (sd_pattern.h): constant, slope, and what they leave.
+    const double n = sums.cycles, spread = 1 - sums.u * sums.u / (n * sums.uu);
+    double explained = 0;
+    for (int p = 0; p < 60; ++p) {
+        const double constant = (sums.late[p] / n - sums.u / (n * sums.uu) * sums.late_u[p]) / spread;
+        EXPECT_NEAR(constant, p < 58 ? 0.1 * kRad * std::sin(p) : 0, 1e-7);
+        explained += constant * sums.late[p] / 58;
+    }
+    EXPECT_GT(spread, 0.05);
+    EXPECT_NEAR(std::sqrt((sums.square - explained) / (n - 2) / (n * spread)), 0.03 / 1.96 * kRad, 2e-6);
+    found.pattern_refused = "one speed alone";
+    EXPECT_THROW(kept_of(found, "made"), InputError);
 }
 
 TEST(EngineText, NewNumbersStandInPlaceAndEveryNumberSaysWhereItIsFrom) {

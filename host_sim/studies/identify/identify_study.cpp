@@ -49,12 +49,17 @@ struct Table {
     std::map<std::string, Row> rows;
 };
 
-/// Mean of load and friction while nothing burned at the run's lower or higher speed.
-double mean_load(const EngineTruth &truth, bool high) {
-    double sum = 0, count = 0;
-    for (const auto &[t, nm] : truth.load_nm)
-        if (high ? t > 5.4 : t > 1 && t < 3) sum += nm, count += 1;
-    return sum / count;
+/// Mean of load and friction in the cycles that an answer is of.
+double mean_load(const EngineTruth &truth, const std::vector<TimeWindow> &cycles) {
+    const auto earlier = [](const std::pair<double, double> &point, double t) { return point.first < t; };
+    double sum = 0;
+    for (const TimeWindow &cycle : cycles) {
+        auto at = std::lower_bound(truth.load_nm.begin(), truth.load_nm.end(), cycle.from_s, earlier);
+        double own = 0, count = 0;
+        for (; at != truth.load_nm.end() && at->first < cycle.to_s; ++at) own += at->second, count += 1;
+        sum += own / count;
+    }
+    return sum / double(cycles.size());
 }
 
 void score_drag(const std::string &mode, const Identified &found, const EngineTruth &truth, Table &table) {
@@ -64,8 +69,8 @@ void score_drag(const std::string &mode, const Identified &found, const EngineTr
         low = std::min(low, d.rpm), high = std::max(high, d.rpm);
     }
     for (const DragAt &d : found.drag) {
-        if (!d.motored || d.cycles < 10 || (d.rpm > 1.1 * low && d.rpm < high / 1.1)) continue;
-        const double nm = mean_load(truth, d.rpm > 2100);
+        if (!d.motored || d.cycles.size() < 10 || (d.rpm > 1.1 * low && d.rpm < high / 1.1)) continue;
+        const double nm = mean_load(truth, d.cycles);
         if (d.nm.told()) table.rows[mode + "load and friction, N m"].take(d.nm, nm, 1);
         else table.rows[mode + "load and friction over J0, rad/s2"].take(d.over_inertia, nm / truth.inertia_kgm2, 1);
     }
@@ -76,6 +81,9 @@ void score(const std::string &mode, const Identified &found, const EngineTruth &
     Found offset = found.position_0_deg;
     offset.value = std::remainder(offset.value - truth.position_0_deg, 360);
     table.rows[mode + "mark to TDC, deg"].take(offset, 0, 1);
+    Found pressure = found.compression_0_deg;
+    pressure.value = std::remainder(pressure.value - truth.position_0_deg, 360);
+    table.rows[mode + "mark to TDC by compression, deg"].take(pressure, 0, 1);
     score_drag(mode, found, truth, table);
     table.rows[mode + "exponent"].take(found.exponent, truth.exponent, 1);
     for (std::size_t p = 0; p < found.pattern_deg.size(); ++p)

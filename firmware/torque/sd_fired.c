@@ -9,14 +9,13 @@
 #define UNSEEN_RAD   3.5e-5f /* 0.002 deg: no wheel is known better */
 #define FIRST_RAD2   1e-7f   /* variance of a tooth in a cycle before one is measured: 0.02 deg */
 #define READING_SD   0.05f   /* of the mean torque: a cycle's firings by themselves */
-#define STEADY       1u      /* cycles after a change of fuel or speed that tell nothing of hidden directions */
+#define STEADY       1u      /* cycles after a change of fuel that tell nothing of hidden directions */
 #define STEADY_FUEL  0.03f
-#define STEADY_SPEED 0.02f   /* of J w^2 from one cycle to the next: in ramps the firings read 2 to 3 % apart */
 #define PLACED_EACH  8.0f    /* of the cycles one more: the pattern is placed anew, */
 #define PLACED_MOST  8u      /* or after so many */
 
 #if SD_CYLINDERS_MAX == 8
-_Static_assert(sizeof(sd_fired_t) == 2136, "without pointers, the same size on every target");
+_Static_assert(sizeof(sd_fired_t) == 2132, "without pointers, the same size on every target");
 #endif
 
 /* ---- tables ---------------------------------------------------------------------------------------------------- */
@@ -136,29 +135,17 @@ static sd_fired_fit_t weigh(const sd_fired_sums_t *s, float v) {
     return (sd_fired_fit_t){ psi2 * over, -s->psi * over, s->cycles * over };
 }
 
-/* The pattern is known better: readings of hidden directions had another one taken out. */
-static void move_hidden(const sd_fired_t *self, const sd_kalman_tables_t *t, const float *known, sd_hidden_t *hidden) {
-    for (uint32_t i = 0; i < t->hidden; ++i) {
-        const sd_kalman_word_t *parts = hidden_of(t, i) + t->parts;
-        sd_hidden_move(&hidden[i], times(parts, known, t->parts) - times(parts, self->task.known, t->parts), prior_of(self));
-    }
-}
-
-/* Q' S of a pattern without hidden directions, of which m stands in `late_rad`. */
-static void find_known(const sd_kalman_tables_t *t, const float *late_rad, float *known) {
+/* What of the pattern comes from torque, over the columns of `both`: what was taken out of m, and hidden directions. m stands in
+ * `late_rad`. */
+static void restore(sd_fired_task_t *task, const sd_kalman_tables_t *t, const sd_fired_sums_t *s, const float *late_rad, float *part) {
     float of_late[SD_KALMAN_PARTS_MAX] = { 0.0f };
     for (uint32_t k = 0; k < t->positions; ++k) {
         const sd_kalman_word_t *column = columns_at(t, k);
         for (uint32_t j = 0; j < t->parts; ++j) { of_late[j] += (float)both(&column[j]) * late_rad[k]; }
     }
     for (uint32_t j = 0; j < t->parts; ++j) { of_late[j] *= 0.5f * COLUMN; }
-    for (uint32_t j = 0; j < t->parts; ++j) { known[j] = times(restore_of(t) + j * t->parts, of_late, t->parts); }
-}
-
-/* What of the pattern comes from torque, over the columns of `both`: what was taken out of m, and hidden directions. */
-static void restore(const sd_fired_task_t *task, const sd_kalman_tables_t *t, const sd_fired_sums_t *s, float *part) {
     for (uint32_t j = 0; j < t->parts; ++j) {
-        part[j] = task->known[j];
+        part[j] = task->known[j] = times(restore_of(t) + j * t->parts, of_late, t->parts);
         for (uint32_t i = 0; i < t->hidden; ++i) { part[j] += hidden_of(t, i)[j].value * s->hidden[i].x[SD_HIDDEN_PATTERN]; }
         part[j] *= 0.5f * COLUMN;
     }
@@ -181,8 +168,8 @@ static void judge(const sd_fired_t *self, const sd_kalman_tables_t *t, const sd_
     pattern->cycles = s->cycles;
 }
 
-/* The pattern that is not in use becomes what the sums say. moves: hidden directions that were read with the last one; NULL: none. */
-static void place_pattern(sd_fired_t *self, const sd_kalman_tables_t *t, const sd_fired_sums_t *s, sd_hidden_t *moves) {
+/* The pattern that is not in use becomes what the sums say. */
+static void place_pattern(sd_fired_t *self, const sd_kalman_tables_t *t, const sd_fired_sums_t *s) {
     sd_fired_pattern_t *coming = &self->pattern[self->used ^ 1u];
     const sd_fired_fit_t fit = weigh(s, self->task.left_rad2);
     float part[SD_KALMAN_PARTS_MAX], explained = 0.0f, sum = 0.0f;
@@ -191,11 +178,7 @@ static void place_pattern(sd_fired_t *self, const sd_kalman_tables_t *t, const s
         explained += constant * s->late[k] + slope * s->late_psi[k];
         coming->late_rad[k] = constant;
     }
-    float known[SD_KALMAN_PARTS_MAX] = { 0.0f };
-    find_known(t, coming->late_rad, known);
-    if (moves != NULL) { move_hidden(self, t, known, moves); }
-    memcpy(self->task.known, known, sizeof self->task.known);
-    restore(&self->task, t, s, part);
+    restore(&self->task, t, s, coming->late_rad, part);
     for (uint32_t k = 0; k < t->positions; ++k) {
         const sd_kalman_word_t *column = columns_at(t, k);
         float late = coming->late_rad[k];
@@ -222,9 +205,7 @@ void sd_fired_work(sd_fired_t *self, const sd_kalman_tables_t *t, sd_fired_sums_
     sum_cycle(t, cycle, part, sums);
     self->task.since++;
     if (sums->cycles < (float)SD_FIRED_CYCLES_MIN) { return; }
-    if ((self->task.since >= PLACED_MOST) || (PLACED_EACH * (float)self->task.since >= sums->cycles)) {
-        place_pattern(self, t, sums, (sd_fired_used(self)->sd_rad > 0.0f) ? sums->hidden : NULL);
-    }
+    if ((self->task.since >= PLACED_MOST) || (PLACED_EACH * (float)self->task.since >= sums->cycles)) { place_pattern(self, t, sums); }
 }
 
 bool sd_fired_take_over(sd_fired_t *self) {
@@ -251,11 +232,9 @@ static void begin_cycle(sd_fired_t *self, const sd_kalman_tables_t *t, sd_kalman
     cycle->charge_bar = charge / (float)t->cylinders;
     cycle->fuel_mg = fuel_mg;
     cycle->late[0].half[0] = 0;
-    const bool same = (__builtin_fabsf(fuel_mg - self->fuel_mg) <= STEADY_FUEL * self->fuel_mg) &&
-        (__builtin_fabsf(cycle->scale_nm - self->scale_nm) <= STEADY_SPEED * self->scale_nm);
+    const bool same = __builtin_fabsf(fuel_mg - self->fuel_mg) <= STEADY_FUEL * self->fuel_mg;
     self->steady = !same ? 0u : (self->steady < 255u) ? (uint8_t)(self->steady + 1u) : self->steady;
     self->fuel_mg = fuel_mg;
-    self->scale_nm = cycle->scale_nm;
     self->teeth = 1;
     self->following = 1;
 }
@@ -337,7 +316,7 @@ void sd_fired_resume(sd_fired_t *self, const sd_kalman_tables_t *t, const sd_fir
     forget(self);
     if ((t->parts == 0u) || (sums->cycles < (float)SD_FIRED_CYCLES_MIN)) { return; }
     for (uint32_t round = 0; round < 2u; ++round) { /* the second by the variance that the first one found */
-        place_pattern(self, t, sums, NULL);
+        place_pattern(self, t, sums);
         (void)sd_fired_take_over(self);
     }
 }

@@ -16,8 +16,7 @@
 /// and the deviation says so.
 ///
 /// p_i, what the pattern has of a hidden direction, is learned from commanded fuel and speed (sd_hidden.h), when Q' S d of what is known of
-/// the pattern is taken out of the reading, which is restore A' m; when the pattern is placed anew, p_i moves by what all readings so far
-/// would have been less. Without commanded fuel nothing is learned of p_i: a load that grows
+/// the pattern is taken out of the reading, which is restore A' m. Without commanded fuel nothing is learned of p_i: a load that grows
 /// with w^2 looks the same.
 ///
 /// Who owns what. Teeth collect L of every cycle in one of two places, and no more; the 10 ms task works at a cycle that was seen whole,
@@ -58,7 +57,7 @@ typedef struct sd_fired_cycle {
     float charge_bar;      ///< Mean of the cylinders.
     float fuel_mg;         ///< Commanded for a firing; below 0: not known.
     float firing_nm[SD_KALMAN_FIRINGS_MAX]; ///< Torque of each firing, as the filter had it.
-    uint8_t steady;        ///< 1: fuel and speed have not moved lately, and the filter had its teeth corrected.
+    uint8_t steady;        ///< 1: the commanded fuel has not moved lately, and the filter had its teeth corrected.
 } sd_fired_cycle_t;
 
 /// The pattern, as it stood after `cycles`.
@@ -86,8 +85,7 @@ typedef struct sd_fired {
     sd_fired_task_t task;
     float unlearned_rad;  ///< Standard deviation of a tooth's place while nothing is learned. The caller's to set.
     float fuel_mg;        ///< Commanded at the start of the cycle under way; below 0: not known.
-    float scale_nm;       ///< J w^2 at the start of the last cycle that began.
-    uint8_t steady;       ///< Cycles since the commanded fuel or the speed changed, saturating.
+    uint8_t steady;       ///< Cycles since the commanded fuel changed, saturating.
     uint8_t following;    ///< 1: the cycle under way was seen from its start.
     uint8_t collects;     ///< Which cycle teeth write.
     uint8_t waits;        ///< 1: the other one was seen whole and is not in the sums yet.

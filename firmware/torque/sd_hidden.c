@@ -62,15 +62,6 @@ void sd_hidden_step(sd_hidden_t *self, const sd_hidden_reading_t *reading, float
     for (uint32_t i = 0; i < N; ++i) { self->c[at(i, i)] = (self->c[at(i, i)] > 1e-14f) ? self->c[at(i, i)] : 1e-14f; }
 }
 
-/* To readings it is a part of p that they do not see any more; to what was believed of p before any, it is none. */
-void sd_hidden_move(sd_hidden_t *self, float more_rad, float prior_rad) {
-    const float variance = self->c[at(P, P)], prior = square(prior_rad);
-    if (!(variance > 0.0f)) { return; }
-    const float of_prior = more_rad / ((prior > variance) ? prior : variance);
-    for (uint32_t i = 0; i < N; ++i) { self->x[i] += of_prior * self->c[at(i, P)]; }
-    self->x[P] -= more_rad;
-}
-
 float sd_hidden_variance(const sd_hidden_t *self, float prior_rad) {
     return (self->c[at(P, P)] > 0.0f) ? self->c[at(P, P)] : square(prior_rad);
 }

@@ -48,9 +48,6 @@ typedef struct sd_hidden_reading {
 /// before anything is known.
 void sd_hidden_step(sd_hidden_t *self, const sd_hidden_reading_t *reading, float size, float doubt, bool common, float prior_rad);
 
-/// All readings so far should have had `more_rad` J w^2 less in z: the states become what they would be. prior_rad: as above.
-void sd_hidden_move(sd_hidden_t *self, float more_rad, float prior_rad);
-
 /// Whether kept ones may be real: no deviation squared is below 0.
 bool sd_hidden_ok(const sd_hidden_t *self);
 

@@ -9,6 +9,7 @@
 #include "design/calibration.hpp"
 #include "design/crank/crank_modes.hpp"
 #include "design/torque/fired_tables.hpp"
+#include "design/torque/interval_tables.hpp"
 #include "design/torque/late_in_fuel_cut.hpp"
 #include "design/torque/model_error.hpp"
 #include "common/error.hpp"
@@ -25,28 +26,6 @@ constexpr double kRoughChange = 4;
 constexpr double kLearnedRpm = 1500;
 /// Indicated mean effective pressure below which the pulses' shape is not learned.
 constexpr double kShapeFromPa = 0.5e5;
-
-struct Interval {
-    double mean = 0, moment = 0, point = 0;
-};
-
-double tooth_angle(const EngineFile &engine, double k) {
-    return engine.position_0_deg * kRadPerDeg + 2 * M_PI * k / engine.wheel.positions;
-}
-
-/// Simpson's rule over the interval that ends at tooth k, fine enough for the kink where combustion begins.
-Interval over_interval(const EngineFile &engine, const TorqueOverAngle &torque, int k) {
-    constexpr int kSteps = 24;
-    Interval out;
-    for (int i = 0; i <= kSteps; ++i) {
-        const double s = double(i) / kSteps, value = torque(tooth_angle(engine, k - 1 + s));
-        const double weight = (i == 0 || i == kSteps ? 1.0 : i % 2 ? 4.0 : 2.0) / (3 * kSteps);
-        out.mean += weight * value;
-        out.moment += weight * (1 - s) * value;
-        out.point = value;
-    }
-    return out;
-}
 
 /// First cycle position at or after `deg` past the TDC of a firing.
 int position_after(const EngineFile &engine, std::size_t firing, double deg) {
@@ -304,39 +283,6 @@ void state_doubts(const EngineFile &engine, const KnownTorque &torque, const Mod
     }
 }
 
-} // namespace
-
-double interval_inertia_kgm2(const EngineFile &engine, int k) {
-    const auto root = [&](double s) { return std::sqrt(turning_inertia_kgm2(engine, tooth_angle(engine, k - 1 + s))); };
-    return std::pow((root(0) + 4 * root(0.5) + root(1)) / 6, 2);
-}
-
-double mean_inertia_kgm2(const EngineFile &engine) {
-    double sum = 0;
-    for (int k = 0; k < engine.wheel.positions; ++k) sum += interval_inertia_kgm2(engine, k);
-    return sum / engine.wheel.positions;
-}
-
-TorqueOverAngle sum_of(const std::vector<TorqueOverAngle> &torques) {
-    return [torques](double a) {
-        double sum = 0;
-        for (const TorqueOverAngle &torque : torques) sum += torque(a);
-        return sum;
-    };
-}
-
-std::pair<Eigen::MatrixXd, Eigen::MatrixXd> interval_tables(const EngineFile &engine, const std::vector<TorqueOverAngle> &torques) {
-    Eigen::MatrixXd mean(2 * engine.wheel.positions, torques.size()), moment = mean;
-    for (int k = 0; k < mean.rows(); ++k) {
-        for (int j = 0; j < mean.cols(); ++j) {
-            const Interval at = over_interval(engine, torques[std::size_t(j)], k);
-            mean(k, j) = at.mean, moment(k, j) = at.moment;
-        }
-    }
-    return {mean, moment};
-}
-
-namespace {
 
 ModelAt::ModelAt(const EngineFile &engine, const KnownTorque &torque)
     : modes_(modes_of(engine, torque)), cylinders_(engine.cylinders()), inertia_kgm2_(mean_inertia_kgm2(engine)) {

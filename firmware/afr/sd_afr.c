@@ -22,7 +22,8 @@ static bool is_running(const sd_afr_t *self) {
 }
 
 static sd_afr_joint_config_t joint_config(const sd_afr_config_t *c, const sd_afr_grid_t *grid) {
-    return (sd_afr_joint_config_t){ .cylinders = c->cylinders, .tau1_s = grid->tau1_s, .tau2_s = grid->tau2_s,
+    return (sd_afr_joint_config_t){ .cylinders = c->cylinders, .cycle_positions = c->cycle_positions,
+                                    .tau1_s = grid->tau1_s, .tau2_s = grid->tau2_s,
                                     .noise_per_rthz = c->noise_per_rthz, .drift = c->drift * START_LAMBDA,
                                     .start_sd = 0.1f, .reject = REJECT_SD };
 }

@@ -87,9 +87,14 @@ void sd_afr_delay_keep(const sd_afr_delay_t *self, float dead_s, sd_afr_kept_t *
 
 /* The trims' own composition at the sensor. */
 static void answer(sd_afr_delay_t *self, const sd_afr_inflow_t *in) {
+    const uint32_t count = in->count;
     float x = self->x;
-    for (uint32_t k = 0; k < in->count; ++k) { x += in->share[k] * (self->trim[in->cylinder[k]] - x); }
-    self->x = x;
+    if (count > 0u) {
+        float sum = 0.0f;
+        for (uint32_t k = 0; k < count; ++k) { sum += in->added[k] * self->trim[in->cylinder[k]]; }
+        x = in->kept * x + in->per_mass * sum;
+        self->x = x;
+    }
     self->lag2 += self->move2 * (x - self->lag2);
     self->lag1 += self->move1 * (self->lag2 - self->lag1);
 }

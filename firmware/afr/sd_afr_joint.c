@@ -5,17 +5,18 @@
 
 #include "sd_math.h"
 
-enum { GROUP = SD_AFR_GROUP,
-       REJECTED_IN_ROW_MAX = 60 / GROUP, /* groups left out in a row after which the estimate must be wrong */
-       JUMP_HOLD = 120 / GROUP };        /* groups, about a cycle, until the next jump may be seen */
+enum { REJECTED_IN_ROW_MAX = 60, /* positions left out in a row after which the estimate must be wrong */
+       JUMP_HOLD = 120 };        /* positions, about a cycle, until the next jump may be seen */
 
-#define MEAN_PACE 0.169f /* the mean of innovations reaches back about 1/this groups: 16 positions */
-#define MEAN_MAX  2.31f  /* its square over the innovation's variance: 5 standard deviations of such a mean, sqrt(pace/(2 - pace)) */
+#define LONG_LAGS  150.0f  /* positions */
+#define MEAN_PACE  0.0598f /* a position: the mean of innovations reaches back 16 positions */
+#define MEAN_SIGMA 25.0f   /* a jump is five standard deviations of such a mean, squared */
 #define VARIANCE_LEAST 1e-12f
 #define KEPT_LEAST     0.05f /* of x in a position: so little that it does not matter, and a group of it is still above 0 */
 
 sd_result_t sd_afr_joint_check(const sd_afr_joint_config_t *c) {
-    const bool ok = (c->cylinders >= 1u) && (c->cylinders <= SD_AFR_CYLINDERS_MAX) && sd_within(c->tau1_s, 1e-4f, 1.0f) &&
+    const bool ok = (c->cylinders >= 1u) && (c->cylinders <= SD_AFR_CYLINDERS_MAX) && (c->cycle_positions >= 24u) &&
+                    (c->cycle_positions <= SD_AFR_POSITIONS_MAX) && sd_within(c->tau1_s, 1e-4f, 1.0f) &&
                     sd_within(c->tau2_s, 1e-4f, 1.0f) && sd_within(c->noise_per_rthz, 1e-7f, 0.1f) &&
                     sd_within(c->drift, 1e-6f, 1.0f) && sd_within(c->start_sd, 1e-3f, 1.0f) && sd_within(c->reject, 3.0f, 1e3f);
     return ok ? SD_OK : SD_ERR_CONFIG;
@@ -29,19 +30,27 @@ sd_result_t sd_afr_joint_init(sd_afr_joint_t *self, const sd_afr_joint_config_t 
     return SD_OK;
 }
 
-/* What a lag moves by in a group. */
-static float group_of(float move) {
+/* What moves by so much in a position moves by this in a group. */
+static float group_of(const sd_afr_joint_t *self, float move) {
     float keep = 1.0f;
-    for (uint32_t k = 0; k < GROUP; ++k) { keep *= 1.0f - move; }
+    for (uint32_t k = 0; k < self->group; ++k) { keep *= 1.0f - move; }
     return 1.0f - keep;
+}
+
+/* Twice as many positions, while they are short beside the sensor's lags and leave two groups from one firing to the next. */
+static bool may_be_long(const sd_afr_joint_config_t *c, float step_s) {
+    return (c->tau1_s + c->tau2_s > LONG_LAGS * step_s) && (4u * SD_AFR_GROUP * c->cylinders <= c->cycle_positions);
 }
 
 void sd_afr_joint_set(sd_afr_joint_t *self, float step_s, float drift, float jump) {
     if (!(step_s > 0.0f) || !(step_s <= 0.1f) || !sd_within(drift, 1e-6f, 1.0f) || !sd_within(jump, 0.0f, 1.0f)) { return; }
     self->move2 = sd_lag_move(step_s / self->config.tau2_s);
     self->move1 = sd_lag_move(step_s / self->config.tau1_s);
-    self->group2 = group_of(self->move2);
-    self->group1 = group_of(self->move1);
+    self->group = may_be_long(&self->config, step_s) ? 2u * SD_AFR_GROUP : SD_AFR_GROUP;
+    self->group2 = group_of(self, self->move2);
+    self->group1 = group_of(self, self->move1);
+    self->pace = group_of(self, MEAN_PACE);
+    self->mean_max = MEAN_SIGMA * self->pace / (2.0f - self->pace); /* that mean's variance is pace/(2 - pace) of an innovation's */
     self->noise_var = self->config.noise_per_rthz * self->config.noise_per_rthz / (2.0f * step_s);
     self->drift_var = drift * drift;
     self->jump_var = jump * jump;
@@ -139,10 +148,10 @@ static void correct(sd_afr_joint_t *self, const float *k, float error) {
 /* Innovations that keep to one side: something has moved more than drift allows. Which cylinder is for the samples to say:
    all states are let go alike, the sensor's too, since they have followed the wrong gas until now. */
 static void watch(sd_afr_joint_t *self, float error, float inverse) {
-    self->mean_innovation += MEAN_PACE * (error - self->mean_innovation);
-    if (self->hold > 0u) { self->hold--; }
+    self->mean_innovation += self->pace * (error - self->mean_innovation);
+    self->hold = (self->hold > self->positions) ? (uint16_t)(self->hold - self->positions) : 0u;
     const float square = self->mean_innovation * self->mean_innovation * inverse;
-    if ((square < MEAN_MAX) || (self->hold > 0u) || !(self->jump_var > 0.0f)) { return; }
+    if ((square < self->mean_max) || (self->hold > 0u) || !(self->jump_var > 0.0f)) { return; }
     let_go(self, self->jump_var);
     self->mean_innovation = 0.0f;
     self->hold = JUMP_HOLD;
@@ -192,7 +201,8 @@ static void update(sd_afr_joint_t *self) {
     self->test_ratio = error * error * inverse / (self->config.reject * self->config.reject);
     if (self->test_ratio > 1.0f) {
         if (self->rejected < UINT16_MAX) { self->rejected++; }
-        if (++self->rejected_in_row > REJECTED_IN_ROW_MAX) { self->running = 0; }
+        self->rejected_in_row = (uint16_t)(self->rejected_in_row + self->positions);
+        if (self->rejected_in_row > REJECTED_IN_ROW_MAX) { self->running = 0; }
         return;
     }
     self->rejected_in_row = 0;
@@ -208,22 +218,27 @@ static void end_group(sd_afr_joint_t *self) {
     if (!((self->x > -4.0f) && (self->x < 4.0f))) { self->running = 0; } /* or NaN: begins anew */
 }
 
+/* x with what comes in at a position, which let_in counts by what is left of x from before the group. */
+static inline float mix(sd_afr_joint_t *self, const sd_afr_inflow_t *in) {
+    const uint32_t count = in->count;
+    const float keep = self->keep * ((in->kept > KEPT_LEAST) ? in->kept : KEPT_LEAST), per_kept = in->per_mass / keep;
+    float sum = 0.0f;
+    for (uint32_t k = 0; k < count; ++k) {
+        const uint32_t i = in->cylinder[k];
+        sum += in->added[k] * self->air_fraction[i];
+        self->let_in[i] += in->added[k] * per_kept;
+    }
+    self->keep = keep;
+    return in->kept * self->x + in->per_mass * sum;
+}
+
 void sd_afr_joint_step(sd_afr_joint_t *self, const sd_afr_inflow_t *in, float measured, const float *gains) {
     const bool seen = (measured > -2.0f) && (measured < 2.0f);
     if (self->running == 0u) {
         if (seen) { begin(self, measured); }
         return;
     }
-    const uint32_t count = in->count;
-    float x = self->x, keep = self->keep;
-    for (uint32_t k = 0; k < count; ++k) {
-        const uint32_t i = in->cylinder[k];
-        const float share = in->share[k], left = 1.0f - share;
-        x += share * (self->air_fraction[i] - x);
-        keep *= (left > KEPT_LEAST) ? left : KEPT_LEAST;
-        self->let_in[i] += share / keep;
-    }
-    self->keep = keep;
+    const float x = (in->count > 0u) ? mix(self, in) : self->x;
     const float lag2 = self->lag2 + self->move2 * (x - self->lag2), lag1 = self->lag1 + self->move1 * (lag2 - self->lag1);
     self->x = x;
     self->lag2 = lag2;
@@ -237,7 +252,7 @@ void sd_afr_joint_step(sd_afr_joint_t *self, const sd_afr_inflow_t *in, float me
         self->samples++;
     }
     self->positions++;
-    if (self->positions >= GROUP) { end_group(self); }
+    if (self->positions >= self->group) { end_group(self); }
 }
 
 void sd_afr_joint_move(sd_afr_joint_t *self, uint32_t cylinder, float lambda_change) {

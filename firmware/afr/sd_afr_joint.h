@@ -6,10 +6,11 @@
 /// the sensor. Once a wheel position, with M and D_i as the sensor meets them (sd_afr_inflow.h, delay included):
 ///     x   = (M x + sum D_i a_i)/(M + sum D_i)     D_i >= 0: stable whatever the numbers
 ///     s2 += m2 (x - s2);  s1 += m1 (s2 - s1)      m = 1 - exp(-step/tau)
-/// and every third position, with the mean error e = y - s1 of the samples in the three:
+/// and every third position (every sixth where the lags are longer than 150 positions), with the mean error e = y - s1 of the
+/// samples in the three:
 ///     state += K e
 /// K is either given (fixed gains, one column a position, and a correction at each) or found on the way from the filter's own
-/// covariance, which moves by three positions at a time: the lags follow the x before them, and what a cylinder lets in within
+/// covariance, which moves by as many positions at a time: the lags follow the x before them, and what a cylinder lets in within
 /// them is mixed in at once. The sensor's lags are tens of positions, so this K is as good as one found at every position
 /// (docs/theory/afr.md). Each line above touches one row of the covariance. a_i gains variance q^2 once a cycle, where its
 /// exhaust begins. Where innovations keep to one side
@@ -27,11 +28,12 @@
 extern "C" {
 #endif
 
-#define SD_AFR_GROUP 3 /* positions whose samples are taken in together */
+#define SD_AFR_GROUP 3 /* positions whose samples are taken in together; twice as many where the sensor's lags last 150 positions */
 
 /// Read by init only.
 typedef struct sd_afr_joint_config {
     uint8_t  cylinders;         ///< 1 to SD_AFR_CYLINDERS_MAX.
+    uint16_t cycle_positions;   ///< Of two revolutions, 24 to SD_AFR_POSITIONS_MAX.
     float    tau1_s, tau2_s;    ///< The sensor's lags, each [1e-4, 1].
     float    noise_per_rthz;    ///< One-sided density of the sensor's noise, of lambda, (0, 0.1].
     float    drift;             ///< q: how far a cylinder may move in one cycle, of lambda, (0, 1].
@@ -52,6 +54,7 @@ typedef struct sd_afr_joint {
     sd_afr_covariance_t p;
     float move2, move1;         ///< m2 and m1 of a position: the share that each lag moves.
     float group2, group1;       ///< m2 and m1 of a group, the same.
+    float pace, mean_max;       ///< Of the mean innovation: its move in a group, and its square, over an innovation's, that is a jump.
     float noise_var, drift_var, jump_var; ///< Variance of a sample's noise, of a cycle's drift, of a jump: air fraction squared.
     float innovation, test_ratio; ///< e of the last group, air fraction; its square over the expected one, as in sd_status_t.
     sd_afr_joint_config_t config;
@@ -59,8 +62,10 @@ typedef struct sd_afr_joint {
     float error;                ///< Sum of y - s1 over the samples of the group so far.
     float keep;                 ///< Share of x that is still there from before the group.
     float let_in[SD_AFR_CYLINDERS_MAX]; ///< What has come from each cylinder in the group, over `keep`.
-    uint16_t rejected, rejected_in_row, jumps, hold; ///< In groups; hold: until the next jump may be seen.
+    uint16_t rejected, rejected_in_row; ///< Groups left out since the start; positions of those left out in a row.
+    uint16_t jumps, hold;       ///< How many there were; positions until the next may be seen.
     uint8_t  running;           ///< 1: the estimate follows the samples.
+    uint8_t  group;             ///< Positions of a group.
     uint8_t  positions, samples; ///< Of the group so far.
     uint8_t  flowing;           ///< Bit i: the cylinder's gas passed in the last group.
 } sd_afr_joint_t;

@@ -43,6 +43,7 @@ RUNS = [
     "fixed",
     "twist",
     "eight_lambda",
+    "eight_6000",
     "dual_mass",
     "single",
 ]

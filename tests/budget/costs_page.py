@@ -13,6 +13,7 @@ NAME = {
 }
 PLACE = {"quick": "quick end", "middle": "middle", "slow": "slow end"}
 GOAL = {"cortex-m4f": 25, "cortex-m7": 15}  # % at 6000 rpm
+AT_6000 = "eight_6000"  # the run at that speed
 INTERRUPT = 60  # cycles to enter and leave an interrupt, 12 each, and to save and restore floating-point registers, 18 each
 SPEEDS = [1000, 2000, 3000, 4000, 5000, 6000, 7000, 8000]
 TEETH, POSITIONS = 58, 60  # of a revolution
@@ -31,6 +32,7 @@ WHAT = {
     "fixed": "smooth, all in q31, two exhaust sensors",
     "twist": "eight cylinders, twisting crank, misfires",
     "eight_lambda": "eight cylinders, lambda sensor, trims, misfires",
+    "eight_6000": "the same at 6000 rpm",
     "dual_mass": "three cylinders, dual-mass flywheel",
     "single": "one cylinder, no cam sensor",
 }
@@ -165,6 +167,12 @@ def share_of_a_tooth(f):
     return "".join(parts)
 
 
+def against(f, core, run, goal):
+    """Whether the goal is held, at each end of what is known of the core."""
+    of = {way: f.load(core, run, 6000, way) for way in ways(core)}
+    return ", ".join(f"at the {PLACE[way]} {'held' if of[way] <= goal else 'missed'} ({of[way]:.1f} %)" for way in of)
+
+
 def loads(f):
     rows = []
     for core in CLOCK:
@@ -196,14 +204,13 @@ def loads(f):
         "\n",
     ]
     for core, goal in GOAL.items():
-        worst = {way: max(f.load(core, run, 6000, way) for run in f.runs(core)) for way in ways(core)}
         first = min(f.first_overrun(core, run) for run in f.runs(core))
-        held = {way: "held" if worst[way] <= goal else "missed" for way in worst}
-        said = ", ".join(f"at the {PLACE[way]} {held[way]} ({worst[way]:.1f} %)" for way in worst)
         most = max(f.runs(core), key=lambda run: f.load(core, run, 6000))
         lines.append(
-            f"- {NAME[core]}: goal at most {goal} % at 6000 rpm in every run, the largest of which is {most}: {said}. No tooth overruns"
-            f" below {number(first)} rpm: {'held' if first > 6000 else 'missed'} at 6000, eight cylinders included.\n"
+            f"- {NAME[core]}: goal at most {goal} % at 6000 rpm. Eight cylinders that do run at 6000 rpm (eight_6000):"
+            f" {against(f, core, AT_6000, goal)}.\n  Of the runs at lower speeds, taken to 6000 rpm, the largest is {most}:"
+            f" {against(f, core, most, goal)}.\n  No tooth overruns below {number(first)} rpm:"
+            f" {'held' if first > 6000 else 'missed'} at 6000, eight cylinders included.\n"
         )
     fixed = min(f.first_overrun("cortex-m3-fixed", run) for run in f.runs("cortex-m3-fixed"))
     lines.append(

@@ -66,12 +66,14 @@ Eigen::MatrixXd lagging(double m2, double m1) {
 
 // The joint filter against a full one that takes in the same groups of samples; and what one that takes in every sample by
 // itself, at its position, would state.
-TEST(AfrJoint, StructuredCovarianceIsTheFullOne) {
-    sd_afr_joint_config_t c{4, 0.03f, 0.015f, 2e-4f, 0.01f, 0.1f, 1000};
+void structured_is_full(double dt, int group) {
+    SCOPED_TRACE(group);
+    sd_afr_joint_config_t c{4, 120, 0.03f, 0.015f, 2e-4f, 0.01f, 0.1f, 1000};
     sd_afr_joint_t f;
     must(sd_afr_joint_init(&f, &c));
-    const double dt = 1e-3, r = 4e-8 / (2 * dt), m2 = 1 - std::exp(-dt / 0.015), m1 = 1 - std::exp(-dt / 0.03);
+    const double r = 4e-8 / (2 * dt), m2 = 1 - std::exp(-dt / 0.015), m1 = 1 - std::exp(-dt / 0.03);
     sd_afr_joint_set(&f, float(dt), 0.01f, 0);
+    EXPECT_EQ(int(f.group), group);
     FullFilter grouped, single;
     Eigen::MatrixXd group_mixing = Eigen::MatrixXd::Identity(7, 7);
     double error = 0;
@@ -94,8 +96,8 @@ TEST(AfrJoint, StructuredCovarianceIsTheFullOne) {
         grouped.x = step * grouped.x;
         group_mixing = mixing(now) * group_mixing;
         if (seen) error += y - grouped.x(6), ++samples;
-        if (k % SD_AFR_GROUP == SD_AFR_GROUP - 1) {
-            grouped.move(group_mixing * lagging(1 - std::pow(1 - m2, SD_AFR_GROUP), 1 - std::pow(1 - m1, SD_AFR_GROUP)));
+        if (k % group == group - 1) {
+            grouped.move(group_mixing * lagging(1 - std::pow(1 - m2, group), 1 - std::pow(1 - m1, group)));
             grouped.update(error / samples, r / samples);
             group_mixing.setIdentity(), error = 0, samples = 0;
         }
@@ -111,6 +113,24 @@ TEST(AfrJoint, StructuredCovarianceIsTheFullOne) {
         }
     }
     for (int i = 1; i < 5; ++i) EXPECT_NEAR(std::sqrt(grouped.p(i, i) / single.p(i, i)), 1, 0.05) << i << ": single samples say no more";
+}
+
+TEST(AfrJoint, StructuredCovarianceIsTheFullOne) {
+    structured_is_full(1e-3, SD_AFR_GROUP);
+    structured_is_full(2e-4, 2 * SD_AFR_GROUP); // the sensor's lags are 225 positions
+}
+
+TEST(AfrJoint, TwoGroupsFitBetweenFirings) {
+    const auto group = [](std::uint8_t cylinders, std::uint16_t cycle_positions) {
+        const sd_afr_joint_config_t c{cylinders, cycle_positions, 0.03f, 0.015f, 2e-4f, 0.01f, 0.1f, 1000};
+        sd_afr_joint_t f;
+        must(sd_afr_joint_init(&f, &c));
+        sd_afr_joint_set(&f, 2e-4f, 0.01f, 0);
+        return int(f.group);
+    };
+    EXPECT_EQ(group(8, 120), 2 * SD_AFR_GROUP);
+    EXPECT_EQ(group(6, 72), 2 * SD_AFR_GROUP);
+    EXPECT_EQ(group(8, 72), SD_AFR_GROUP);
 }
 
 TEST(AfrJoint, SettlesInFourCyclesNearItsBoundAndStatesItsDeviation) {
@@ -162,7 +182,7 @@ TEST(AfrJoint, StatesWhatAWrongCalibrationCosts) {
 
 // Steps the filter over a gas of four cylinders in turn that the sensor has long followed, with white noise.
 int jumps_after(float jump, double moved_lambda) {
-    const sd_afr_joint_config_t c{4, 0.03f, 0.015f, 2e-4f, 0.003f, 0.1f, 1000};
+    const sd_afr_joint_config_t c{4, 120, 0.03f, 0.015f, 2e-4f, 0.003f, 0.1f, 1000};
     sd_afr_joint_t f;
     must(sd_afr_joint_init(&f, &c));
     sd_afr_joint_set(&f, 1e-3f, 0.003f, jump);
@@ -192,7 +212,7 @@ TEST(AfrJoint, AStepIsSeenInTheMeanInnovationAndNoiseIsNot) {
 TEST(AfrJoint, BlameIsTheOneCylinderThatExplainsMost) {
     RandomStream draw(11, 0);
     sd_afr_joint_t f;
-    const sd_afr_joint_config_t c{4, 0.03f, 0.015f, 2e-4f, 0.01f, 0.1f, 1000};
+    const sd_afr_joint_config_t c{4, 120, 0.03f, 0.015f, 2e-4f, 0.01f, 0.1f, 1000};
     must(sd_afr_joint_init(&f, &c));
     const sd_afr_usual_t free{0.02f, 0, 0}, known{0.02f, 0.5f, 0.01f}, unusable{NAN, 0.5f, 0.01f};
     EXPECT_EQ(sd_afr_joint_blame(&f, &free).explained, 0) << "not running";
@@ -243,7 +263,7 @@ TEST(AfrJoint, BlameIsTheOneCylinderThatExplainsMost) {
 }
 
 TEST(AfrJoint, ForgetsWhatIsNotANumber) {
-    const sd_afr_joint_config_t c{4, 0.03f, 0.015f, 2e-4f, 0.01f, 0.1f, 8};
+    const sd_afr_joint_config_t c{4, 120, 0.03f, 0.015f, 2e-4f, 0.01f, 0.1f, 8};
     sd_afr_joint_t f;
     must(sd_afr_joint_init(&f, &c));
     EXPECT_EQ(sd_afr_joint_status(&f).health, SD_INVALID);
@@ -259,6 +279,9 @@ TEST(AfrJoint, ForgetsWhatIsNotANumber) {
     EXPECT_EQ(sd_afr_joint_status(&f).health, SD_VALID);
     sd_afr_joint_config_t bad = c;
     bad.tau1_s = NAN;
+    EXPECT_EQ(sd_afr_joint_init(&f, &bad), SD_ERR_CONFIG);
+    bad = c;
+    bad.cycle_positions = 23;
     EXPECT_EQ(sd_afr_joint_init(&f, &bad), SD_ERR_CONFIG);
 }
 

@@ -185,6 +185,7 @@ template <class V> class AfrBlocks {
     void init_joint() {
         const double density = setup_.noise * std::sqrt(2 * trace_.step_s);
         const sd_afr_joint_config_t c{std::uint8_t(n_),
+                                      std::uint16_t(trace_.cycle_positions),
                                       float(engine_.exhaust->uego_tau_s[0] * (1 + setup_.error.tau)),
                                       float(engine_.exhaust->uego_tau_s[1] * (1 + setup_.error.tau)),
                                       float(density),

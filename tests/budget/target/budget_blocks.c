@@ -168,8 +168,8 @@ static void count_chain(uint32_t block) {
 
 static void count_fixed_gains(void) {
     static sd_afr_joint_t joint;
-    const sd_afr_joint_config_t config = { .cylinders = CYLINDERS, .tau1_s = 0.03f, .tau2_s = 0.015f, .noise_per_rthz = 2e-4f,
-                                           .drift = 5e-4f, .start_sd = 0.1f, .reject = 1000.0f };
+    const sd_afr_joint_config_t config = { .cylinders = CYLINDERS, .cycle_positions = 120, .tau1_s = 0.03f, .tau2_s = 0.015f,
+                                           .noise_per_rthz = 2e-4f, .drift = 5e-4f, .start_sd = 0.1f, .reject = 1000.0f };
     const float gains[CYLINDERS + 3] = { 0.01f, 0.01f, 0.01f, 0.01f, 0.01f, 0.01f, 0.01f };
     expect(sd_afr_joint_init(&joint, &config), "joint filter");
     start_exhaust();

@@ -16,8 +16,9 @@ static float gains[3 + SD_AFR_CYLINDERS_MAX], trim[SD_AFR_CYLINDERS_MAX], varian
 static void fill(uint32_t cylinders) {
     ANY_BYTES(joint), ANY_BYTES(delay), ANY_BYTES(in);
     joint.config.cylinders = (uint8_t)cylinders;
-    joint.positions = (uint8_t)any_upto(SD_AFR_GROUP - 1);
-    joint.samples = (uint8_t)any_upto(SD_AFR_GROUP - 1);
+    joint.group = (uint8_t)(SD_AFR_GROUP * any_of(1, 2));
+    joint.positions = (uint8_t)any_upto(2 * SD_AFR_GROUP - 1);
+    joint.samples = (uint8_t)any_upto(2 * SD_AFR_GROUP - 1);
     delay.config.cylinders = (uint8_t)cylinders;
     delay.config.tau1_s = any_float(1e-4f, 1.0f), delay.config.tau2_s = any_float(1e-4f, 1.0f);
     delay.config.cycle_positions = (uint16_t)any_of(24, SD_AFR_POSITIONS_MAX);

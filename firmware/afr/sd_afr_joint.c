@@ -8,6 +8,7 @@
 enum { REJECTED_IN_ROW_MAX = 60, /* positions left out in a row after which the estimate must be wrong */
        JUMP_HOLD = 120 };        /* positions, about a cycle, until the next jump may be seen */
 
+#define SHORT_STEP 3e-4f   /* s: positions so short that the core has little time */
 #define LONG_LAGS  150.0f  /* positions */
 #define MEAN_PACE  0.0598f /* a position: the mean of innovations reaches back 16 positions */
 #define MEAN_SIGMA 25.0f   /* a jump is five standard deviations of such a mean, squared */
@@ -37,9 +38,10 @@ static float group_of(const sd_afr_joint_t *self, float move) {
     return 1.0f - keep;
 }
 
-/* Twice as many positions, while they are short beside the sensor's lags and leave two groups from one firing to the next. */
+/* At high speed twice as many positions, while they are short beside the sensor's lags and leave two groups from one firing to the
+   next. */
 static bool may_be_long(const sd_afr_joint_config_t *c, float step_s) {
-    return (c->tau1_s + c->tau2_s > LONG_LAGS * step_s) && (4u * SD_AFR_GROUP * c->cylinders <= c->cycle_positions);
+    return (step_s < SHORT_STEP) && (c->tau1_s + c->tau2_s > LONG_LAGS * step_s) && (4u * SD_AFR_GROUP * c->cylinders <= c->cycle_positions);
 }
 
 void sd_afr_joint_set(sd_afr_joint_t *self, float step_s, float drift, float jump) {

@@ -6,8 +6,7 @@
 /// the sensor. Once a wheel position, with M and D_i as the sensor meets them (sd_afr_inflow.h, delay included):
 ///     x   = (M x + sum D_i a_i)/(M + sum D_i)     D_i >= 0: stable whatever the numbers
 ///     s2 += m2 (x - s2);  s1 += m1 (s2 - s1)      m = 1 - exp(-step/tau)
-/// and every third position (every sixth where the lags are longer than 150 positions), with the mean error e = y - s1 of the
-/// samples in the three:
+/// and every third position (at high speed every sixth, see set), with the mean error e = y - s1 of the samples in the group:
 ///     state += K e
 /// K is either given (fixed gains, one column a position, and a correction at each) or found on the way from the filter's own
 /// covariance, which moves by as many positions at a time: the lags follow the x before them, and what a cylinder lets in within
@@ -28,7 +27,7 @@
 extern "C" {
 #endif
 
-#define SD_AFR_GROUP 3 /* positions whose samples are taken in together; twice as many where the sensor's lags last 150 positions */
+#define SD_AFR_GROUP 3 /* positions whose samples are taken in together; twice as many at high speed, see set */
 
 /// Read by init only.
 typedef struct sd_afr_joint_config {
@@ -89,7 +88,8 @@ sd_result_t sd_afr_joint_check(const sd_afr_joint_config_t *config);
 /// SD_OK, or SD_ERR_CONFIG with the state untouched.
 sd_result_t sd_afr_joint_init(sd_afr_joint_t *self, const sd_afr_joint_config_t *config);
 /// Duration of a position, (0, 0.1] s; drift in place of the configured one, (0, 1]; jump, [0, 1] of lambda, 0 for none.
-/// Ignored outside.
+/// Ignored outside. Below 0.3 ms a group has 2 SD_AFR_GROUP positions, where the sensor's lags last 150 positions at least and two
+/// such groups fit between firings.
 void sd_afr_joint_set(sd_afr_joint_t *self, float step_s, float drift, float jump);
 /// The next sample begins anew, all cylinders alike.
 void sd_afr_joint_restart(sd_afr_joint_t *self);

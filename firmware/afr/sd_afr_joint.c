@@ -41,7 +41,8 @@ static float group_of(const sd_afr_joint_t *self, float move) {
 /* At high speed twice as many positions, while they are short beside the sensor's lags and leave two groups from one firing to the
    next. */
 static bool may_be_long(const sd_afr_joint_config_t *c, float step_s) {
-    return (step_s < SHORT_STEP) && (c->tau1_s + c->tau2_s > LONG_LAGS * step_s) && (4u * SD_AFR_GROUP * c->cylinders <= c->cycle_positions);
+    return (step_s < SHORT_STEP) && (c->tau1_s + c->tau2_s > LONG_LAGS * step_s) &&
+           (4u * SD_AFR_GROUP * c->cylinders <= c->cycle_positions);
 }
 
 void sd_afr_joint_set(sd_afr_joint_t *self, float step_s, float drift, float jump) {

@@ -15,7 +15,7 @@ extern "C" {
 /// What came to the sensor at a position. Where nothing did, count is 0 and nothing else holds.
 typedef struct sd_afr_inflow {
     float   added[SD_AFR_CYLINDERS_MAX];    ///< D of each cylinder whose gas comes in, per mass_base, (0, 1].
-    float   per_mass;                       ///< 1/(M + sum D), of the gas once all is in.
+    float   per_mass;                       ///< 1/(M + sum D), of the gas once all is in, per mass_base; above 0.
     float   kept;                           ///< Share of what was there before, [0, 1).
     uint8_t cylinder[SD_AFR_CYLINDERS_MAX]; ///< By firing order, ascending.
     uint8_t count;                          ///< How many cylinders' gas comes in.

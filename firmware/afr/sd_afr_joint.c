@@ -11,7 +11,7 @@ enum { REJECTED_IN_ROW_MAX = 60, /* positions left out in a row after which the 
 #define SHORT_STEP 3e-4f   /* s: positions so short that the core has little time */
 #define LONG_LAGS  150.0f  /* positions */
 #define MEAN_PACE  0.0598f /* a position: the mean of innovations reaches back 16 positions */
-#define MEAN_SIGMA 25.0f   /* a jump is five standard deviations of such a mean, squared */
+#define JUMP_SQUARE 25.0f  /* a jump is five standard deviations of such a mean */
 #define VARIANCE_LEAST 1e-12f
 #define KEPT_LEAST     0.05f /* of x in a position: so little that it does not matter, and a group of it is still above 0 */
 
@@ -53,7 +53,7 @@ void sd_afr_joint_set(sd_afr_joint_t *self, float step_s, float drift, float jum
     self->group2 = group_of(self, self->move2);
     self->group1 = group_of(self, self->move1);
     self->pace = group_of(self, MEAN_PACE);
-    self->mean_max = MEAN_SIGMA * self->pace / (2.0f - self->pace); /* that mean's variance is pace/(2 - pace) of an innovation's */
+    self->mean_max = JUMP_SQUARE * self->pace / (2.0f - self->pace); /* that mean's variance is pace/(2 - pace) of an innovation's */
     self->noise_var = self->config.noise_per_rthz * self->config.noise_per_rthz / (2.0f * step_s);
     self->drift_var = drift * drift;
     self->jump_var = jump * jump;
